@@ -1,4 +1,4 @@
-//! Who may talk to the lab: pages of this machine that know the token.
+//! Access to the lab: only pages of this machine that know the token.
 //!
 //! A page of another site could point its own name at this machine (DNS rebinding); the browser then sends that name as `Host`.
 //! It could also open a WebSocket here; the browser then sends its address as `Origin`. Both are refused.
@@ -6,12 +6,12 @@
 /// Bytes of the token, written as twice as many hexadecimal digits.
 const BYTES: usize = 16;
 
-/// The part of the address that nobody can guess.
+/// Secret part of the address, too long to guess.
 #[derive(Clone, Debug)]
 pub struct Token(String);
 
 impl Token {
-    /// A new one, from the random numbers of the system.
+    /// New token, from the random numbers of the system.
     ///
     /// # Errors
     /// The system gives none.
@@ -21,12 +21,12 @@ impl Token {
         Ok(Self(bytes.iter().map(|byte| format!("{byte:02x}")).collect()))
     }
 
-    /// As it stands in the address.
+    /// Token as text, in the form in which it stands in the address.
     pub fn as_str(&self) -> &str {
         &self.0
     }
 
-    /// Whether a part of an address is the token. It takes as long for a wrong one, whatever is wrong with it.
+    /// True if a part of an address is the token. The comparison takes equally long wherever the two differ.
     pub fn is(&self, other: &str) -> bool {
         let differing = self.0.bytes().zip(other.bytes()).fold(0, |differing, (a, b)| differing | (a ^ b));
         self.0.len() == other.len() && differing == 0
@@ -36,12 +36,13 @@ impl Token {
 /// The names under which this machine may be asked.
 const NAMES: [&str; 2] = ["127.0.0.1", "localhost"];
 
-/// Whether a `Host` names this machine and the port that the lab listens at.
+/// True if a `Host` header names this machine and the port of the lab.
 pub fn is_host(host: Option<&str>, port: u16) -> bool {
     host.is_some_and(|host| NAMES.iter().any(|name| host.eq_ignore_ascii_case(&format!("{name}:{port}"))))
 }
 
-/// Whether an `Origin` is a page of the lab. What is no browser sends none, and needs none where `required` is false.
+/// True if an `Origin` header is that of a page of the lab. Programs other than browsers send no such header. They need
+/// none where `required` is false.
 pub fn is_origin(origin: Option<&str>, port: u16, required: bool) -> bool {
     match origin {
         None => !required,

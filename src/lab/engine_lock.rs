@@ -2,12 +2,12 @@
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// Whose turn it is, shared by all sessions of a lab.
+/// Lock of the engine, shared by all sessions of a lab: its holder may compute.
 #[derive(Clone, Debug, Default)]
 pub struct EngineLock(Arc<Mutex<()>>);
 
 impl EngineLock {
-    /// Waits for the turn, and holds it until the answer is dropped.
+    /// Waits for the lock. It is held until the returned guard is dropped.
     pub fn take(&self) -> MutexGuard<'_, ()> {
         // nothing is kept under the lock that a panic could have left half done
         self.0.lock().unwrap_or_else(PoisonError::into_inner)

@@ -1,17 +1,18 @@
 //! A frame: what the page needs to draw one instant.
 //!
-//! Bytes, little endian: the length of the JSON that follows [u32], the JSON, blanks up to a multiple of four, and for each panel and
-//! each particle, in the order of ids, x, y, z [m], speed [m/s] and overlap [m], as f32.
+//! A frame is a string of bytes, little endian. First comes the length of the JSON [u32], then the JSON, then blanks up
+//! to a multiple of four. For each panel and each particle, in the order of ids, follow x, y, z [m], speed [m/s] and
+//! overlap [m], as f32.
 
 use crate::engine::Failure;
 use serde::Serialize;
 
-/// What is told of one panel besides its particles.
+/// State of one panel, apart from its particles.
 #[derive(Clone, Debug, Serialize)]
 pub struct Now {
     /// [s] simulated time.
     pub time: f64,
-    /// Whether it runs, is over, or has failed.
+    /// State of the run: going on, over, or failed.
     pub state: &'static str,
     /// Why it stopped, by one word and in a sentence.
     pub failure: Option<(&'static str, String)>,
@@ -26,7 +27,7 @@ pub struct Now {
 pub struct Live {
     /// [J] kinetic energy.
     pub kinetic: f64,
-    /// [J] what contacts store.
+    /// [J] elastic energy stored in contacts.
     pub elastic: f64,
     /// [J] lost in impacts.
     pub dissipated: f64,
@@ -34,7 +35,7 @@ pub struct Live {
     pub work: f64,
     /// [J] kinetic and elastic energy at the start.
     pub at_start: f64,
-    /// [J] what the books leave unexplained.
+    /// [J] energy that the balance leaves unexplained.
     pub residual: f64,
     /// Impacts between particles that have ended.
     pub pairs: u64,
@@ -58,7 +59,7 @@ pub struct Live {
     pub missed: u64,
 }
 
-/// How the two panels compare, in scenes that have a verdict.
+/// Comparison of the two panels, in scenes that have a verdict.
 #[derive(Clone, Debug, Serialize)]
 pub struct PanelComparison {
     /// equivalent, different or unresolved.
@@ -75,16 +76,16 @@ pub struct PanelComparison {
 /// The JSON of a frame.
 #[derive(Clone, Debug, Serialize)]
 pub struct Head<'a> {
-    /// Of the choice that is running.
+    /// Serial number of the choice that is running.
     pub serial: u32,
     /// Both panels.
     pub sides: &'a [Now; 2],
-    /// How the two compare, in the first frame after it was judged anew.
+    /// Comparison of the two panels, in the first frame after a new verdict.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub judged: Option<PanelComparison>,
 }
 
-/// All of it as bytes.
+/// Whole frame as bytes.
 pub fn bytes(head: &Head, particles: [&[[f32; 5]]; 2]) -> Vec<u8> {
     let mut json = serde_json::to_vec(head).unwrap_or_default();
     json.resize(json.len().next_multiple_of(4), b' ');
@@ -96,7 +97,7 @@ pub fn bytes(head: &Head, particles: [&[[f32; 5]]; 2]) -> Vec<u8> {
     bytes
 }
 
-/// Why a panel stopped, as a frame tells it.
+/// Reason why a panel stopped, by one word and in a sentence.
 pub fn words(failure: &Failure) -> (&'static str, String) {
     (failure.kind(), failure.to_string())
 }

@@ -1,4 +1,4 @@
-//! What a scene measures at the end of every window, and how that is drawn.
+//! Quantities that a scene measures at the end of every window, and their graphs.
 
 use crate::contact_law::Bodies;
 use crate::encounter::{Couple, FrameTime, Other};
@@ -13,7 +13,7 @@ use serde::Serialize;
 /// Points of a curve of theory.
 const POINTS: usize = 200;
 
-/// What a scene measures.
+/// Measured quantities of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Gauge {
     /// Two spheres: overlap, velocity and forces.
@@ -26,7 +26,7 @@ pub enum Gauge {
     Gas,
     /// Energy of a gas that should keep it.
     Energy,
-    /// The same, by powers of ten.
+    /// Energy of a gas that should keep it, on a logarithmic axis.
     Explosion,
     /// Mean motion of particles in a channel; profiles come beside it.
     Channel,
@@ -39,15 +39,15 @@ pub enum Gauge {
 /// A picture over time, or over another of the columns.
 #[derive(Clone, Debug, Serialize)]
 pub struct Graph {
-    /// What is seen.
+    /// Title of the graph.
     pub title: &'static str,
-    /// Column that goes to the right, and its words.
+    /// Column on the horizontal axis, and the label of that axis.
     pub x: (usize, &'static str),
-    /// Words for what goes up.
+    /// Label of the vertical axis.
     pub y: &'static str,
-    /// Columns that go up.
+    /// Columns on the vertical axis.
     pub columns: Vec<usize>,
-    /// Whether what goes up is drawn by powers of ten.
+    /// True if the vertical axis is logarithmic.
     pub logarithmic: bool,
     /// A curve that theory gives, by name.
     pub theory: Option<(&'static str, Vec<[f64; 2]>)>,
@@ -70,7 +70,7 @@ fn curve(experiment: &Experiment, unit: f64, at: impl Fn(f64) -> Option<f64>) ->
 }
 
 impl Gauge {
-    /// What is drawn of it.
+    /// Graphs that show this gauge.
     pub fn graphs(self, experiment: &Experiment, start: &Particles) -> Vec<Graph> {
         const MICRO: (usize, &str) = (0, "time [µs]");
         const MILLI: (usize, &str) = (0, "time [ms]");
@@ -165,7 +165,7 @@ impl Gauge {
         }
     }
 
-    /// What its rows are relative to.
+    /// Reference value to which the rows of this gauge are relative.
     fn scale(self, simulation: &Simulation) -> f64 {
         match self {
             Self::Gas => temperature(&simulation.particles),
@@ -196,12 +196,12 @@ pub struct Meter<'a> {
     gauge: Gauge,
     experiment: &'a Experiment,
     at_start: Option<f64>,
-    /// The rows that the page has not got yet.
+    /// Rows that have not been sent to the page yet.
     pub rows: Vec<Vec<f64>>,
 }
 
 impl<'a> Meter<'a> {
-    /// One that has measured nothing yet.
+    /// Meter that has measured nothing yet.
     pub fn new(gauge: Gauge, experiment: &'a Experiment) -> Self {
         Self { gauge, experiment, at_start: None, rows: Vec::new() }
     }

@@ -8,7 +8,7 @@
 //! A scene is a case of `cases/` with changes, as `--set` makes them: there is no second description of a scene here. Frames
 //! are made only when the page has drawn the ones before, so that a slow page drops frames and nothing piles up.
 //!
-//! Nothing is read from or written to the disk. The address has a token that nobody can guess, and who asks under another
+//! Nothing is read from or written to the disk. The address has a token that cannot be guessed. A request under another
 //! name than this machine's is refused ([`guard`]).
 
 pub mod access;

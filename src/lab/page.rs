@@ -4,9 +4,9 @@
 pub struct Asset {
     /// Path below the token.
     pub path: &'static str,
-    /// What the browser is told that it is.
+    /// Content type told to the browser.
     pub kind: &'static str,
-    /// All of it.
+    /// Whole text of the file.
     pub text: &'static str,
 }
 
@@ -28,6 +28,6 @@ pub const ASSETS: &[Asset] = &[
     Asset { path: "words.js", kind: SCRIPT, text: include_str!("page/words.js") },
 ];
 
-/// What the page may do: run its own files and talk to where it came from, nothing else.
+/// Content security policy: the page may run its own files and talk to its own server, nothing else.
 pub const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; img-src 'self' data:; \
      base-uri 'none'; form-action 'none'; frame-ancestors 'none'";

@@ -1,4 +1,4 @@
-//! One panel: a simulation that goes on window by window, and what is told of it.
+//! One panel: a simulation that goes on window by window, and its state as sent to the page.
 
 use super::frame::{Live, Now, words};
 use super::gauge::{Gauge, Meter};
@@ -24,7 +24,7 @@ pub struct LabPanel<'a> {
     simulation: Simulation,
     course: RunLoop,
     meter: Meter<'a>,
-    /// What a verdict is made of, where there is one.
+    /// Observers that a verdict needs, in scenes that have one.
     seen: Option<StandardObservers<'a>>,
     at_start: f64,
     over: bool,
@@ -49,7 +49,7 @@ fn schedule(experiment: &Experiment, particles: usize, frame: f64) -> Schedule {
 }
 
 impl<'a> LabPanel<'a> {
-    /// At its start; `frame` [s]: simulated time between two frames.
+    /// Panel at its start; `frame` [s]: simulated time between two frames.
     pub fn new(experiment: &'a Experiment, start: Particles, gauge: Gauge, frame: f64) -> Self {
         let schedule = schedule(experiment, start.len(), frame);
         let mut seen = (gauge == Gauge::Channel).then(|| StandardObservers::new(experiment, start.fingerprint()));
@@ -71,7 +71,7 @@ impl<'a> LabPanel<'a> {
         (!self.over).then_some(self.simulation.time)
     }
 
-    /// Runs on to simulated time `until` [s], or for so long by the clock, or to its end.
+    /// Runs on to simulated time `until` [s], for the wall time `most`, or to its end, whichever comes first.
     pub fn run(&mut self, until: f64, most: Duration) {
         if self.over || self.simulation.time >= until {
             return;
@@ -94,7 +94,7 @@ impl<'a> LabPanel<'a> {
         }
     }
 
-    /// What is told of it now; its rows are handed over.
+    /// Present state of the panel; its rows are handed over.
     pub fn now(&mut self) -> Now {
         let mut rows = std::mem::take(&mut self.meter.rows);
         let every = rows.len().div_ceil(MOST_ROWS).max(1);
@@ -140,7 +140,8 @@ impl<'a> LabPanel<'a> {
         }
     }
 
-    /// Place, speed and overlap of every particle, in the order of ids; inside the box where it is periodic.
+    /// Position, speed and overlap of every particle, in the order of ids. Positions are wrapped into the box where it
+    /// is periodic.
     pub fn particles(&self) -> Vec<[f32; 5]> {
         let (particles, domain) = (&self.simulation.particles, &self.simulation.scene().domain);
         let overlaps = self.simulation.overlaps();
@@ -155,7 +156,7 @@ impl<'a> LabPanel<'a> {
         drawn
     }
 
-    /// What has come of it so far, where there is a verdict.
+    /// Outcome of the panel so far, in scenes that have a verdict.
     pub fn outcome(&self) -> Option<Outcome> {
         let seen = self.seen.clone()?;
         let hash = self.simulation.state().fingerprint();

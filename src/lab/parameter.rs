@@ -1,4 +1,4 @@
-//! What a page may set, within which limits, and the `--set` arguments that this comes to.
+//! Settings that a page may change, their limits, and the `--set` arguments that they lead to.
 
 use crate::experiment::{Amount, Experiment, HardStepping, Integrator, TimeStep};
 use crate::output::numbers::significant;
@@ -18,7 +18,7 @@ pub enum ParameterValue {
     Word(String),
 }
 
-/// What may be set.
+/// Parameter that a page may set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LabParameter {
     /// Restitution e of pairs and walls [-].
@@ -50,7 +50,7 @@ pub enum LabParameter {
 /// Limits of a number, in the unit of the page.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ParameterRange {
-    /// What is limited.
+    /// Parameter that is limited.
     pub knob: LabParameter,
     /// The least value, in the unit of the page.
     pub least: f64,
@@ -58,7 +58,7 @@ pub struct ParameterRange {
     pub most: f64,
 }
 
-/// How a knob is turned.
+/// Kind of control for a parameter.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum ParameterKind {
@@ -68,12 +68,12 @@ pub enum ParameterKind {
         least: f64,
         /// The greatest.
         most: f64,
-        /// Whether equal ways of the slider are equal factors.
+        /// True if equal lengths on the slider are equal factors.
         logarithmic: bool,
-        /// Whether it is a whole number.
+        /// True if only whole numbers are allowed.
         whole: bool,
     },
-    /// One of these, each with the words for it.
+    /// One of several words, each with its description.
     Words(Vec<(&'static str, &'static str)>),
 }
 
@@ -81,7 +81,7 @@ pub enum ParameterKind {
 const INTEGRATORS: [(&str, &str); 2] = [("velocity_verlet", "velocity Verlet"), ("rk2", "Runge-Kutta 2 (Heun)")];
 
 impl LabParameter {
-    /// Its name in settings.
+    /// Name of the parameter in settings.
     pub fn name(self) -> &'static str {
         match self {
             Self::Restitution => "e",
@@ -98,7 +98,7 @@ impl LabParameter {
         }
     }
 
-    /// The words beside it, and its unit.
+    /// Label and unit of the parameter.
     pub fn label(self) -> (&'static str, &'static str) {
         match self {
             Self::Restitution => ("restitution e", ""),
@@ -116,7 +116,7 @@ impl LabParameter {
         }
     }
 
-    /// What it does, in a sentence.
+    /// Effect of the parameter, in a sentence.
     pub fn help(self) -> &'static str {
         match self {
             Self::Restitution => "Speed after an impact over the speed before it; both models are asked for the same.",
@@ -148,7 +148,7 @@ impl LabParameter {
         matches!(self, Self::Stiffness | Self::StepsPerContact | Self::Window | Self::Approach | Self::Theta)
     }
 
-    /// What it is in an experiment; nothing where that has none.
+    /// Value of the parameter in an experiment; `None` where the experiment has no such parameter.
     pub fn value(self, experiment: &Experiment) -> Option<ParameterValue> {
         let number = match self {
             Self::Restitution => experiment.scene.contact.restitution,
@@ -202,7 +202,7 @@ impl LabParameter {
 }
 
 impl ParameterRange {
-    /// As a page shows it.
+    /// Kind of control with which a page shows the parameter.
     pub fn kind(&self) -> ParameterKind {
         let Self { knob, least, most } = *self;
         match knob {
@@ -214,7 +214,7 @@ impl ParameterRange {
     /// A value that a page sent, rounded.
     ///
     /// # Errors
-    /// In words, if it is beyond the limits or of the wrong kind.
+    /// A value beyond the limits or of the wrong kind, in words.
     pub fn accept(&self, setting: &ParameterValue) -> Result<ParameterValue, String> {
         let (label, unit) = self.knob.label();
         match (setting, self.kind()) {
@@ -235,7 +235,7 @@ impl ParameterRange {
     }
 }
 
-/// With [`DIGITS`] significant digits.
+/// Value with [`DIGITS`] significant digits.
 fn rounded(value: f64) -> f64 {
     format!("{value:.*e}", DIGITS as usize - 1).parse().unwrap_or(value)
 }
@@ -246,7 +246,7 @@ fn surfaces(experiment: &Experiment, key: &str, value: f64) -> Vec<String> {
     std::iter::once(format!("contact.{key}={value}")).chain(walls).collect()
 }
 
-/// So many particles; the periodic sides of the box grow so that it stays as full.
+/// Changes to that many particles; the periodic sides of the box grow so that its volume fraction stays.
 fn crowd(experiment: &Experiment, count: f64) -> Vec<String> {
     let domain = &experiment.scene.domain;
     let sides: Vec<usize> = (0..3).filter(|axis| domain.periodic[*axis]).collect();
@@ -258,7 +258,7 @@ fn crowd(experiment: &Experiment, count: f64) -> Vec<String> {
     sizes.chain(std::iter::once(format!("particles[0].count={count}"))).collect()
 }
 
-/// So many spheres in the row of the case: its first ones, and more at the same distance.
+/// Changes to that many spheres in the row of the case: its first ones, and more at equal distances.
 fn row(experiment: &Experiment, count: usize) -> Vec<String> {
     let Some(Amount::Placed(placed)) = experiment.start.first().map(|population| &population.amount) else {
         return Vec::new();
@@ -277,7 +277,7 @@ fn row(experiment: &Experiment, count: usize) -> Vec<String> {
     vec![format!("particles[0].at=[{}]", (0..count).map(one).collect::<Vec<_>>().join(", "))]
 }
 
-/// Both of two spheres at this speed, each in its own direction.
+/// Changes to this speed for both of two spheres, each in its own direction.
 fn approach(experiment: &Experiment, speed: f64) -> Vec<String> {
     let Some(Amount::Placed(placed)) = experiment.start.first().map(|population| &population.amount) else {
         return Vec::new();
@@ -298,7 +298,7 @@ fn theta(experiment: &Experiment, theta: f64) -> Vec<String> {
     sets
 }
 
-/// What the soft engine does, in a few words.
+/// Method of the soft engine, in a few words.
 pub fn soft_method(experiment: &Experiment, particles: usize) -> String {
     let step = soft_step(experiment, particles);
     let integrator = INTEGRATORS[usize::from(experiment.soft.integrator == Integrator::Rk2)].1;

@@ -1,4 +1,4 @@
-//! What page and server say to each other.
+//! Messages between page and server.
 //!
 //! The page sends [`Ask`]s as JSON. The server answers with [`Tell`]s as JSON, and with frames (`frame.rs`) as bytes.
 
@@ -19,10 +19,10 @@ pub type Settings = BTreeMap<String, ParameterValue>;
 pub struct SceneChoice {
     /// Name of the scene.
     pub scene: String,
-    /// What was set.
+    /// Values that were set.
     #[serde(default)]
     pub settings: Settings,
-    /// Which model the right panel shows, by its place in the scene's list.
+    /// Model that the right panel shows, by its index in the scene's list.
     #[serde(default)]
     pub right: usize,
     /// Counts the choices of a page; the answers repeat it.
@@ -30,27 +30,27 @@ pub struct SceneChoice {
     pub serial: u32,
 }
 
-/// What a page may ask.
+/// Requests of a page.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(tag = "ask", rename_all = "lowercase", deny_unknown_fields)]
 pub enum Ask {
     /// A scene from its start.
     Open(SceneChoice),
-    /// To go on, or to stand still.
+    /// Goes on, or stands still.
     Play {
-        /// Whether to go on.
+        /// True to go on.
         on: bool,
     },
     /// One frame while it stands still.
     Step,
-    /// As many times the scene's own pace.
+    /// Sets the pace, as a factor on the scene's own pace.
     Pace {
         /// [-] the factor.
         factor: f64,
     },
-    /// Whether anybody looks at the page.
+    /// Tells the lab if the page is visible.
     Look {
-        /// Whether somebody does.
+        /// True if the page is visible.
         on: bool,
     },
     /// The page has drawn a frame and can take another one.
@@ -73,15 +73,15 @@ pub struct ShownParameter {
     pub name: &'static str,
     /// Words beside it.
     pub label: &'static str,
-    /// What it does, in a sentence.
+    /// Effect of the parameter, in a sentence.
     pub help: &'static str,
     /// Unit; empty without one.
     pub unit: &'static str,
-    /// What it may be.
+    /// Kind of control and limits of the parameter.
     pub kind: ParameterKind,
-    /// What it is now.
+    /// Present value.
     pub value: ParameterValue,
-    /// What it is in the case.
+    /// Value in the case.
     pub default: ParameterValue,
 }
 
@@ -96,48 +96,48 @@ pub struct PanelDescription {
     pub method: String,
     /// [m] radii in the order of ids.
     pub radii: Vec<f32>,
-    /// [s] a contact of two, or of one and a wall, without others (soft).
+    /// [s] duration of an isolated contact of two particles, or of a particle and a wall (soft).
     pub contact_time: Option<f64>,
-    /// The command that reproduces it.
+    /// Command that reproduces the panel.
     pub command: String,
 }
 
 /// Everything about a scene that has been opened.
 #[derive(Clone, Debug, Serialize)]
 pub struct Opened {
-    /// Of the choice.
+    /// Serial number of the choice.
     pub serial: u32,
     /// Name of the scene.
     pub scene: &'static str,
     /// Heading.
     pub title: &'static str,
-    /// What is seen, three sentences.
+    /// Description of the scene in three sentences.
     pub sentences: [&'static str; 3],
     /// An equation.
     pub equation: &'static str,
-    /// What its symbols are.
+    /// Meaning of the symbols in the equation.
     pub symbols: &'static str,
     /// A question for the student.
     pub question: &'static str,
-    /// Its answer.
+    /// Answer to the question.
     pub answer: &'static str,
-    /// What may be set.
+    /// Parameters that may be set.
     pub knobs: Vec<ShownParameter>,
-    /// What the right panel may show.
+    /// Models that the right panel may show.
     pub rights: Vec<&'static str>,
-    /// Which of them it does.
+    /// Index of the model that the right panel shows.
     pub right: usize,
     /// Both panels.
     pub sides: [PanelDescription; 2],
     /// [m] size of the box.
     pub size: [f64; 3],
-    /// Which sides are open to the opposite one.
+    /// Axes along which the box is periodic.
     pub periodic: [bool; 3],
-    /// How the box is drawn.
+    /// View of the box.
     pub view: super::scenes::BoxView,
-    /// What is drawn over time.
+    /// Graphs over time.
     pub graphs: Vec<Graph>,
-    /// [s] how long the scene lasts.
+    /// [s] duration of the scene.
     pub duration: f64,
     /// [s/s] simulated time per time of the clock on the wall, at the scene's own pace.
     pub pace: f64,
@@ -145,28 +145,28 @@ pub struct Opened {
     pub command: String,
     /// A case file of its own.
     pub case: String,
-    /// What the reader of the case warns of.
+    /// Warnings from reading the case.
     pub warnings: Vec<String>,
 }
 
-/// What the server tells a page, besides frames.
+/// Messages of the server to a page, besides frames.
 #[derive(Clone, Debug, Serialize)]
 #[serde(tag = "tell", rename_all = "lowercase")]
 pub enum Tell {
-    /// Which scenes there are.
+    /// List of the scenes.
     Scenes {
-        /// In the order of the list.
+        /// The scenes, in the order of the list.
         scenes: Vec<Listed>,
-        /// Of the program.
+        /// Version of the program.
         version: &'static str,
     },
     /// A scene has been opened.
     Opened(Box<Opened>),
     /// A choice that cannot be run, and why. What ran before goes on.
     Refused {
-        /// Of the choice.
+        /// Serial number of the choice.
         serial: u32,
-        /// In words.
+        /// The reason in words.
         why: String,
     },
 }

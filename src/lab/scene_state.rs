@@ -1,4 +1,4 @@
-//! A scene with what was set of it, read and checked by the reader of cases: two experiments and their words.
+//! A scene with its settings, read and checked by the reader of cases: two experiments and their descriptions.
 
 use super::parameter::{LabParameter, soft_method};
 use super::protocol::{Opened, PanelDescription as Heading, SceneChoice, ShownParameter};
@@ -16,11 +16,11 @@ use crate::study::quoted;
 pub struct SceneState {
     /// The scene.
     pub scene: &'static LabScene,
-    /// What was chosen of it.
+    /// Choice of settings for the scene.
     pub choice: SceneChoice,
-    /// What the left and the right panel run.
+    /// Experiments of the left and the right panel.
     pub experiments: [Experiment; 2],
-    /// Where each of them starts: the same, unless there is another number of particles.
+    /// Initial states of the two panels, equal unless the numbers of particles differ.
     pub starts: [Particles; 2],
     case: Case,
     sets: Vec<String>,
@@ -29,10 +29,10 @@ pub struct SceneState {
 }
 
 impl SceneState {
-    /// What a page has chosen.
+    /// Scene that a page has chosen.
     ///
     /// # Errors
-    /// In words: no such scene or setting, a number beyond its limits, or what the reader of cases says against it.
+    /// No such scene or setting, a number beyond its limits, or an error of the reader of cases, in words.
     pub fn open(choice: &SceneChoice) -> Result<Self, String> {
         let scene = scenes::scene(&choice.scene).ok_or("there is no such scene")?;
         let right = scene.rights.get(choice.right).ok_or("the right panel cannot show this")?;
@@ -48,12 +48,12 @@ impl SceneState {
         Ok(Self { scene, choice: choice.clone(), experiments, starts, case, sets, own, warnings })
     }
 
-    /// What the right panel shows.
+    /// Setup of the right panel.
     fn right(&self) -> &'static PanelSetup {
         &self.scene.rights[self.choice.right]
     }
 
-    /// What the page is told of it.
+    /// Description of the scene for the page.
     pub fn opened(&self) -> Opened {
         let scene = self.scene;
         let [left, right] = &self.experiments;
@@ -120,15 +120,15 @@ impl SceneState {
         }
     }
 
-    /// `diptych run` with the changes of one panel.
+    /// Command `diptych run` with the changes of one panel.
     fn run_command(&self, side: &PanelSetup) -> String {
         let own = side.sets.iter().map(|set| (*set).to_owned());
         let sets = self.sets.iter().cloned().chain(own);
         command(["diptych", "run", self.scene.case, "--model", side.model.name()], sets)
     }
 
-    /// The command that compares both panels: of the case as it is if it compares these two by itself, else of the case file that
-    /// can be saved.
+    /// Command that compares both panels. It names the case itself if `compare` runs these two variants by default,
+    /// else the case file that can be saved.
     fn command(&self) -> String {
         let plain = [&self.scene.left, self.right()].iter().all(|side| side.sets.is_empty());
         if plain && !self.case.names_variants() && self.right().model == Model::Hard {
@@ -137,12 +137,12 @@ impl SceneState {
         format!("diptych compare {}", self.file_name())
     }
 
-    /// What a saved case file is called.
+    /// Name of a saved case file.
     pub fn file_name(&self) -> String {
         format!("lab-{}.toml", self.scene.name)
     }
 
-    /// The case as it is set, as a file: run, it is the left panel; compared, both.
+    /// Present settings as a case file: `run` gives the left panel, `compare` gives both.
     pub fn file(&self) -> String {
         let heading = format!(
             "{}: as set in `diptych lab`\n\nQuestion: {}\nSource: the built-in case `{}`.\n{}",
@@ -166,7 +166,7 @@ fn plain(scene: &LabScene) -> Vec<String> {
     scene.sets.iter().map(|set| (*set).to_owned()).collect()
 }
 
-/// The changes of the scene and of what was set; what is as in the case is left out.
+/// Changes by the scene and by the settings; values equal to those of the case are left out.
 fn changes(scene: &LabScene, choice: &SceneChoice, own: &Experiment) -> Result<Vec<String>, String> {
     if let Some(name) = choice.settings.keys().find(|name| !scene.knobs.iter().any(|range| range.knob.name() == **name))
     {
@@ -193,7 +193,7 @@ fn of_side(case: &BuiltIn, sets: &[String], side: &PanelSetup) -> Result<(Case, 
     Ok((case, checked))
 }
 
-/// How collisions are treated, in a few words.
+/// Method by which collisions are treated, in a few words.
 fn method(experiment: &Experiment, particles: usize) -> String {
     match (experiment.model(), experiment.hard.stepping) {
         (Model::Soft, _) => soft_method(experiment, particles),

@@ -26,22 +26,24 @@ use tokio::sync::{Semaphore, mpsc, watch};
 /// Pages that may be open at once.
 const MOST_SESSIONS: usize = 4;
 
-/// What a page may ask before the session hears it; a page that asks more is cut off.
+/// Requests of a page that may wait for the session; a page that sends more is cut off.
 const MOST_ASKS: usize = 256;
 
 /// Messages on their way from a session to its socket.
 const UNSENT: usize = 4;
 
-/// Connections at a time, sockets of pages left aside: a page opens six, and a process may often have 64 files open only.
+/// Connections at a time, without the sockets of pages. A page opens six, and many systems allow a process only 64 open
+/// files.
 const MOST_CONNECTIONS: usize = 40;
 
-/// In which the head of a request has to come, from the connection or the last answer on. A page of this machine sends it at once.
+/// Time limit for the head of a request, from the connection or the last answer on. A page of this machine sends it at
+/// once.
 const HEAD: Duration = Duration::from_secs(2);
 
-/// After which a connection is closed; a page opens another one when it needs it.
+/// Time after which a connection is closed; a page opens another one when it needs it.
 const CONNECTION: Duration = Duration::from_secs(60);
 
-/// Until the next try after the system has refused a connection.
+/// Pause before the next try after the system has refused a connection.
 const AFTER_ERROR: Duration = Duration::from_millis(100);
 
 /// Why the lab cannot be served.
@@ -52,7 +54,7 @@ pub enum LabError {
     Port {
         /// The port; 0: any.
         port: u16,
-        /// What the system says.
+        /// Error of the system.
         why: std::io::Error,
     },
     /// The system gives no random numbers.
@@ -72,7 +74,7 @@ pub struct LabServer {
     server: JoinHandle<()>,
 }
 
-/// What all requests share.
+/// State that all requests share.
 #[derive(Clone)]
 struct ServerState {
     port: u16,
@@ -114,7 +116,7 @@ impl LabServer {
         format!("http://{}/{}/", self.address, self.token.as_str())
     }
 
-    /// Where it listens.
+    /// Address and port at which the server listens.
     pub fn address(&self) -> SocketAddr {
         self.address
     }
@@ -124,7 +126,7 @@ impl LabServer {
         self.sessions.load(Ordering::SeqCst)
     }
 
-    /// Ends it, and with it all threads that it has started.
+    /// Ends the server and all threads that it has started.
     pub fn stop(self) {
         // the server may have ended by itself, and a thread that has panicked has said so
         let _ = self.stop.send(true);
@@ -158,7 +160,8 @@ async fn serve(listener: TcpListener, shared: ServerState) {
     }
 }
 
-/// Answers those who connect, a bounded number at a time and each for a bounded time: more wait until one has been answered.
+/// Answers connections, a bounded number at a time and each for a bounded time. More connections wait until one has
+/// been answered.
 async fn accept(listener: tokio::net::TcpListener, router: Router) {
     let places = Arc::new(Semaphore::new(MOST_CONNECTIONS));
     while let Ok(place) = Arc::clone(&places).acquire_owned().await {
@@ -173,7 +176,7 @@ async fn accept(listener: tokio::net::TcpListener, router: Router) {
             server.timer(TokioTimer::new()).header_read_timeout(HEAD);
             // a page that has opened its socket goes on elsewhere
             let connection = server.serve_connection(TokioIo::new(stream), service).with_upgrades();
-            // one that breaks off or says nothing has itself to blame
+            // a connection that breaks off or times out is no error of the server
             drop(tokio::time::timeout(CONNECTION, connection).await);
             drop(place);
         });
@@ -193,15 +196,15 @@ fn plain(status: StatusCode) -> Response<Body> {
     response
 }
 
-/// The text of a header that is there once: of two, others on the way may have taken the second for the first.
+/// Text of a header that occurs exactly once, else `None`. Of two headers, a proxy may have read the other one.
 fn text(headers: &HeaderMap, name: header::HeaderName) -> Option<&str> {
     let mut all = headers.get_all(name).iter();
     let only = all.next().filter(|_| all.next().is_none())?;
     only.to_str().ok()
 }
 
-/// Refuses who asks under another name than this machine's, from another page, or without the token; everything else gets the
-/// headers that keep the page to itself.
+/// Refuses a request under another name than this machine's, from another page, or without the token. All others get
+/// the headers that keep the page to itself.
 async fn check(State(shared): State<ServerState>, request: Request, next: Next) -> Response<Body> {
     let headers = request.headers();
     let upgrade = headers.contains_key(header::UPGRADE);
@@ -258,7 +261,7 @@ async fn socket(State(shared): State<ServerState>, upgrade: WebSocketUpgrade) ->
         .on_upgrade(move |socket| serve_page(socket, shared, place))
 }
 
-/// The place of an open page among the few that there are, given back when it is dropped.
+/// Slot of an open page, one of a limited number. It is free again when this is dropped.
 struct PageSlot(Arc<AtomicUsize>);
 
 impl Drop for PageSlot {
@@ -267,7 +270,7 @@ impl Drop for PageSlot {
     }
 }
 
-/// Starts the session of a page, and carries messages until one of both has gone.
+/// Starts the session of a page, and carries messages until the page or the session has ended.
 async fn serve_page(mut socket: WebSocket, shared: ServerState, place: PageSlot) {
     let (ask, asks) = sync_channel(MOST_ASKS);
     let (tells, mut told) = mpsc::channel(UNSENT);
@@ -297,7 +300,7 @@ async fn serve_page(mut socket: WebSocket, shared: ServerState, place: PageSlot)
     }
 }
 
-/// Passes on what a page asks; whether it may go on asking.
+/// Passes on a request of a page; true if the page may send more.
 fn hear(message: &ws::Message, ask: &SyncSender<Ask>) -> bool {
     match message {
         ws::Message::Text(text) => serde_json::from_str(text).is_ok_and(|asked| ask.try_send(asked).is_ok()),

@@ -1,7 +1,7 @@
-//! The thread behind an open page: it runs two panels side by side, for as long as somebody looks.
+//! The thread behind an open page: it runs two panels side by side while the page is visible.
 //!
-//! Both panels go on to the same simulated time. A frame is made when the page has drawn the ones before; while it has not,
-//! nothing is computed. So a page that is slow, hidden or stopped costs nothing, and what it sees is never old.
+//! Both panels go on to equal simulated times. A frame is made when the page has drawn the ones before; until then
+//! nothing is computed. So a page that is slow, hidden or stopped costs nothing, and a frame it shows is never old.
 
 use super::engine_lock::EngineLock;
 use super::frame::{Head, Now, PanelComparison, bytes};
@@ -19,25 +19,25 @@ use tokio::sync::mpsc::Sender;
 /// Frames that may be on their way to the page.
 const UNDRAWN: u32 = 2;
 
-/// Between two frames.
+/// Time between two frames.
 const FRAME: Duration = Duration::from_millis(33);
 
-/// What a panel may compute for one frame before it is shown as far as it got.
+/// Wall time that a panel may compute for one frame. After that it is shown as far as it has come.
 const BUDGET: Duration = Duration::from_millis(14);
 
-/// The longest stretch by the clock that a frame makes up for: beyond it frames are dropped.
+/// Longest wall time that a frame makes up for. Beyond it frames are dropped.
 const LATEST: Duration = Duration::from_millis(100);
 
-/// Between two verdicts.
+/// Time between two verdicts.
 const VERDICT: Duration = Duration::from_millis(1500);
 
-/// [-] what the verdict takes for no difference, as `compare` does.
+/// [-] margin of equivalence of the verdict, as in `compare`.
 const MARGIN: f64 = 0.01;
 
 /// [-] limits of the factor on a scene's own pace.
 const PACES: [f64; 2] = [0.02, 10.0];
 
-/// What goes to the page.
+/// Messages to the page.
 #[derive(Debug)]
 pub enum PageMessage {
     /// JSON.
@@ -48,15 +48,15 @@ pub enum PageMessage {
 
 /// One open page.
 pub struct Session {
-    /// What the page asks.
+    /// Requests of the page.
     pub asks: Receiver<Ask>,
-    /// What it is told.
+    /// Channel of messages to the page.
     pub tells: Sender<PageMessage>,
-    /// When the engine may compute.
+    /// Lock of the engine: the session computes while it holds it.
     pub turn: EngineLock,
 }
 
-/// What the page wants at the moment.
+/// Present wishes of the page.
 struct Wish {
     playing: bool,
     looking: bool,
@@ -96,7 +96,7 @@ impl Session {
         }
     }
 
-    /// The stage of a choice, told to the page; or it is told why not.
+    /// Opens a choice and tells the page about it; tells it the reason where the choice cannot be run.
     fn open(&self, choice: &SceneChoice) -> Result<Option<SceneState>, Gone> {
         let stage = {
             let _turn = self.turn.take();
@@ -108,7 +108,7 @@ impl Session {
         }
     }
 
-    /// Runs a stage until another one is opened, which is the answer.
+    /// Runs a stage until another one is opened, which is returned.
     fn play(&self, stage: &SceneState, wish: &mut Wish) -> Result<SceneState, Gone> {
         let mut run = StageRun::new(stage);
         // the start is shown in any case
@@ -129,7 +129,7 @@ impl Session {
         }
     }
 
-    /// Hears what the page asks, for as long as there is nothing else to do; a stage if one was opened.
+    /// Takes requests of the page while there is nothing else to do; returns a stage if one was opened.
     fn listen(&self, wish: &mut Wish, run: &StageRun) -> Result<Option<SceneState>, Gone> {
         let mut choice = None;
         let mut ask = if wish.wants(run) {
@@ -171,7 +171,7 @@ impl Session {
 }
 
 impl Wish {
-    /// Whether another frame is to be made.
+    /// True if another frame is to be made.
     fn wants(&self, run: &StageRun) -> bool {
         let moving = self.playing || self.single;
         moving && self.looking && self.undrawn < UNDRAWN && run.panels.iter().any(|panel| panel.running().is_some())
@@ -183,11 +183,11 @@ struct StageRun<'a> {
     stage: &'a SceneState,
     panels: [LabPanel<'a>; 2],
     clock: Clock,
-    /// When the last frame was made.
+    /// Time of the last frame.
     shown: Duration,
-    /// What the next frame brings of a verdict.
+    /// Verdict that the next frame brings.
     judged: Option<PanelComparison>,
-    /// When it was judged last.
+    /// Time of the last verdict.
     judged_at: Duration,
 }
 
@@ -210,13 +210,13 @@ impl<'a> StageRun<'a> {
         (self.shown + FRAME).saturating_sub(self.clock.now()).max(Duration::from_millis(1))
     }
 
-    /// [s] simulated time to go on by: as the clock did since the last frame.
+    /// [s] simulated time for the next frame, from the wall time since the last one.
     fn stretch(&self, factor: f64, single: bool) -> f64 {
         let passed = if single { FRAME } else { (self.clock.now() - self.shown).min(LATEST) };
         self.stage.pace() * factor * passed.as_secs_f64()
     }
 
-    /// Both panels go on, from where the slower one is.
+    /// Advances both panels, from the time of the slower one.
     fn go_on(&mut self, stretch: f64) {
         let times = self.panels.iter().filter_map(LabPanel::running);
         let until = times.fold(f64::INFINITY, f64::min) + stretch;
@@ -228,7 +228,7 @@ impl<'a> StageRun<'a> {
         }
     }
 
-    /// How the two compare so far, in scenes that have a verdict.
+    /// Compares the two panels so far, in scenes that have a verdict.
     fn judge(&mut self) {
         let [Some(left), Some(right)] = [self.panels[0].outcome(), self.panels[1].outcome()] else { return };
         let outcomes = [left, right];
@@ -254,7 +254,8 @@ impl<'a> StageRun<'a> {
     }
 }
 
-/// What is drawn of a channel: of each slice y [mm], streamwise velocity and its error [m/s], and granular temperature [m²/s²].
+/// Profile of a channel for the page. Each slice has y [mm], streamwise velocity and its error [m/s], and granular
+/// temperature [m²/s²].
 fn profile(outcome: &Outcome) -> Vec<[Option<f64>; 4]> {
     let rows = outcome.profiles.slices.iter().map(|row| {
         let second: Option<Vec<f64>> = row.second.iter().take(3).map(|one| one.map(|one| one.value)).collect();

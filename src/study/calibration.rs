@@ -1,4 +1,4 @@
-//! What must be measured before a plan can be made: how much the particles move, and what a window costs here.
+//! Measurements that a plan needs: the agitation of the particles, and the cost of a window on this machine.
 //!
 //! The physics comes from a short run in a smaller periodic box, of a length that is counted in windows and collisions and so is
 //! the same on every machine. Times come from a few windows of the case at its full size; they decide nothing.
@@ -21,7 +21,7 @@ use nalgebra::Vector3;
 use std::f64::consts::PI;
 use std::time::Instant;
 
-/// Particles in the smaller box, about: enough for velocities to be a distribution.
+/// Number of particles in the smaller box, about: enough for a velocity distribution.
 const PARTICLES: f64 = 500.0;
 
 /// Windows times particles of the short run: some seconds.
@@ -33,7 +33,7 @@ const COLLISIONS: f64 = 5e5;
 /// [-] the smaller box is this many diameters wide at least.
 const NARROWEST: f64 = 10.0;
 
-/// Impacts from which their speeds are known: 99 % of them then leave ten beyond.
+/// Number of impacts from which their speed distribution is known: ten of them then lie beyond the 99 % quantile.
 const IMPACTS: u64 = 1000;
 
 /// [s] wall time for the windows of one model.
@@ -42,15 +42,15 @@ const PATIENCE: f64 = 0.4;
 /// Steps times particles of one timed stretch of uniform stepping: some tenths of a second.
 const STEPS: f64 = 2e7;
 
-/// What the short run gave.
+/// Results of the short run.
 pub struct Physics {
-    /// In the plan's terms.
+    /// Results in the form that the plan uses.
     pub calibration: Calibration,
     /// [m²/s²] granular temperature of all particles.
     pub variance: f64,
-    /// [m²/s²] that of each species.
+    /// [m²/s²] granular temperature of each species.
     pub temperatures: Vec<f64>,
-    /// How it is spread over places and directions.
+    /// Spread of the agitation over positions and directions.
     pub spread: AgitationSpread,
     /// [m/s] normal speeds of the collisions of pairs, if there were enough and the temperature changes in the run: then they do not
     /// follow from its mean.
@@ -59,9 +59,9 @@ pub struct Physics {
     pub wall_speeds: Option<Histogram>,
 }
 
-/// Whether all particles start at random places with some agitation: then they are a gas, for a while at least.
+/// True if all particles start at random positions with some agitation: then they are a gas, for a while at least.
 pub fn is_gas(experiment: &Experiment) -> bool {
-    /// Fewer are a few bodies: their collision rate has an error of its own of 1/sqrt(N), beyond 10 %.
+    /// Fewest particles of a gas. With fewer the collision rate has a statistical error of 1/sqrt(N), beyond 10 %.
     const FEWEST: usize = 100;
     let random = |population: &crate::experiment::Population| matches!(population.amount, Amount::Count(_));
     experiment.start.iter().all(random)
@@ -88,7 +88,7 @@ pub fn physics(experiment: &Experiment) -> Option<Physics> {
     let drawn = variance_of(&start);
     let (outcome, end) = execute(&small, start, &mut []);
     let found = granular_temperature(&outcome).filter(|found| found.is_finite() && *found > 0.0).unwrap_or(drawn);
-    // without a gas that sets it, the temperature is that of the start, less what collisions take
+    // without a driving gas, the temperature is that of the start, less what collisions dissipate
     let variance = match &experiment.scene.fluid {
         Some(_) => found,
         None => found / drawn * variance_of(&initial_state(experiment).ok()?),
@@ -111,7 +111,7 @@ pub fn physics(experiment: &Experiment) -> Option<Physics> {
         failure: outcome.failure.as_ref().map(ToString::to_string),
     };
     let temperatures = by_species(&end, variance, experiment.scene.species.len());
-    // slices at walls across y; without them every place is like every other
+    // slices across y if there are walls; without walls all positions are equivalent
     let walled = experiment.scene.fluid.is_some() && !experiment.scene.walls.is_empty();
     let spread = if walled { AgitationSpread::of(&slices(&outcome)) } else { AgitationSpread::even() };
     let enough = |speeds: &Histogram| (speeds.total >= IMPACTS).then(|| speeds.clone());
@@ -121,7 +121,7 @@ pub fn physics(experiment: &Experiment) -> Option<Physics> {
     Some(Physics { calibration, variance, temperatures, spread, pair_speeds, wall_speeds })
 }
 
-/// The slices of a run between flat walls, where centres keep half a diameter from both ends.
+/// Slices of a run between flat walls. Particle centres keep half a diameter from both ends.
 fn slices(outcome: &Outcome) -> Vec<Slice> {
     let scene = &outcome.experiment.scene;
     let height = scene.domain.size.y;
@@ -147,7 +147,7 @@ pub fn variance_of(particles: &Particles) -> f64 {
     particles.velocity.iter().map(|v| (v - mean).norm_squared()).sum::<f64>() / (3.0 * count)
 }
 
-/// Whether nothing drives the particles and no impact takes energy: then they are steady from the start.
+/// True if nothing drives the particles and no impact dissipates energy: then they are steady from the start.
 fn conserves(experiment: &Experiment) -> bool {
     let scene = &experiment.scene;
     let surfaces = scene.surfaces(2);
@@ -155,15 +155,15 @@ fn conserves(experiment: &Experiment) -> bool {
     scene.fluid.is_none() && scene.gravity.norm() == 0.0 && lossless.all(|lossless| lossless)
 }
 
-/// The case in a box whose periodic sides are shorter, with as many particles per volume; hard spheres, of a length that can be
-/// afforded.
+/// The case in a box whose periodic sides are shorter, at equal number density. It is run with hard spheres, over an
+/// affordable time.
 fn smaller(experiment: &Experiment) -> Experiment {
     let mut small = experiment.clone();
     let count: usize = experiment.count();
     let domain = &mut small.scene.domain;
     let axes = domain.periodic.iter().filter(|periodic| **periodic).count();
     let diameter = experiment.scene.largest_diameter();
-    // a body inside the domain belongs to its place
+    // a body inside the domain belongs to its position
     let flat = experiment.scene.walls.iter().all(|wall| wall.geometry.is_flat());
     if axes > 0 && flat && count as f64 > PARTICLES {
         let factor = (PARTICLES / count as f64).powf(1.0 / axes as f64);
@@ -226,7 +226,8 @@ fn temperature_error(outcome: &Outcome) -> Option<f64> {
     errors.get(errors.len() / 2).copied()
 }
 
-/// `experiment` with the engine of a choice; a soft one has the contact law given, or else that of the case; `None` if neither names one.
+/// `experiment` with the engine of a choice. A soft engine has the contact law given, or else that of the case; `None`
+/// if neither names one.
 pub fn with_choice(experiment: &Experiment, choice: EngineChoice, law: Option<ContactLaw>) -> Option<Experiment> {
     let mut chosen = experiment.clone();
     chosen.soft.law = law.or(experiment.soft.law);
@@ -245,19 +246,19 @@ pub fn with_choice(experiment: &Experiment, choice: EngineChoice, law: Option<Co
     Some(chosen)
 }
 
-/// What some windows of a run tell of the whole of it.
+/// Timing of some windows of a run, from which the cost of the whole run follows.
 pub struct Timed {
     /// [s] wall time of the run, or until it failed.
     pub seconds: f64,
     /// Whole windows that were timed.
     pub windows: u64,
-    /// [byte] of this process at their end, where the system tells.
+    /// [byte] memory of this process at the end of the timed windows, where the system tells.
     pub memory: Option<f64>,
     /// Why it stopped, if it did.
     pub failure: Option<Failure>,
 }
 
-/// Times some windows of every model at the size of the case; particles move as in the calibration if there was one.
+/// Times some windows of every model at the size of the case. Particles move as in the calibration if there was one.
 pub fn costs(experiment: &Experiment, start: &Particles, law: Option<ContactLaw>) -> Vec<PredictedCost> {
     EngineChoice::ALL
         .into_iter()
@@ -274,8 +275,8 @@ pub fn costs(experiment: &Experiment, start: &Particles, law: Option<ContactLaw>
         .collect()
 }
 
-/// Times the share `most` [-] of a run from `start`, at least two windows after the first, or as much as patience allows. Where others
-/// use the machine too, that share is held up as the whole would be.
+/// Times the share `most` [-] of a run from `start`: at least two windows after the first, or as much as patience
+/// allows. Where other programs use the machine too, that share is slowed down as the whole run would be.
 pub fn timed(experiment: &Experiment, start: &Particles, most: f64) -> Timed {
     let schedule = Schedule::new(experiment);
     let windows = schedule.windows_per_sample as f64 * schedule.samples as f64;
@@ -322,8 +323,8 @@ pub fn timed(experiment: &Experiment, start: &Particles, most: f64) -> Timed {
     }
 }
 
-/// [s] `window`, or a part of it that can be done in a moment: a window of a long run may hold any number of impacts. The parts that
-/// are tried begin with ten times that in which the fastest particle moves by the largest diameter, and double.
+/// [s] `window`, or a part of it that takes a moment: a window of a long run may hold any number of impacts. The parts
+/// tried begin with ten times the time in which the fastest particle moves by the largest diameter, and double.
 fn short_enough(experiment: &Experiment, start: &Particles, window: f64) -> f64 {
     let diameter = 2.0 * start.radius.iter().copied().fold(0.0, f64::max);
     let speed = start.largest_speed(Vector3::zeros()) + (experiment.scene.gravity.norm() * diameter).sqrt();
@@ -342,10 +343,10 @@ fn short_enough(experiment: &Experiment, start: &Particles, window: f64) -> f64 
     window
 }
 
-/// [byte] of the figures and the page of one variant, which are made when the run is over (measured on the ready cases).
+/// [byte] memory for the figures and the page of one variant, made when the run is over (measured on the ready cases).
 const REPORT: f64 = 0.5e6;
 
-/// [byte] of a particle in the store: position, velocity, radius, mass, species, id.
+/// [byte] memory of a particle in the store: position, velocity, radius, mass, species, id.
 const BYTES: f64 = 8.0 * 8.0 + 2.0 + 4.0;
 
 /// [s] wall time of one sample.
@@ -364,8 +365,8 @@ fn resident() -> Option<f64> {
     Some(1024.0 * kibibytes)
 }
 
-/// The case in windows of the same length, with its particles as agitated as `temperatures` [m²/s²] say if a gas drives them to
-/// that; otherwise they start as they start.
+/// The case in windows of equal length. If a gas drives the particles, they start with the agitation `temperatures`
+/// [m²/s²]; otherwise they start as in the case.
 pub fn agitated(experiment: &Experiment, temperatures: &[f64]) -> Experiment {
     let mut moved = experiment.clone();
     for population in moved.start.iter_mut().filter(|_| experiment.scene.fluid.is_some()) {

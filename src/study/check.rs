@@ -1,4 +1,4 @@
-//! `diptych check CASE`: what would run, and what to expect of it, without running it.
+//! `diptych check CASE`: the runs that a case asks for and what to expect of them, without running them.
 
 use super::session::StudyError;
 use super::terminal::{answer, answer_json};
@@ -16,16 +16,17 @@ use serde::Serialize;
 use std::collections::HashSet;
 use std::fmt::Write;
 
-/// Particles up to which a start is made to see what would stop a run; more take seconds, and `plan` looks at them.
+/// Particles up to which a start is made to see if something would stop a run. More take seconds; `plan` looks at them.
 const MOST: usize = 1_000_000;
 
-/// Effort that is made for a start: some 5 s. A place that is tried counts 1, a round over all particles their number.
+/// Effort for making a start: some 5 s. A position that is tried counts 1, a round over all particles counts their
+/// number.
 const EFFORT: u64 = 5_000_000;
 
-/// Rounds over all particles that are made however many they are: ten are enough where insertion is quick.
+/// Rounds over all particles that are made whatever their number: ten are enough where insertion is quick.
 const ROUNDS: u64 = 20;
 
-/// Kinds of contact that are listed, the shortest contacts: they govern the time step.
+/// Kinds of contact that are listed. The shortest contacts are kept, since they govern the time step.
 const LISTED: usize = 20;
 
 /// Checks a case and prints what would run.
@@ -49,7 +50,7 @@ pub fn check(args: &Check) -> Result<(), StudyError> {
     Ok(())
 }
 
-/// What `check` prints of a case.
+/// Text that `check` prints for a case.
 ///
 /// # Errors
 /// What is wrong with the case: nothing can run it, or a variant that it names itself cannot.
@@ -57,22 +58,22 @@ pub fn check_text(case: &Case) -> Result<String, Diagnostic> {
     Ok(CheckReport::of(case)?.text())
 }
 
-/// What there is to say of a case.
+/// Report on a case.
 #[derive(Serialize)]
 struct CheckReport {
     case: String,
     title: String,
     /// The scene and the run in words, a statement each.
     scene: Vec<String>,
-    /// What `run` would run; none for a case without a model of its own.
+    /// Variant for `run`; `None` for a case without a model of its own.
     run: Option<CheckedVariant>,
-    /// What `compare` would run.
+    /// Variants for `compare`.
     variants: Vec<CheckedVariant>,
     /// Why `compare` cannot run soft and hard.
     compare_refused: Option<String>,
-    /// What `sweep` would vary.
+    /// Keys that `sweep` varies.
     sweep: Vec<Varied>,
-    /// What the reader should know, each once.
+    /// Warnings for the reader, each once.
     warnings: Vec<Diagnostic>,
 }
 
@@ -80,7 +81,7 @@ struct CheckReport {
 #[derive(Serialize)]
 struct Varied {
     key: String,
-    /// As they are typed.
+    /// Values as they are typed.
     values: Vec<String>,
 }
 
@@ -89,9 +90,9 @@ struct Varied {
 struct CheckedVariant {
     name: String,
     model: Model,
-    /// Name, value and unit of the elastic parameter of the contact law; none for hard spheres.
+    /// Name, value and unit of the elastic parameter of the contact law; `None` for hard spheres.
     contact_law: Option<String>,
-    /// [s] the soft time step; none where nothing can touch.
+    /// [s] time step of the soft model; `None` where nothing can touch.
     time_step: Option<f64>,
     /// [-] soft time steps of the whole run.
     steps: Option<f64>,
@@ -99,13 +100,14 @@ struct CheckedVariant {
     pair_contact: Option<f64>,
     /// [s] shortest contact with a wall.
     wall_contact: Option<f64>,
-    /// Every kind of contact, where there are several of pairs or at walls: its name and how long it lasts [s]; of many, the shortest 20.
+    /// Kinds of contact with their names and durations [s], where there are several of pairs or at walls. At most 20
+    /// are listed, the shortest.
     contacts: Vec<(String, f64)>,
-    /// [s] window h, the shortest where windows grow.
+    /// [s] window h, the shortest one where windows grow.
     window: f64,
     /// [s] the longest window.
     longest: f64,
-    /// [-] windows of the whole run; more than a whole number of 64 bits holds, if the case allows it.
+    /// [-] windows of the whole run. A case may have more than 64 bits can count.
     windows: f64,
     samples: u64,
 }
@@ -127,7 +129,7 @@ impl CheckReport {
         let mut warnings: Vec<Diagnostic> = Vec::new();
         let mut looked_at = HashSet::new();
         for (experiment, told) in run.iter().chain(&variants) {
-            // a variant that is the same in words is not looked at again
+            // a variant with an equal description is not looked at again
             let stops = if looked_at.insert(describe(experiment)) { stops(experiment)? } else { Vec::new() };
             for warning in told.iter().cloned().chain(stops) {
                 if !warnings.contains(&warning) {
@@ -177,7 +179,7 @@ impl CheckReport {
     }
 }
 
-/// The keys that the case varies in a sweep. Every value is tried, the other keys at their first ones.
+/// Keys that the case varies in a sweep. Every value is tried, with the other keys at their first values.
 fn varied(case: &Case) -> Result<Vec<Varied>, Diagnostic> {
     let axes = case.own_axes()?;
     for (k, axis) in axes.iter().enumerate() {
@@ -246,7 +248,7 @@ impl CheckedVariant {
     }
 }
 
-/// Every kind of contact with its length [s] at the fastest impacts, where there are several of pairs or at walls.
+/// Every kind of contact with its duration [s] at the fastest impacts, where there are several of pairs or at walls.
 fn contacts(experiment: &Experiment, law: &ContactLaw) -> Vec<(String, f64)> {
     let kinds = at_fastest_impacts(experiment);
     let several = |wall: bool| kinds.iter().filter(|kind| kind.wall == wall).count() > 1;
@@ -262,8 +264,9 @@ fn contacts(experiment: &Experiment, law: &ContactLaw) -> Vec<(String, f64)> {
     times
 }
 
-/// Why the run would be refused for want of memory; else what `plan` would say against hard spheres without running anything. What soft ones cannot do is refused when a case is read, and
-/// hard spheres in steps are not its subject.
+/// Reasons against running, found without running anything. If memory is too small, that is the reason; else it is what
+/// `plan` would say against hard spheres. Limits of soft spheres are checked when a case is read. Hard spheres in steps
+/// are not checked here.
 ///
 /// # Errors
 /// The scene is too crowded to start: what `run` refuses.
@@ -291,7 +294,7 @@ fn stops(experiment: &Experiment) -> Result<Vec<Diagnostic>, Diagnostic> {
     Ok(found.map(warning).collect())
 }
 
-/// The warning that `check` has not found a random start so far.
+/// Warning that `check` has not yet found a random start.
 fn not_yet_placed() -> Diagnostic {
     let message = "no random start was found with the effort that `check` makes: a run tries longer, and refuses a scene that is too crowded";
     let help = "see whether the walls leave room for all particles; fewer of them start sooner";

@@ -1,4 +1,4 @@
-//! What is stored of a command while it runs, and when: from time to time, when a run is over, and when the user stops it.
+//! Checkpoints of a command: states are stored from time to time, when a run is over, and when the user stops it.
 
 use super::error::StudyError;
 use super::invocation::Invocation;
@@ -17,46 +17,47 @@ use std::time::{Duration, Instant};
 /// Stores the runs of a command and notices when it is to stop.
 pub struct Checkpointer {
     signals: Signals,
-    /// Where it stores; `None` if checkpoints are not wanted.
+    /// Store for checkpoints; `None` if they are not wanted.
     store: Option<Store>,
     every: Option<Duration>,
-    /// When the last checkpoint was written, or the command began.
+    /// Time of the last checkpoint, or of the start of the command.
     last: Instant,
     /// The state of the run that was under way when the command was stopped.
     under_way: Option<(RunIdentity, StoredRun)>,
-    /// [s] simulated time of the run under way that is stored.
+    /// [s] simulated time of the stored state of the run under way.
     stored: Option<f64>,
-    /// Whether something is still to be done after the run under way.
+    /// True if something is still to be done after the run under way.
     more: bool,
-    /// Whether a run has been stopped on its way, by the user or because it cannot be written.
+    /// True if a run was stopped before its end, by the user or because it cannot be written.
     stopped: bool,
-    /// Why it cannot be written.
+    /// Reason why the run cannot be written.
     unwritten: Option<String>,
     quiet: bool,
     resumed: bool,
-    /// What goes on with it, for messages.
+    /// Command that resumes the run, for messages.
     remedy: String,
-    /// The ends of runs that other processes have to do with.
+    /// Treatment of the ends of runs that other processes are involved in.
     ends: Ends,
 }
 
-/// What becomes of the end of a run.
+/// Treatment of the end of a run.
 #[derive(Clone, Default)]
 enum Ends {
-    /// It is stored, if it is worth it.
+    /// The end is stored, if that is worthwhile.
     #[default]
     Stored,
-    /// It is for another process: caught as bytes when the run is over.
+    /// The end is for another process: it is kept as bytes when the run is over.
     Caught(Vec<u8>),
-    /// It came from another process, as bytes.
+    /// The end came from another process, as bytes.
     Received(Vec<u8>),
 }
 
 impl Checkpointer {
-    /// For a command that writes into `folder`. One that begins is stored; one that goes on finds what was.
+    /// Checkpointer for a command that writes into `folder`. A command that begins is stored; a command that is resumed
+    /// finds its stored state.
     ///
     /// # Errors
-    /// The case of a command that goes on has changed; a folder or signals that the system refuses.
+    /// The case of a resumed command has changed; the system refuses a folder or signals.
     pub fn new(
         CheckpointEvery(every): CheckpointEvery,
         occasion: &Invocation,
@@ -96,8 +97,8 @@ impl Checkpointer {
         Ok(keeper)
     }
 
-    /// For a process that helps with a command whose results go to the folder at `place`: states are stored there too, and the ends
-    /// of runs are for the process that leads.
+    /// Checkpointer for a helper process of a command whose results go to the folder at `place`. States are stored
+    /// there too. The ends of runs are for the lead process.
     ///
     /// # Errors
     /// Signals that the system refuses.
@@ -123,12 +124,13 @@ impl Checkpointer {
         })
     }
 
-    /// Whether the user wants to stop.
+    /// Signals by which the user stops the command.
     pub fn signals(&self) -> &Signals {
         &self.signals
     }
 
-    /// A keeper of one of several runs that go on beside each other, with files of its own. What it finds stored it does not say.
+    /// Checkpointer for one of several runs at the same time, with its own files. It does not report the stored states
+    /// that it finds.
     pub fn beside(&self, run: &RunIdentity) -> Self {
         let mut one = Self {
             signals: self.signals.clone(),
@@ -137,7 +139,7 @@ impl Checkpointer {
             last: Instant::now(),
             under_way: None,
             stored: None,
-            // its end is not that of the command
+            // the end of this run is not the end of the command
             more: true,
             stopped: false,
             unwritten: None,
@@ -152,12 +154,12 @@ impl Checkpointer {
         one
     }
 
-    /// Whether the user wants the command to stop: nothing new should be begun.
+    /// True if the user wants the command to stop: then nothing new should begin.
     pub fn is_stopping(&self) -> bool {
         self.signals.say_stop()
     }
 
-    /// Takes note that runs beside each other have been stopped: the command goes on with all of them.
+    /// Takes note that concurrent runs have been stopped. A resumed command goes on with all of them.
     pub fn stop(&mut self) {
         self.stopped = true;
         self.stored = None;
@@ -167,12 +169,12 @@ impl Checkpointer {
     fn begin(&mut self, command: &StoredCommand, folder: &Path) -> Result<(), OutputError> {
         match &self.store {
             Some(store) => store.begin(command),
-            // nothing of an earlier command may be taken for something of this one
+            // nothing of an earlier command may be mistaken for a part of this one
             None => Store::of(folder).remove(),
         }
     }
 
-    /// Finds the state of the run that was under way.
+    /// Looks up the state of the run that was under way.
     fn look_back(&mut self) {
         self.resumed = true;
         let Some(store) = &mut self.store else { return };
@@ -187,7 +189,7 @@ impl Checkpointer {
         self.under_way = newest.found;
     }
 
-    /// What is stored of a run: its end, or a state on its way, or nothing.
+    /// Stored part of a run: its end, a state before its end, or nothing.
     pub fn earlier(&mut self, run: &RunIdentity) -> Option<StoredRun> {
         self.stored = None;
         if let Ends::Received(bytes) = &self.ends {
@@ -198,7 +200,7 @@ impl Checkpointer {
             Ok(Some(kept)) => {
                 self.say(format!("\"{}\" is over already", run.name));
                 if let Ends::Caught(bytes) = &mut self.ends {
-                    // it has been written in this way before
+                    // the bytes have been written in this way before
                     *bytes = seal(&(run, &kept)).unwrap_or_default();
                 }
                 return Some(kept);
@@ -220,17 +222,17 @@ impl Checkpointer {
         }
     }
 
-    /// Says whether something is still to be done after the next run.
+    /// Notes if something is still to be done after the next run.
     pub fn expects(&mut self, more: bool) {
         self.more = more;
     }
 
-    /// Whether the run under way should be left at the end of this window, to be stored or to be stopped.
+    /// True if the run under way should pause at the end of this window, to be stored or stopped.
     pub fn is_due(&self) -> bool {
         self.signals.say_stop() || self.every.is_some_and(|every| self.last.elapsed() >= every)
     }
 
-    /// Stores a part of the state of a run that is stored next, on its way or `over`.
+    /// Stores a part of the state of a run, before its end or `over`; the state itself is stored next.
     ///
     /// # Errors
     /// It cannot be written.
@@ -238,13 +240,13 @@ impl Checkpointer {
         self.store.as_ref().map_or(Ok(()), |store| store.keep_part(run, over, number, part))
     }
 
-    /// A part of the state of a run that is stored; none of it if the file can no longer be used.
+    /// A part of the stored state of a run; empty if the file can no longer be used.
     pub fn part(&self, run: &RunIdentity, over: bool, number: usize) -> Vec<u8> {
         self.store.as_ref().and_then(|store| store.part(run, over, number).ok()).unwrap_or_default()
     }
 
-    /// Stores a run on its way, its `parts` being written; true if it is to stop there. If it cannot be stored it goes on: the state that was stored
-    /// before is still there.
+    /// Stores a run before its end, after its `parts` were written; true if it is to stop there. If it cannot be
+    /// stored, the run goes on: the state stored before is still there.
     pub fn keep(&mut self, run: &RunIdentity, kept: &StoredRun, parts: Result<(), OutputError>) -> bool {
         if let Some(store) = &mut self.store {
             match parts.and_then(|()| store.keep(run, kept)) {
@@ -265,16 +267,16 @@ impl Checkpointer {
         tell(format!("warning: no checkpoint at this time: {why}; {stored}"));
     }
 
-    /// Whether the end of a run is to be stored: if something is still to be done after it, or if it took so long that its report
-    /// must not be all that is left of it.
+    /// True if the end of a run is to be stored. That is so if something is still to be done after it. It is also so if
+    /// the run took so long that more than its report must remain.
     pub fn wants_the_end(&self) -> bool {
         matches!(self.ends, Ends::Caught(_)) || self.store.is_some() && (self.more || self.stored.is_some())
     }
 
-    /// Stores the end of a run, its `parts` being written, or catches it.
+    /// Stores the end of a run, after its `parts` were written, or keeps it for another process.
     ///
     /// # Errors
-    /// It cannot be written for another process.
+    /// The end cannot be written for another process.
     pub fn finish(
         &mut self,
         run: &RunIdentity,
@@ -321,18 +323,18 @@ impl Checkpointer {
         }
     }
 
-    /// Leaves a command whose run cannot be written: once it can be, it goes on from what is stored.
+    /// Leaves a command whose run cannot be written. Once it can be, the command goes on from the stored state.
     pub fn leave(&mut self, why: &Failure) {
         self.stopped = true;
         self.unwritten = Some(why.to_string());
     }
 
-    /// Whether a run has been stopped on its way, by the user or because it cannot be written.
+    /// True if a run was stopped before its end, by the user or because it cannot be written.
     pub fn is_stopped(&self) -> bool {
         self.stopped
     }
 
-    /// How a command that was stopped ends, its part of a report being written.
+    /// Error with which a stopped command ends, after the report on its finished part was written.
     pub fn words(&self, name: &str) -> StudyError {
         if let Some(why) = &self.unwritten {
             let help = match (&self.store, self.stored) {
@@ -355,7 +357,7 @@ impl Checkpointer {
         })
     }
 
-    /// The result of writing a report; where this has failed, with what is left of the run.
+    /// Result of writing a report. If that failed, the error also says what is left of the run.
     ///
     /// # Errors
     /// The error that was given, with its remedy.
@@ -368,7 +370,7 @@ impl Checkpointer {
         })
     }
 
-    /// All results are written: what is stored is no longer needed.
+    /// Removes the stored states, which are no longer needed once all results are written.
     ///
     /// # Errors
     /// A file that cannot be written.
@@ -382,7 +384,7 @@ fn time(kept: &StoredRun) -> String {
     numbers::significant(kept.pause.snapshot.time, 6)
 }
 
-/// Compares what a command ran on with what it would run on now.
+/// Refuses to resume a command whose case or variants have changed since it began.
 fn refuse_changes(earlier: &StoredCommand, now: &StoredCommand, case: &Case) -> Result<(), StudyError> {
     let path = case.path.display();
     let refuse = |what: String| {
@@ -408,7 +410,7 @@ fn refuse_changes(earlier: &StoredCommand, now: &StoredCommand, case: &Case) -> 
     Ok(())
 }
 
-/// The runs of a command, one for each experiment that starts from a state of that hash.
+/// Identities of the runs of a command, one for each experiment that starts from a state of that hash.
 ///
 /// # Errors
 /// An experiment cannot be written as JSON.
@@ -417,7 +419,7 @@ pub fn runs<'a>(experiments: impl Iterator<Item = (&'a Experiment, u64)>) -> Res
     runs.collect::<Result<_, _>>().map_err(|why| StudyError::Failed(format!("error: cannot store the command: {why}")))
 }
 
-/// The words for a file of a checkpoint that cannot be used, where nothing can be gone on with.
+/// Error for a checkpoint file that cannot be used, where nothing can be resumed.
 pub fn unusable(path: &Path, why: &Unreadable) -> StudyError {
     StudyError::Input(format!("error: the checkpoint {} {why}", path.display()))
 }

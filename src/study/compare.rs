@@ -20,13 +20,15 @@ use crate::output::{Folder, Provenance, Study, TrustSheet, Verdict, overall, wri
 use crate::statistics::{Answer, ErrorLevels};
 use std::ops::Range;
 
-/// Replicas between two looks of `--until-decided`: from three on curves have errors, and with four of each a t has 6 degrees of freedom.
+/// Replicas between two looks of `--until-decided`: from three on curves have errors, and with four of each Student's t
+/// has 6 degrees of freedom.
 const PIECE: usize = 4;
 
-/// Replicas of each variant at most, where `--until-decided` goes without `--replicas`: sixteen looks.
+/// Largest number of replicas of each variant for `--until-decided` without `--replicas`: sixteen looks.
 const MOST: usize = 64;
 
-/// Runs all variants of a case and writes one folder. The answer is that of all comparisons together; `None` of a single variant.
+/// Runs all variants of a case and writes one folder. Returns the answer of all comparisons together, `None` for a
+/// single variant.
 ///
 /// # Errors
 /// Bad input before anything is computed; failures of engines after everything has been written.
@@ -34,7 +36,7 @@ pub fn compare(args: &Compare, ranks: &Ranks) -> Result<Option<Answer>, StudyErr
     compare_on(args, &Invocation::First, ranks)
 }
 
-/// The same, begun or gone on with: runs that are over are not run again.
+/// Begins or resumes a comparison; runs that are over are not run again.
 pub(super) fn compare_on(args: &Compare, occasion: &Invocation, ranks: &Ranks) -> Result<Option<Answer>, StudyError> {
     let looks = Looks::of(args);
     let prepared = ranks.agree(prepare(args, looks, ranks), |prepared| mark(prepared.runs()))?;
@@ -122,7 +124,7 @@ impl Looks {
     }
 }
 
-/// All that has been run so far, and where it is written to.
+/// All results so far, and the folder to which they are written.
 struct ComparisonTable<'a> {
     args: &'a Compare,
     looks: Looks,
@@ -154,7 +156,7 @@ impl ComparedRuns {
         stopped || self.comparisons.iter().all(|one| one.answer != Answer::Unresolved)
     }
 
-    /// All answers first, then what else there is to say.
+    /// All answers first, then further notes.
     fn sentences(&self) -> Vec<String> {
         let answers = self.comparisons.iter().map(|comparison| comparison.sentence.clone());
         let further = self.comparisons.iter().flat_map(|comparison| comparison.further.clone());
@@ -181,7 +183,7 @@ impl ComparisonTable<'_> {
         Ok(())
     }
 
-    /// Runs the replicas of a variant that belong to a look; what there is so far is written if the user stops it.
+    /// Runs the replicas of a variant that belong to a look. If the user stops it, the results so far are written.
     fn run_more(&mut self, variant: usize, look: usize) -> Result<(), StudyError> {
         let more = run_others(variant, self.looks.range(look), &self.ground, &mut self.keeper)?;
         self.runs[variant].extend(more);
@@ -205,7 +207,7 @@ impl ComparisonTable<'_> {
         ComparedRuns { outcomes, comparisons, looks }
     }
 
-    /// Writes what there is after every variant and every look: a long comparison that is stopped keeps what is done.
+    /// Writes the results after every variant and every look: a long comparison that is stopped keeps what is done.
     fn write_part(&mut self, look: usize) -> Result<(), StudyError> {
         let judged = self.judged(look);
         self.write(&judged, false)
@@ -239,13 +241,13 @@ impl ComparisonTable<'_> {
     }
 }
 
-/// What is to be run.
+/// Runs of a comparison, prepared.
 struct PreparedComparison {
     case: Case,
     variants: Vec<Checked>,
     /// The first run of each variant.
     firsts: Vec<ResumableRun>,
-    /// Its replicas.
+    /// Replicas of each variant besides its first run.
     others: Vec<Vec<ResumableRun>>,
     trajectories: Option<Trajectories>,
 }

@@ -1,4 +1,4 @@
-//! Why a command did not end well, and with which exit code.
+//! Reasons why a command did not end well, with their exit codes.
 
 use crate::case::Diagnostic;
 use crate::output::OutputError;
@@ -9,10 +9,10 @@ pub enum StudyError {
     /// The input is at fault; nothing was computed and nothing written. Exit code 2.
     #[error("{0}")]
     Input(String),
-    /// Something failed on the way; what was written stays readable. Exit code 1.
+    /// Something failed on the way; what was written before stays readable. Exit code 1.
     #[error("{0}")]
     Failed(String),
-    /// The user stopped it; what there is has been written, and it can be gone on with. Exit code 130.
+    /// The user stopped the command. Results so far have been written, and the command can be resumed. Exit code 130.
     #[error("{0}")]
     Stopped(String),
 }

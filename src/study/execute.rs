@@ -24,13 +24,14 @@ use crate::stored::StoreError;
 use crate::work_sharing::keep_workers_spinning;
 use std::sync::Arc;
 
-/// Runs a variant from `start` to its end or its failure, which is part of the outcome, and shows it to `others` as well as to
-/// what the outcome is made of. Gives the outcome and the final state in the order of ids.
+/// Runs a variant from `start` to its end or its failure, which is part of the outcome. `others` observe the run
+/// besides the standard observers. Returns the outcome and the final state in the order of ids.
 pub fn execute(experiment: &Experiment, start: Particles, others: &mut [&mut dyn Observer]) -> (Outcome, Particles) {
     execute_unless(experiment, start, others, &|| false)
 }
 
-/// As [`execute`]; asks `stop` at the end of every window whether the run is to be left there, which is then its failure.
+/// Runs a variant like [`execute`], and calls `stop` at the end of every window. If `stop` returns true, the run ends
+/// there, which is its failure.
 pub fn execute_unless(
     experiment: &Experiment,
     start: Particles,
@@ -66,11 +67,11 @@ fn simulate(
     (seen.outcome(&simulation, failure, simulation.particles.fingerprint()), simulation.particles)
 }
 
-/// As [`execute`]; the keeper stores the run from time to time and may stop it. A run that it has stored already goes on from
-/// there, and one that is over is not run again.
+/// Runs a variant like [`execute`], with a keeper that stores the run from time to time and may stop it. A stored run
+/// goes on from its stored state, and a run that is over is not run again.
 ///
 /// # Errors
-/// What is stored is not of this run.
+/// The stored state is not of this run.
 pub fn execute_kept(
     experiment: &Experiment,
     start: Start,
@@ -81,8 +82,8 @@ pub fn execute_kept(
     keep_workers_spinning(|| simulate_kept(experiment, start, others, (&run, keeper), None))
 }
 
-/// The same, shared with the other processes, who have been told its `place` among the runs that all share. The final state is given where it is asked
-/// for; otherwise there are no particles in it.
+/// Runs a variant together with the other processes, which were told its index `place` in the list of shared runs. The
+/// final state is returned if it is asked for; otherwise it has no particles.
 ///
 /// # Errors
 /// As for [`execute_kept`].
@@ -111,17 +112,18 @@ pub fn execute_together(
 /// A run that all processes share.
 #[derive(Clone, Copy)]
 pub struct SharedRun<'a> {
-    /// Its place in the list of such runs.
+    /// Index of the run in the list of shared runs.
     pub place: usize,
     /// The processes.
     pub ranks: &'a Ranks,
-    /// Whether to say nothing of how it went.
+    /// True to print no summary of the run.
     pub quiet: bool,
-    /// Whether the final state is to be given.
+    /// True if the final state is to be returned.
     pub gives_end: bool,
 }
 
-/// What the other processes do of such a run. `others` are those of its observers that see parts of it, as they stand before all other ones in process 0.
+/// Part of the other processes in a shared run. `others` are those observers that see parts of the run, in the order of
+/// process 0, where they come before all other ones.
 pub fn follow(experiment: &Experiment, start: Start, others: &mut [&mut dyn Observer], ranks: &Ranks) {
     ranks.together(|communicator| {
         rayon::scope(|_| {
@@ -190,7 +192,7 @@ fn simulate_kept(
             Ok(false) => None,
             Err(failure) => Some(Some(failure)),
         };
-        // what could not be written is still to be: such a run goes on from the state that was stored before
+        // a run that could not be written has no stored end: it goes on from the state that was stored before
         let unwritten = matches!(over, Some(Some(Failure::Unwritten { .. })));
         if unwritten || over.is_some() && !keeper.wants_the_end() {
             continue;
@@ -220,7 +222,7 @@ fn simulate_kept(
     Ok((seen.outcome(&simulation, failure, hash), particles))
 }
 
-/// Stores the parts of a state, where each process has one; otherwise this one has all of it.
+/// Stores the parts of a state, one of each process; without parts this process has all of it.
 fn store_parts(
     simulation: &mut Simulation,
     (run, keeper): (&RunIdentity, &Checkpointer),
@@ -240,19 +242,20 @@ fn store_parts(
     written
 }
 
-/// How processes that share a run begin.
+/// Distribution of the particles over the processes at the beginning of a shared run.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Beginning {
     /// The lead has all particles.
     Whole,
-    /// Each has a part of the start.
+    /// Each process has a part of the start.
     Parts,
     /// The lead deals out the parts of a state that was stored.
     Dealt,
 }
 
 impl Beginning {
-    /// Of a run whose start is in parts or not, and of whose stored state there are so many parts, if there is such a state.
+    /// Distribution for a run whose start is in parts or not, and whose stored state, if there is one, has that many
+    /// parts.
     fn of(is_part: bool, stored: Option<usize>) -> Self {
         match stored {
             None if is_part => Self::Parts,
@@ -261,7 +264,7 @@ impl Beginning {
         }
     }
 
-    /// As the lead tells it.
+    /// Message of the lead about the distribution.
     fn told(self) -> Vec<u8> {
         vec![self as u8]
     }
@@ -274,13 +277,13 @@ impl From<Vec<u8>> for Beginning {
     }
 }
 
-/// Ends this process, and with it all: whoever went on would do something else than the others.
+/// Ends this process, and with it all others: if one went on, it would differ from the others.
 fn leave(why: &StoreError) -> ! {
     tell(format!("error: the processes cannot go on together: {why}"));
     std::process::exit(1);
 }
 
-/// The simulation of a run at its start, of which others may have a part.
+/// Simulation of a run at its start, of which other processes may have a part.
 fn begin(experiment: &Experiment, start: Start, communicator: Option<&dyn Communicator>) -> Simulation {
     match communicator.filter(|_| start.is_part) {
         Some(communicator) => Simulation::part(experiment, start.particles, communicator),
@@ -288,17 +291,17 @@ fn begin(experiment: &Experiment, start: Start, communicator: Option<&dyn Commun
     }
 }
 
-/// The same, shared by all processes: each goes on with its part, or the lead has all.
+/// Simulation shared by all processes: each goes on with its part, or the lead has all particles.
 fn share(simulation: Simulation, with: Arc<dyn Communicator>, observers: usize, in_parts: bool) -> Simulation {
     if in_parts { simulation.shared_in_parts(with, observers) } else { simulation.shared(with, observers) }
 }
 
-/// What cannot be stored, or is of something else.
+/// Error for a state that cannot be stored, or that belongs to another run.
 fn unfit(why: impl std::fmt::Display) -> StudyError {
     StudyError::Failed(format!("error: cannot store this run or go on with it: {why}"))
 }
 
-/// What the outcome of every run is made of.
+/// Observers from which the outcome of every run is made.
 #[derive(Clone)]
 pub(crate) struct StandardObservers<'a> {
     experiment: &'a Experiment,
@@ -319,7 +322,7 @@ pub(crate) struct StandardObservers<'a> {
 }
 
 impl<'a> StandardObservers<'a> {
-    /// Of a run from that initial state, before its start.
+    /// Observers of a run from that initial state, before its start.
     pub fn new(experiment: &'a Experiment, initial_state_hash: u64) -> Self {
         let schedule = Schedule::new(experiment);
         Self {
@@ -341,7 +344,7 @@ impl<'a> StandardObservers<'a> {
         }
     }
 
-    /// The observers of every run, and then the others.
+    /// Standard observers of every run, followed by the others.
     pub fn with<'b>(&'b mut self, others: &'b mut [&mut dyn Observer]) -> Vec<&'b mut dyn Observer> {
         let Self { profiles, motion, pairs, walls, energy, momentum, .. } = self;
         let Self { stresses, series, paths, kinds, rings, mixing, .. } = self;
@@ -350,7 +353,7 @@ impl<'a> StandardObservers<'a> {
         own.into_iter().chain(others.iter_mut().map(|other| &mut **other as &mut dyn Observer)).collect()
     }
 
-    /// What a run that is over, or has failed, comes to.
+    /// Outcome of a run that is over or has failed.
     pub fn outcome(self, simulation: &Simulation, failure: Option<Failure>, final_state_hash: u64) -> Outcome {
         let steadiness =
             self.motion.steadiness(self.experiment.run.average_from, self.kinds.series(&self.experiment.scene));
@@ -399,7 +402,7 @@ impl<'a> StandardObservers<'a> {
     }
 }
 
-/// Where the time of a run went.
+/// Wall times of the parts of a run [s].
 fn timing(simulation: &Simulation) -> Timing {
     let (spent, parts) = (simulation.spent, simulation.engine_spent());
     Timing {
@@ -413,7 +416,7 @@ fn timing(simulation: &Simulation) -> Timing {
     }
 }
 
-/// [s] the step that contacts were resolved with, or that collisions were looked for at; `None` for events.
+/// [s] time step that resolves contacts, or interval at which collisions are looked for; `None` for events.
 fn time_step(experiment: &Experiment, simulation: &Simulation, window: f64) -> Option<f64> {
     let steps = simulation.counters().steps;
     match (experiment.model(), experiment.soft.stepping) {

@@ -1,4 +1,4 @@
-//! What gas do the particles see? The profile as a table and a figure; no particle is moved.
+//! Profile of the gas that the particles see, as a table and a figure; no particle is moved.
 
 use super::session::{StudyError, folder, read};
 use super::terminal::conclude;
@@ -11,7 +11,7 @@ use serde::Serialize;
 /// Rows of `profile.csv` for a profile without a grid of its own.
 const ROWS: usize = 401;
 
-/// What a gas profile comes to.
+/// Summary of a gas profile.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FluidSummary {
     /// [m] height of the box along y.
@@ -20,15 +20,16 @@ pub struct FluidSummary {
     pub bulk_velocity: f64,
     /// [m/s] greatest velocity.
     pub maximum_velocity: f64,
-    /// [-] of the mean velocity and the distance between the walls of the gas, or the diameter of its pipe.
+    /// [-] Reynolds number of the mean velocity and the distance between the walls of the gas, or the diameter of its
+    /// pipe.
     pub reynolds_number: f64,
-    /// [m/s] friction velocity u_τ, of profiles that know it.
+    /// [m/s] friction velocity u_τ, of profiles that have one.
     pub friction_velocity: Option<f64>,
     /// The solution, for a k-epsilon profile.
     pub channel: Option<ChannelSummary>,
 }
 
-/// What a k-epsilon channel flow comes to.
+/// Summary of a k-epsilon channel flow.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ChannelSummary {
     /// Name of the turbulence model.
@@ -49,7 +50,7 @@ pub struct ChannelSummary {
     pub k_imbalance: f64,
 }
 
-/// One row of `profile.csv`; empty where the profile does not know.
+/// One row of `profile.csv`; empty where the profile gives no value.
 #[derive(Serialize)]
 struct FluidProfileRow {
     y_m: f64,
@@ -66,7 +67,7 @@ struct FluidProfileRow {
 /// Computes the gas profile of a case and writes it as `profile.csv`, `figures/` and `summary.json`.
 ///
 /// # Errors
-/// Bad input before anything is written; the disk's refusal after.
+/// Bad input before anything is written; a file that cannot be written afterwards.
 pub fn fluid(args: &Args) -> Result<(), StudyError> {
     let case = read(&args.case, &args.input)?;
     let checked = match case.experiment(None, None) {
@@ -117,7 +118,7 @@ pub fn fluid(args: &Args) -> Result<(), StudyError> {
 /// nodes, mirrored, with the points of the law of the wall (no k, ε, ν_t there); any other at equal distances.
 ///
 /// # Errors
-/// Whatever the disk answers.
+/// A file that cannot be written.
 pub fn write_profile(fluid: &Fluid, height: f64, folder: &Folder) -> Result<FluidSummary, OutputError> {
     let mut csv = csv::Writer::from_writer(Vec::new());
     for row in rows(&fluid.profile, height) {
@@ -199,7 +200,8 @@ fn summary(fluid: &Fluid, height: f64) -> FluidSummary {
     }
 }
 
-/// The gases of the variants of a case, each under the name of the first that has it; none where all have the same.
+/// Gases of the variants of a case, each under the name of the first variant that has it; empty where all variants have
+/// one gas.
 fn gases(case: &Case) -> Vec<(String, Profile)> {
     let mut gases: Vec<(String, Profile)> = Vec::new();
     for (experiment, _) in case.variants(None).unwrap_or_default() {
@@ -219,7 +221,8 @@ fn width(profile: &Profile, height: f64) -> f64 {
     high - low
 }
 
-/// [m/s] mean over the height: of a channel flow its own, otherwise by the rows that are written.
+/// [m/s] mean velocity over the height. A channel flow has its own value; other profiles are averaged over the rows
+/// that are written.
 fn bulk_velocity(profile: &Profile, height: f64) -> f64 {
     profile.bulk_velocity().unwrap_or_else(|| mean(profile, height))
 }

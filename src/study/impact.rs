@@ -17,16 +17,16 @@ use crate::schedule::Schedule;
 use crate::simulation::{Simulation, soft_step};
 use std::path::Path;
 
-/// The built-in case that runs without one being named.
+/// Built-in case that runs if no case is named.
 const DEFAULT_CASE: &str = "impact";
 
-/// Points of a path that is kept (24 bytes each), written and drawn: some hundred megabytes.
+/// Largest number of points of a path that is kept (24 bytes each), written and drawn: some hundred megabytes.
 const MOST_POINTS: f64 = 1e7;
 
-/// Points of a path where no time step sets them.
+/// Number of points of a path whose points are not set by a time step.
 const POINTS: f64 = 400.0;
 
-/// The two bodies that meet, and how they answer.
+/// The two bodies that collide, and the surface properties of their contact.
 #[derive(Clone, Copy)]
 pub(super) struct ImpactPair {
     pub partner: Partner,
@@ -80,7 +80,7 @@ pub fn impact(args: &ImpactArguments) -> Result<(), StudyError> {
     failures_of(bounces.iter().map(|bounce| (bounce.name.as_str(), bounce.failure.as_ref())))
 }
 
-/// What the pictures and the closed form leave out.
+/// Notes on effects that the pictures and the closed form leave out.
 fn notes(surface: &Surface) -> Vec<String> {
     let mut notes = vec![
         "The closed form of a soft contact (the paper's Eq. 6) leaves out gravity and any other contact while it lasts."
@@ -152,7 +152,7 @@ pub(super) fn meeting(scene: &Scene, particles: &Particles, case: &Path) -> Resu
     }
 }
 
-/// Gap and normal velocity now; particles by id.
+/// Gap and normal velocity at present; particles are found by id.
 pub(super) fn point(scene: &Scene, particles: &Particles, meeting: &ImpactPair, time: f64) -> PathPoint {
     let place = |id: u32| particles.id.iter().position(|&other| other == id).unwrap_or_default();
     let i = place(0);
@@ -172,7 +172,7 @@ pub(super) fn point(scene: &Scene, particles: &Particles, meeting: &ImpactPair, 
     PathPoint { time, gap, normal_velocity }
 }
 
-/// Runs one variant, its path noted after every window: a soft window is one time step.
+/// Runs one variant and notes its path after every window: a soft window is one time step.
 fn bounce(experiment: &Experiment, particles: Particles, meeting: &ImpactPair) -> Bounce {
     let scene = &experiment.scene;
     let duration = experiment.run.duration;
@@ -211,8 +211,9 @@ fn bounce(experiment: &Experiment, particles: Particles, meeting: &ImpactPair) -
     }
 }
 
-/// Straight flight to the touch, then the course of the contact law (soft; Eq. 6) or an instant (hard), then straight flight. `None` where gravity bends
-/// the flight to a wall or the bodies do not meet.
+/// Closed form of the impact: straight flight to the touch, the contact, then straight flight. The contact follows the
+/// contact law (soft; Eq. 6) or takes an instant (hard). `None` where gravity bends the flight to a wall, or where the
+/// bodies do not meet.
 fn closed_form(experiment: &Experiment, meeting: &ImpactPair, first: PathPoint) -> Option<Analytic> {
     let approach = -first.normal_velocity;
     let bent = matches!(meeting.partner, Partner::Wall(_)) && experiment.scene.gravity.norm() > 0.0;
@@ -250,7 +251,7 @@ fn closed_form(experiment: &Experiment, meeting: &ImpactPair, first: PathPoint) 
         PathPoint { time, gap, normal_velocity }
     };
     let mut times: Vec<f64> = (0..=POINTS as usize).map(|k| duration * k as f64 / POINTS).collect();
-    // the corners of a collision belong to the picture
+    // the corners of the path at a collision belong to the picture
     times.extend([touch * (1.0 - f64::EPSILON), end].iter().filter(|t| **t < duration));
     times.sort_by(f64::total_cmp);
     let values =

@@ -1,4 +1,4 @@
-//! Whether a command begins, or goes on with one that was stopped.
+//! Invocation of a command: it begins, or it resumes one that was stopped.
 
 use super::session::{self, StudyError, quoted};
 use crate::case::Case;
@@ -8,23 +8,23 @@ use crate::output::{Folder, Provenance};
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
-/// Why a command runs.
+/// Origin of a command.
 pub enum Invocation {
     /// The user typed the command.
     First,
     /// `resume` goes on with the command.
     Resumed {
-        /// The folder of its results.
+        /// Folder of the results of the command.
         folder: PathBuf,
-        /// What was typed when it began.
+        /// Command line as it was typed when the command began.
         command: StoredCommand,
-        /// Whether it says nothing on the way.
+        /// True if the command prints nothing while it runs.
         quiet: bool,
     },
 }
 
 impl Invocation {
-    /// The command line with which it began.
+    /// Command line with which the command began.
     pub fn arguments(&self) -> Vec<OsString> {
         match self {
             Self::First => std::env::args_os().collect(),
@@ -32,12 +32,12 @@ impl Invocation {
         }
     }
 
-    /// Whether it says nothing on the way of what it finds stored.
+    /// True if the command does not report the stored states that it finds.
     pub fn quiet(&self) -> bool {
         matches!(self, Self::Resumed { quiet: true, .. })
     }
 
-    /// Where the folder of its results is.
+    /// Path of the folder for the results of the command.
     pub fn place(&self, output: &Output, case: &Path, command: &str) -> PathBuf {
         match self {
             Self::First => session::place(output, case, command),
@@ -45,10 +45,10 @@ impl Invocation {
         }
     }
 
-    /// The folder of its results.
+    /// Folder for the results of the command.
     ///
     /// # Errors
-    /// The folder is in use, cannot be written to, or, for one that begins, holds results.
+    /// The folder is in use, cannot be written to, or, for a command that begins, holds results.
     pub fn folder(&self, output: &Output, case: &Path, command: &str) -> Result<Folder, StudyError> {
         match self {
             Self::First => session::folder(output, case, command),
@@ -58,7 +58,7 @@ impl Invocation {
         }
     }
 
-    /// Where results come from; `scene`: in words.
+    /// Provenance of the results; `scene`: description of the scene.
     pub fn provenance(&self, case: &Case, scene: String) -> Provenance {
         Provenance { command: quoted(self.arguments()), ..session::provenance(case, scene) }
     }

@@ -1,4 +1,4 @@
-//! Runs beside each other whose states are stored while they are under way: replicas, and the runs of a study of sensitivity.
+//! Concurrent runs whose states are stored while they are under way: replicas, and the runs of a study of sensitivity.
 
 use super::checkpointer::{Checkpointer, runs};
 use super::error::StudyError;
@@ -17,18 +17,18 @@ use crate::placement::{Crowded, Start};
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex};
 
-/// One of them.
+/// A run that can be resumed.
 pub struct ResumableRun {
-    /// What is run.
+    /// Experiment that is run.
     pub experiment: Experiment,
-    /// From where.
+    /// Initial state.
     pub start: Start,
-    /// By which it is known.
+    /// Identity of the run.
     pub run: RunIdentity,
 }
 
 impl ResumableRun {
-    /// The run of that experiment from there.
+    /// Run of that experiment from that start.
     ///
     /// # Errors
     /// The experiment cannot be written as JSON.
@@ -38,7 +38,8 @@ impl ResumableRun {
     }
 }
 
-/// The starts of runs, one of each experiment: each process makes its part of it where all share the runs, and they must have agreed on the experiments.
+/// Initial states of runs, one of each experiment. Where all processes share the runs, each process makes its part of a
+/// start; they must have agreed on the experiments before.
 ///
 /// # Errors
 /// A scene too crowded to start.
@@ -57,7 +58,7 @@ pub fn starts(experiments: &[&Experiment], replicas: u16, ranks: &Ranks) -> Resu
     made.map_err(|crowded| StudyError::Input(format!("error: {crowded}")))
 }
 
-/// A checksum of experiments in their order, whatever their starts.
+/// A checksum of experiments in their order, independent of their starts.
 pub fn mark_of<'a>(experiments: impl Iterator<Item = &'a Experiment>) -> u32 {
     runs(experiments.map(|experiment| (experiment, 0))).map_or(0, |runs| mark(runs.iter()))
 }
@@ -68,18 +69,18 @@ pub fn mark<'a>(runs: impl Iterator<Item = &'a RunIdentity>) -> u32 {
     checksum(&all)
 }
 
-/// The trajectories of runs that all processes share, of which each writes the pieces of its own particles.
+/// Trajectories of runs that all processes share. Each process writes the pieces of its own particles.
 pub struct Pieces {
     /// The folder of results, which process 0 has made.
     pub folder: Folder,
-    /// What is asked for.
+    /// Output that the case asks for.
     pub asked: Trajectories,
-    /// Names of the files, of each of the runs.
+    /// Names of the files, one for each run.
     pub names: Vec<String>,
 }
 
-/// Does what the process that leads the command asks for, until it is over: its share of the runs that all processes `shared`, with the `trajectories` that
-/// they write into that folder, and whole `runs`.
+/// Does the work that the lead process asks for, until the command is over. That is the share of this process in the
+/// `shared` runs of all processes, and whole `runs`. The `trajectories` of shared runs are written into that folder.
 ///
 /// # Errors
 /// No thread can be started.
@@ -101,24 +102,24 @@ pub fn help_with(
     help(&ResumableRuns { shared, pieces, runs, watched, keeper, progress: &progress }, share, ranks, keeper.signals())
 }
 
-/// A list of them.
+/// A list of runs that can be resumed.
 pub struct ResumableRuns<'a> {
-    /// Runs that all processes share, until they are done: each with the room of its start.
+    /// Runs that all processes share. Each is taken out when it begins, which frees the memory of its start.
     pub shared: Mutex<Vec<Option<ResumableRun>>>,
-    /// What this process writes of them.
+    /// Output that this process writes for the shared runs.
     pub pieces: Option<Pieces>,
-    /// The runs.
+    /// Runs that are done by one process each.
     pub runs: Vec<&'a ResumableRun>,
-    /// The place of each in the progress.
+    /// Index of each run in the progress.
     pub watched: Vec<usize>,
-    /// Who stores them; where it goes on with a command it has what is stored.
+    /// Checkpointer that stores the runs; in a resumed command it has their stored states.
     pub keeper: &'a Checkpointer,
-    /// Where they are watched.
+    /// Display of the progress.
     pub progress: &'a Progress,
 }
 
 impl ResumableRuns<'_> {
-    /// Does one with that keeper; `None` if it was stopped.
+    /// Does one run with that checkpointer; `None` if it was stopped.
     fn run_with(&self, place: usize, own: &mut Checkpointer) -> Result<Option<Outcome>, StudyError> {
         if own.is_stopping() {
             return Ok(None);
@@ -159,7 +160,7 @@ impl RunList for ResumableRuns<'_> {
     }
 
     fn answer_of_another(&self, place: usize, bytes: &[u8]) -> Result<Self::Answer, StudyError> {
-        // its outcome is made of its end, as that of a run that was over when a command goes on
+        // the outcome follows from the stored end, as for a run that was over when a command is resumed
         let ResumableRun { experiment, start, run } = self.runs[place];
         let mut own = self.keeper.beside(run);
         own.receive(run, bytes)?;

@@ -7,7 +7,7 @@ use crate::case::nearest;
 use crate::cli::Keys;
 use std::fmt::Write;
 
-/// What stands above the tables of the page.
+/// Text above the tables of the page.
 const INTRODUCTION: &str = "\
 # Keys of a case
 
@@ -43,7 +43,7 @@ pub fn keys(args: &Keys) -> Result<(), StudyError> {
     answer(&if args.markdown { page(&shown) } else { shown.iter().map(|table| text(table)).collect() })
 }
 
-/// Whether a table is the one of that name, or within it.
+/// True if a table has that name, or lies within the table of that name.
 fn is_within(table: &KeyTable, name: &str) -> bool {
     table.name.strip_prefix(name).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
 }
@@ -69,12 +69,12 @@ fn text(table: &KeyTable) -> String {
     text + "\n"
 }
 
-/// When something cannot be done without.
+/// Condition under which a key is required, in words.
 fn required(when: Option<&String>) -> String {
     when.map_or(String::new(), |when| format!(" (required {when})").replace(" always", ""))
 }
 
-/// What is known of a key beside its meaning, each as a few words.
+/// Facts about a key besides its meaning, each as a few words.
 fn facts(key: &Key) -> Vec<String> {
     let kind = match &key.unit {
         Some(unit) => format!("{} [{unit}]", key.kind),
@@ -103,7 +103,7 @@ fn page(tables: &[&KeyTable]) -> String {
 /// A key as a row of a Markdown table.
 fn row(key: &Key) -> String {
     let code = |text: &Option<String>| text.as_ref().map_or(String::new(), |text| format!("`{text}`"));
-    // words stay words; what could be typed is code
+    // a default in words stays text; a default that could be typed is set as code
     let default = match (&key.required, &key.default) {
         (Some(when), _) => format!("required {when}").replace(" always", ""),
         (None, Some(default)) if !default.starts_with(['"', '[']) && default.contains([' ', '`']) => default.clone(),

@@ -1,4 +1,5 @@
-//! What people do with the engines: run, compare, impact. Studies know engines only through the trait.
+//! Studies, the tasks that users do with the engines: run, compare, impact. Studies know engines only through the
+//! trait.
 
 mod calibration;
 pub mod chart;

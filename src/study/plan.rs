@@ -1,4 +1,5 @@
-//! `diptych plan CASE`: what to expect of a case, and which engine, stiffness, step and length it needs, before it is run.
+//! `diptych plan CASE`: behaviour to expect of a case, and the engine, stiffness, step and length that it needs, before
+//! it is run.
 
 use super::calibration::{Physics, agitated, costs, is_gas, physics, start_variances, variance_of, with_choice};
 use super::session::{StudyError, read, start, use_threads, warn};
@@ -25,14 +26,14 @@ use crate::record::Histogram;
 use crate::schedule::Schedule;
 use crate::simulation::soft_step;
 
-/// [-] the relative error that is wanted where nobody says: the default of --target-error.
+/// [-] relative error that is wanted by default: the default of --target-error.
 pub const USUAL_TARGET: f64 = 0.01;
 
-/// A plan, what it recommends, and the experiment that follows from that.
+/// A plan, its recommendation, and the experiment that follows from that.
 pub struct PlannedExperiment {
-    /// What was predicted and measured.
+    /// Predictions and measurements.
     pub plan: RunPrediction,
-    /// What to do.
+    /// Recommended settings.
     pub recommendation: Recommendation,
     /// The case with the recommended engine, stiffness and steps; unchanged where no engine is adequate.
     pub experiment: Experiment,
@@ -52,7 +53,8 @@ pub fn plan(args: &Arguments) -> Result<(), StudyError> {
     if args.json { answer_json(&document) } else { answer(&document) }
 }
 
-/// The case under the model it names, or else under whichever it can be read: which one is what is asked.
+/// The case under the model it names, or else under any model that can run it: the choice of model is the question
+/// here.
 pub fn any_model(case: &Case, seed: Option<u64>) -> Result<Checked, Diagnostic> {
     case.experiment(None, seed).or_else(|why| {
         let other = |model| case.experiment(Some(model), seed).ok();
@@ -77,8 +79,8 @@ fn document(
     if json { Ok(plan_json(&document)?) } else { Ok(plan_text(&document)) }
 }
 
-/// Plans an experiment for the relative error `target` [-]; `timed`: also times windows of every model. The recommendation does
-/// not depend on that.
+/// Plans an experiment for the relative error `target` [-]. If `timed`, windows of every model are timed too. The
+/// recommendation does not depend on that.
 ///
 /// # Errors
 /// A scene too crowded to start.
@@ -103,7 +105,8 @@ pub fn plan_of(experiment: &Experiment, target: f64, timed: bool) -> Result<Plan
     plan.averaging = averaging(experiment, &plan).filter(|_| plan.transient.is_none());
     if timed {
         plan.costs = costs(&moved, &particles, law);
-        // timed while particles fly: in a bed islands hold everybody, and cost more than steps of all
+        // the timing is of flying particles: in a bed at rest islands hold all particles, and local steps cost more
+        // than steps of all
         let local = |cost: &&mut PredictedCost| {
             matches!(cost.model, EngineChoice::SoftLocal | EngineChoice::Hybrid) && cost.failure.is_none()
         };
@@ -116,7 +119,7 @@ pub fn plan_of(experiment: &Experiment, target: f64, timed: bool) -> Result<Plan
     Ok(PlannedExperiment { plan, recommendation, experiment })
 }
 
-/// What does not depend on the contact law.
+/// Part of a plan that does not depend on the contact law.
 fn without_contacts(
     experiment: &Experiment,
     target: f64,
@@ -171,7 +174,7 @@ fn without_contacts(
     }
 }
 
-/// What the law makes of contacts, time steps and overlaps.
+/// Contacts, time steps and overlaps that follow from the contact law.
 fn with_contacts(
     plan: &mut RunPrediction,
     experiment: &Experiment,
@@ -241,7 +244,7 @@ fn kinds(
     let temperature = |species: usize| temperatures.get(species).copied().unwrap_or(0.0);
     if plan.gas.is_some() {
         let spread = measured.map_or_else(AgitationSpread::even, |found| found.spread.clone());
-        // of several species a histogram does not tell which
+        // with several species a histogram does not tell which of them collided
         let counted = measured.filter(|_| experiment.scene.species.len() == 1);
         let speeds = |variance, counted: Option<&Histogram>, parts: &[[f64; 2]]| match counted {
             Some(speeds) => ImpactSpeeds::Measured { variance, speeds: speeds.clone() },
@@ -256,10 +259,10 @@ fn kinds(
     bodies(experiment, particles, plan.rest.as_ref().map_or(0.0, |rest| rest.speed))
 }
 
-/// Mean free times that are averaged over at least: errors fall with the root of the time only beyond some of them.
+/// Fewest mean free times that are averaged over: only beyond some of them do errors fall with the root of the time.
 const FREE_TIMES: f64 = 10.0;
 
-/// Size and length for the wanted error: errors fall with the root of particles times time.
+/// Number of particles and length for the wanted error: errors fall with the root of particles times time.
 fn averaging(experiment: &Experiment, plan: &RunPrediction) -> Option<Averaging> {
     let (gas, run) = (plan.gas.as_ref()?, plan.calibration.as_ref().filter(|run| run.steady)?);
     let needed = run.particles as f64 * run.averaged * (run.temperature_error? / plan.target_error).powi(2);
@@ -269,7 +272,7 @@ fn averaging(experiment: &Experiment, plan: &RunPrediction) -> Option<Averaging>
     let size: [f64; 3] =
         std::array::from_fn(|axis| if domain.periodic[axis] { side.min(domain.size[axis]) } else { domain.size[axis] });
     let particles = (plan.particles as f64 * size.iter().product::<f64>() / domain.volume()).round().max(1.0);
-    // samples nearer than a mean free time are not new ones
+    // samples closer than a mean free time are not independent
     let shortest = FREE_TIMES / gas.collision_rate;
     Some(Averaging {
         size,

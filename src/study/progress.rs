@@ -1,7 +1,8 @@
-//! Progress on the terminal: where the run is, how fast, and the time left of all runs; one line per interval when piped.
+//! Progress on the terminal: position of the run, its speed, and the time left of all runs. When piped, one line per
+//! interval.
 //!
-//! A run tells its clock how far it has come, from within its windows. Whoever shows that does so from a thread of its own, so
-//! that a long window is no silence, and watching costs a run nothing.
+//! A run tells its clock how far it has come, from within its windows. The display reads the clock from its own thread.
+//! So the display goes on in a long window, and watching costs a run nothing.
 
 use super::terminal::tell;
 use crate::clock::Reached;
@@ -17,19 +18,19 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-/// Between lines when there is no terminal.
+/// Time between two lines when there is no terminal.
 pub const INTERVAL: Duration = Duration::from_secs(10);
 
-/// Between two looks at the runs.
+/// Time between two looks at the runs.
 const LOOK: Duration = Duration::from_millis(200);
 
 /// Resolution of the bar.
 const TICKS: u64 = 10_000;
 
-/// The speed of a run is that of the last part of it, this share of its wall time: a bed that settles gets slower.
+/// The speed of a run is measured over the last part of it, this share of its wall time: a settling bed gets slower.
 const RECENT: f64 = 1.0 / 3.0;
 
-/// [s] wall time before which nothing is said of the time left: lists and tables are made at the beginning.
+/// [s] wall time before which no time left is given: lists and tables are made at the beginning.
 const UNKNOWN: f64 = 1.0;
 
 /// All runs of a command, and the thread that shows them.
@@ -38,7 +39,7 @@ pub struct Progress {
     show: Option<(Sender<()>, JoinHandle<()>)>,
 }
 
-/// What is known of all runs.
+/// Present state of all runs.
 struct Board {
     runs: Vec<RunProgress>,
     how: RunEnd,
@@ -51,11 +52,11 @@ enum RunEnd {
     Lines,
 }
 
-/// What is known of one run.
+/// Present state of one run.
 struct RunProgress {
     name: String,
     model: Model,
-    /// [s] to be simulated.
+    /// [s] time to be simulated.
     duration: f64,
     stage: RunStage,
 }
@@ -63,23 +64,23 @@ struct RunProgress {
 enum RunStage {
     Waiting,
     Running(Track),
-    /// Over, after so much simulated and wall time [s].
+    /// Over, with its simulated and wall time [s].
     Over([f64; 2]),
 }
 
-/// How a run has got on.
+/// Progress of a run over wall time.
 struct Track {
     began: Instant,
     reached: Where,
-    /// [s] wall time and simulated time, the latest last.
+    /// [s] pairs of wall time and simulated time, the latest last.
     points: Vec<[f64; 2]>,
 }
 
-/// How it is known where a run is.
+/// Source of the progress of a run.
 enum Where {
-    /// It goes on in this process, and tells its clock, if it has one.
+    /// The run goes on in this process, and tells its clock, if it has one.
     Here(Option<Reached>),
-    /// It goes on in another process, which has told this time [s].
+    /// The run goes on in another process, which has told this time [s].
     Told(f64),
 }
 
@@ -94,11 +95,11 @@ impl Where {
 }
 
 impl Track {
-    /// [s] simulated time now, and how much of it is simulated per wall time [s/s] lately, if that is known.
+    /// [s] simulated time at present, and recent simulated time per wall time [s/s], if known.
     fn now(&mut self) -> (f64, Option<f64>) {
         let wall = self.began.elapsed().as_secs_f64();
         let time = self.reached.time();
-        // so many points as one per cent of the wall time is worth
+        // a new point is kept when the wall time has grown by one per cent
         if self.points.last().is_none_or(|[last, _]| wall > 1.01 * last) {
             self.points.push([wall, time]);
         }
@@ -111,7 +112,7 @@ impl Track {
 }
 
 impl Progress {
-    /// For these runs; silent if `quiet`.
+    /// Progress of these runs; silent if `quiet`.
     pub fn new<'a>(experiments: impl IntoIterator<Item = &'a Experiment>, quiet: bool) -> Self {
         let how = if quiet {
             RunEnd::Silent
@@ -142,14 +143,14 @@ impl Progress {
         Self { board, show }
     }
 
-    /// Watches the run at this place among the experiments.
+    /// Watches the run at this index among the experiments.
     pub fn watch(&self, run: usize) -> Watch {
         Watch { board: Arc::clone(&self.board), run }
     }
 }
 
 impl Progress {
-    /// Another process has begun the run at this place, or has come to `time` [s] in it.
+    /// Notes that another process has begun the run at this index, or has come to `time` [s] in it.
     pub fn is_elsewhere(&self, run: usize, time: f64) {
         let stage = &mut lock(&self.board).runs[run].stage;
         if matches!(stage, RunStage::Waiting) {
@@ -159,14 +160,14 @@ impl Progress {
         }
     }
 
-    /// The run at this place is over in another process.
+    /// Notes that the run at this index is over in another process.
     pub fn ended_elsewhere(&self, run: usize) {
         let mut board = lock(&self.board);
         let duration = board.runs[run].duration;
         board.end(run, duration);
     }
 
-    /// The runs that are under way, and how far [s] they have come.
+    /// Indices of the runs that are under way, and the time [s] that each has reached.
     pub fn under_way(&self) -> Vec<(usize, f64)> {
         let board = lock(&self.board);
         let one = |(place, run): (usize, &RunProgress)| match &run.stage {
@@ -181,7 +182,7 @@ impl Drop for Progress {
     fn drop(&mut self) {
         if let Some((sender, thread)) = self.show.take() {
             drop(sender);
-            // a thread that shows has nothing to give back
+            // the thread of the display has no result to return
             let _ = thread.join();
         }
         if let RunEnd::Bar(bar) = &lock(&self.board).how {
@@ -190,13 +191,13 @@ impl Drop for Progress {
     }
 }
 
-/// The board, also if a thread ended badly while it had it: nothing on it can be half done.
+/// Locks the board, also if a thread panicked while it held it: nothing on the board can be half done.
 fn lock(board: &Mutex<Board>) -> MutexGuard<'_, Board> {
     board.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// An observer that sees the start and the end of a run, and leaves the rest to the clock. A run that goes on from where it was
-/// stored starts at the sample that comes next.
+/// An observer that sees the start and the end of a run; the clock follows the rest. A resumed run starts at the sample
+/// that comes next.
 pub struct Watch {
     board: Arc<Mutex<Board>>,
     run: usize,
@@ -230,7 +231,7 @@ impl Board {
         };
         let Some(run) = self.runs.iter().rposition(|run| matches!(run.stage, RunStage::Running(_))) else { return };
         if !due {
-            // the speed is that of what has been seen
+            // the speed is measured from the points seen so far
             self.rates();
             return;
         }
@@ -246,7 +247,7 @@ impl Board {
         }
     }
 
-    /// A run is over at `time` [s]; a complete one gets a line that stays.
+    /// Notes that a run is over at `time` [s]; a complete run gets a line that stays.
     fn end(&mut self, run: usize, time: f64) {
         let wall = match &self.runs[run].stage {
             RunStage::Running(track) => track.began.elapsed().as_secs_f64(),
@@ -263,18 +264,18 @@ impl Board {
         }
     }
 
-    /// [s] simulated, and [s/s] speed if known, of every run.
+    /// Simulated time [s], and speed [s/s] if known, of every run.
     fn rates(&mut self) -> Vec<(f64, Option<f64>)> {
         let one = |run: &mut RunProgress| match &mut run.stage {
             RunStage::Waiting => (0.0, None),
             RunStage::Running(track) => track.now(),
-            // one that was over already when the command began has taken no time here
+            // a run that was over already when the command began has taken no time here
             RunStage::Over([time, wall]) => (*time, Some(*time / *wall).filter(|rate| rate.is_finite() && *rate > 0.0)),
         };
         self.runs.iter_mut().map(one).collect()
     }
 
-    /// How much of all is done [-], and where the run at place `k` is, in one line.
+    /// Share of all runs that is done [-], and the progress of the run at index `k` in one line.
     fn line(&mut self, k: usize) -> (f64, String) {
         let rates = self.rates();
         let (time, rate) = rates[k];
@@ -295,8 +296,8 @@ impl Board {
         (simulated / count as f64, text)
     }
 
-    /// [s] wall time that is left of all runs, shared by those that run at the same time. Those that wait are taken to be as fast as those of their model have been, or else
-    /// as all have been.
+    /// [s] wall time left of all runs: the sum of their times over the number of runs that go on at once. Waiting runs
+    /// are taken to be as fast as earlier ones of their model, or else as all earlier runs.
     fn left(&self, rates: &[(f64, Option<f64>)]) -> Option<f64> {
         let mean = |model: Option<Model>| {
             let known = self.runs.iter().zip(rates).filter(|(run, _)| model.is_none_or(|model| run.model == model));
@@ -321,7 +322,7 @@ fn remaining(left: Option<f64>) -> String {
 
 /// A span of time [s] in words.
 pub fn span(seconds: f64) -> String {
-    /// [s] a thousand years: more than anybody waits, and less than a duration holds.
+    /// [s] a thousand years: longer than any run, and within the range of a duration.
     const LONGEST: f64 = 3.2e10;
     if seconds < 10.0 {
         return format!("{} s", significant(seconds, 2));
@@ -329,15 +330,16 @@ pub fn span(seconds: f64) -> String {
     HumanDuration(Duration::from_secs_f64(seconds.min(LONGEST))).to_string()
 }
 
-/// [-] how much of a run of that duration [s] is done at `time` [s]; rounding of a sum of windows does not keep it from its end.
+/// [-] share of a run of that duration [s] that is done at `time` [s]. Rounding of a sum of windows does not keep it
+/// from 1 at the end.
 fn share(time: f64, duration: f64) -> f64 {
     if duration > 0.0 { (time * (1.0 + 1e-9) / duration).min(1.0) } else { 1.0 }
 }
 
-/// One line of any width: what does not fit is cut off its end, where a wider bar would wrap.
+/// One line of any width: text beyond the width is cut off at its end, where a wider bar would wrap.
 fn style() -> ProgressStyle {
     let template = "{percent:>3} % {bar:16} {wide_msg}";
-    // a template that does not parse would only lose its looks
+    // a template that does not parse would only spoil the look
     ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar())
 }
 
@@ -348,7 +350,7 @@ mod tests {
     use indicatif::{ProgressDrawTarget, TermLike};
     use std::io::Result;
 
-    /// A terminal of so many columns that keeps what is drawn.
+    /// A terminal of the given number of columns that keeps the drawn text.
     #[derive(Clone, Debug)]
     struct Narrow(u16, Arc<Mutex<Vec<String>>>);
 
@@ -432,7 +434,7 @@ mod tests {
         let mut board = board(vec![over, running, waiting(Model::Soft), waiting(Model::Hard)], RunEnd::Lines);
         let rates = board.rates();
         let left = board.left(&rates).unwrap();
-        // 40 s of this run, 80 s of its like and 10 s of the other's; the clock goes on meanwhile
+        // 40 s of this run, 80 s of the other soft run and 10 s of the other hard run; the clock goes on meanwhile
         assert!((left - 130.0).abs() < 1.0, "{left}");
         let (done, text) = board.line(1);
         assert!((done - 0.375).abs() < 1e-6 && text.starts_with("all 4 runs: 1 done, about 2 minutes left"), "{text}");

@@ -1,4 +1,4 @@
-//! `--replicas`: the same variant from several seeds, and their averages as one outcome.
+//! `--replicas`: one variant with several seeds, and their averages as one outcome.
 
 use super::checkpointer::Checkpointer;
 use super::execute::SharedRun;
@@ -36,10 +36,10 @@ pub fn replicas(experiment: &Experiment, count: u16) -> Result<Vec<Experiment>, 
     Ok((0..count).map(one).collect())
 }
 
-/// Refuses processes that would have nothing to do in a run that they share because there are no replicas: more than there are particles.
+/// Refuses idle processes in a shared run: more processes than particles, with no replicas for them to do.
 ///
 /// # Errors
-/// There are.
+/// There are idle processes.
 pub fn refuse_idle(experiment: &Experiment, replicas: u16, ranks: &Ranks) -> Result<(), StudyError> {
     let (processes, particles) = (ranks.count(), experiment.count());
     if replicas > 1 || processes <= particles.max(1) {
@@ -53,24 +53,25 @@ pub fn refuse_idle(experiment: &Experiment, replicas: u16, ranks: &Ranks) -> Res
     )))
 }
 
-/// Where the run at that place is shared by all processes: several of them, and no replicas that they would do beside each other.
+/// Shared run at index `place`, if all processes share it. That is so for several processes and no replicas that they
+/// could do concurrently.
 ///
-/// `gives_end`: whether the final state is needed.
+/// `gives_end`: true if the final state is needed.
 pub fn shared<'a>(place: usize, ground: &ReplicaContext<'a>, gives_end: bool) -> Option<SharedRun<'a>> {
     let ReplicaContext { others, ranks, quiet, .. } = *ground;
     (ranks.count() > 1 && others.iter().all(Vec::is_empty)).then_some(SharedRun { place, ranks, quiet, gives_end })
 }
 
-/// All replicas but the first, from their starts.
+/// All replicas but the first, with their initial states.
 ///
 /// # Errors
-/// As for [`replicas`], or a scene too crowded to start.
+/// Errors of [`replicas`], or a scene too crowded to start.
 pub fn others(experiment: &Experiment, count: u16) -> Result<Vec<ResumableRun>, StudyError> {
     let others = replicas(experiment, count)?.into_iter().skip(1);
     others.map(|other| start(&other).and_then(|start| ResumableRun::new(other, start.into()))).collect()
 }
 
-/// Progress of all variants and, after each, of its replicas, to be shown unless `quiet`.
+/// Progress of all variants and, after each, of its replicas. It is shown unless `quiet`.
 pub fn progress<'a>(variants: impl Iterator<Item = (&'a Experiment, &'a [ResumableRun])>, quiet: bool) -> Progress {
     let each = |(variant, others): (&'a Experiment, &'a [ResumableRun])| {
         std::iter::once(variant).chain(others.iter().map(|other| &other.experiment))
@@ -78,26 +79,26 @@ pub fn progress<'a>(variants: impl Iterator<Item = (&'a Experiment, &'a [Resumab
     Progress::new(variants.flat_map(each), quiet)
 }
 
-/// How replicas are run.
+/// Context in which replicas are run.
 pub struct ReplicaContext<'a> {
     /// The replicas of all variants, one variant after the other.
     pub others: &'a [Vec<ResumableRun>],
-    /// Where they are watched, as [`progress`] makes it.
+    /// Display of their progress, made by [`progress`].
     pub progress: &'a Progress,
     /// The threads of this process.
     pub share: ThreadBudget,
     /// The processes.
     pub ranks: &'a Ranks,
-    /// Says nothing.
+    /// True to print nothing.
     pub quiet: bool,
 }
 
-/// Runs the replicas of a variant at those places of its list (the first run is none of them) beside each other, as many as there are
-/// threads, and in all processes; results do not depend on how many.
-/// Where the user stops the command, those that were not over by then are stored and left out, and the keeper takes note.
+/// Runs the replicas of a variant at those indices of its list concurrently, as many as there are threads, and in all
+/// processes. The first run of the variant is not in that list. Results do not depend on the number of threads or
+/// processes. Where the user stops the command, unfinished replicas are stored and left out, and the keeper takes note.
 ///
 /// # Errors
-/// What the keeper has of a replica is not of it.
+/// The stored state of a replica is not of it.
 pub fn run_others(
     variant: usize,
     range: Range<usize>,
@@ -111,7 +112,7 @@ pub fn run_others(
     }
     let before = ground.others[..variant].iter().map(Vec::len).sum::<usize>() + range.start;
     let places: Vec<usize> = (before..before + own.len()).collect();
-    // in the progress each variant stands before its replicas
+    // in the progress each variant comes before its replicas
     let watched = |(variant, others): (usize, &Vec<ResumableRun>)| std::iter::repeat_n(variant + 1, others.len());
     let ahead = ground.others.iter().enumerate().flat_map(watched);
     let runs = ResumableRuns {
@@ -135,9 +136,10 @@ pub fn run_others(
     Ok(over)
 }
 
-/// The replicas of a variant as one outcome, and those of them that it is made of beside its first: profiles, temperature, rates and what is said of
-/// each kind are averages over all; everything else, such as times, counts and ledgers, is that of the first. Replicas that have failed
-/// are left out as long as one has not; the outcome says that there were some.
+/// Pools the replicas of a variant into one outcome; returns it with the replicas besides the first that it contains.
+/// Profiles, temperature, rates and averages of each species are averages over all replicas. Everything else, such as
+/// times, counts and energy balances, is that of the first. Failed replicas are left out as long as one has not failed;
+/// the outcome says that there were some.
 pub fn pool(first: Outcome, others: Vec<Outcome>) -> (Outcome, Vec<Outcome>) {
     let failure = std::iter::once(&first).chain(&others).find_map(|run| run.failure.clone());
     let (mut rest, failed): (Vec<Outcome>, Vec<Outcome>) = others.into_iter().partition(|run| run.failure.is_none());
@@ -150,7 +152,8 @@ pub fn pool(first: Outcome, others: Vec<Outcome>) -> (Outcome, Vec<Outcome>) {
     (outcome, rest)
 }
 
-/// [-] share of particles that keep their places from which averages of one run say nothing of other runs. The share is known to about 0.05.
+/// [-] share of particles that keep their positions from which averages of one run say nothing of other runs. The share
+/// is known to about 0.05.
 pub const FROZEN: f64 = 0.2;
 
 fn merge(first: &Outcome, others: &[Outcome]) -> Outcome {
@@ -160,7 +163,7 @@ fn merge(first: &Outcome, others: &[Outcome]) -> Outcome {
     let all: Vec<&Outcome> = std::iter::once(first).chain(others).collect();
     let kept = all.iter().filter_map(|run| run.places_kept);
     let places_kept = kept.reduce(f64::max);
-    // what does not mix tells of other runs by the scatter between runs alone
+    // if particles do not mix, only the scatter between runs tells of other runs
     let by_runs = places_kept.is_some_and(|kept| kept > FROZEN) && all.len() >= FEWEST_RUNS;
     let pooled = |of: fn(&Averaged) -> &Option<Batches>| {
         let runs: Option<Vec<&Batches>> = all.iter().map(|run| of(&run.averaged).as_ref()).collect();
@@ -190,7 +193,7 @@ fn merge(first: &Outcome, others: &[Outcome]) -> Outcome {
     outcome
 }
 
-/// [-] root mean square of the scatter between runs over the standard errors that the runs tell of themselves.
+/// [-] root mean square of the scatter between runs over the standard errors that each run estimates by itself.
 fn scatter_over_errors(runs: &[&Outcome]) -> Option<f64> {
     let of = |run: &Outcome| -> [Option<Estimate>; 4] {
         let count = run.profiles.slices.len() as f64;
@@ -209,7 +212,7 @@ fn scatter_over_errors(runs: &[&Outcome]) -> Option<f64> {
         let centre = known.iter().map(|one| one.0).sum::<f64>() / count;
         let between = known.iter().map(|one| (one.0 - centre).powi(2)).sum::<f64>() / (count - 1.0);
         let within = known.iter().map(|one| one.1 * one.1).sum::<f64>() / count;
-        // what rounding alone moves is no scatter
+        // differences by rounding alone are no scatter
         (within.sqrt() > 1e-12 * centre.abs()).then(|| between / within)
     };
     let ratios: Vec<f64> = (0..4).filter_map(ratio).collect();

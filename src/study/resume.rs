@@ -1,4 +1,4 @@
-//! `diptych resume`: a run, a comparison or a study of sensitivity that was stopped or killed goes on.
+//! `diptych resume`: goes on with a run, a comparison or a study of sensitivity that was stopped or killed.
 
 use super::checkpointer::unusable;
 use super::compare::compare_on;
@@ -17,7 +17,8 @@ use std::path::Path;
 /// Goes on with the command whose results are in a folder.
 ///
 /// # Errors
-/// There is nothing to go on with, another program wrote it, or its case has changed; otherwise as for the command.
+/// There is nothing to go on with, another program wrote it, or its case has changed; otherwise the errors of the
+/// command.
 pub fn resume(args: &Resume, ranks: &Ranks) -> Result<(), StudyError> {
     let typed = args.folder.display();
     let input = |message: String| StudyError::Input(format!("error: {message}"));
@@ -49,13 +50,13 @@ pub fn resume(args: &Resume, ranks: &Ranks) -> Result<(), StudyError> {
     }
 }
 
-/// What is typed now takes the place of what was typed when the command began.
+/// Replaces the options typed when the command began by those typed now.
 fn adopt(args: &Resume, output: &mut Output, effort: &mut Effort) {
     output.quiet |= args.quiet;
     effort.threads = args.threads.or(effort.threads);
 }
 
-/// Why there is nothing to go on with.
+/// Reason why there is nothing to go on with.
 fn refusal(folder: &Path, why: Unreadable) -> StudyError {
     let path = folder.join(CHECKPOINT).join(COMMAND[0]);
     match why {

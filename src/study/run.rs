@@ -29,7 +29,7 @@ pub fn run(args: &Run, ranks: &Ranks) -> Result<(), StudyError> {
     run_on(args, &Invocation::First, ranks)
 }
 
-/// The same, begun or gone on with.
+/// Begins or resumes a run.
 pub(super) fn run_on(args: &Run, occasion: &Invocation, ranks: &Ranks) -> Result<(), StudyError> {
     let prepared = ranks.agree(prepare(args, ranks), |prepared| mark(prepared.runs()))?;
     let share = ThreadBudget { threads: ranks.threads(args.effort.threads), in_turn: false };
@@ -94,11 +94,11 @@ pub(super) fn run_on(args: &Run, occasion: &Invocation, ranks: &Ranks) -> Result
     failures(&outcomes)
 }
 
-/// What is to be run.
+/// A run, prepared.
 struct PreparedRun {
     case: Case,
     checked: Checked,
-    /// Why this model, if it was left to the program.
+    /// Reason for the model, if the program chose it.
     reason: Option<String>,
     first: ResumableRun,
     /// The replicas of the one variant.
@@ -121,7 +121,7 @@ fn prepare(args: &Run, ranks: &Ranks) -> Result<PreparedRun, StudyError> {
     Ok(PreparedRun { case, checked, reason, first, others, trajectories })
 }
 
-/// What is asked for.
+/// Run as asked for on the command line.
 struct RunRequest {
     case: Case,
     checked: Checked,
@@ -143,7 +143,7 @@ fn ask(args: &Run, ranks: &Ranks) -> Result<RunRequest, StudyError> {
     Ok(RunRequest { case, checked, reason, trajectories })
 }
 
-/// Budgets are sums over windows of one length.
+/// Refuses budgets where windows differ in length: budgets are sums over windows of one length.
 fn refuse_budgets(args: &Run, schedule: &Schedule) -> Result<(), StudyError> {
     if args.budgets && schedule.is_cut() {
         let why = "--budgets needs windows of one length, and --every ends some of them between";

@@ -1,4 +1,4 @@
-//! Runs beside each other: each on threads of its own, here or in another process.
+//! Concurrent runs: each on its own threads, in this process or in another one.
 
 use super::ranks::{Message, Ranks};
 use super::session::StudyError;
@@ -9,23 +9,24 @@ use std::sync::{Mutex, PoisonError};
 use std::thread::scope;
 use std::time::{Duration, Instant};
 
-/// Between two looks at what other processes have sent. MPI's own ways to wait keep a core busy.
+/// Time between two looks for messages of other processes. MPI's own ways to wait keep a core busy.
 pub const LOOK: Duration = Duration::from_millis(1);
 
-/// Between two words of a helper on how far its runs have come.
+/// Time between two messages of a helper on the progress of its runs.
 const TELL: Duration = Duration::from_secs(1);
 
-/// How runs share the threads of a process.
+/// Distribution of the threads of a process among runs.
 #[derive(Clone, Copy)]
 pub struct ThreadBudget {
     /// Threads in all.
     pub threads: usize,
-    /// One run after the other, with all threads; otherwise several at once, with equal shares of them.
+    /// True for one run after the other, with all threads. Otherwise several runs go on at once, with equal shares of
+    /// the threads.
     pub in_turn: bool,
 }
 
 impl ThreadBudget {
-    /// How many of `count` runs go on at once, and the threads of each.
+    /// Number of the `count` runs that go on at once, and the threads of each.
     pub fn of(self, count: usize) -> (usize, usize) {
         let at_once = if self.in_turn { 1 } else { self.threads.min(count).max(1) };
         (at_once, (self.threads / at_once).max(1))
@@ -34,39 +35,40 @@ impl ThreadBudget {
 
 /// A list of runs that may be done in any order, and by any process that has made the same list.
 pub trait RunList: Sync {
-    /// What comes out of one.
+    /// Result of one run.
     type Answer: Send;
 
-    /// How many there are.
+    /// Number of runs.
     fn count(&self) -> usize;
 
-    /// Does one in the pool of threads that it is called in; `None` if it was left on its way, and then no other is to be begun.
+    /// Does one run in the pool of threads that this is called in. `None` if it was left before its end; then no other
+    /// run is to begin.
     fn run(&self, place: usize) -> Option<Self::Answer>;
 
-    /// What comes out of one as bytes, for another process; `None` if it was left on its way.
+    /// Result of one run as bytes, for another process; `None` if it was left before its end.
     ///
     /// # Errors
-    /// It cannot be run, or not be written.
+    /// The run cannot be done, or its result cannot be written.
     fn run_for_another(&self, place: usize) -> Result<Option<Vec<u8>>, StudyError>;
 
-    /// Does its share of the run at that place of those that all processes share.
+    /// Does the share of this process in the run at index `place` of the shared runs.
     fn follow(&self, _place: usize, _ranks: &Ranks) {}
 
-    /// The answer of another process.
+    /// The result that another process has sent.
     ///
     /// # Errors
     /// The bytes are not of this run.
     fn answer_of_another(&self, place: usize, bytes: &[u8]) -> Result<Self::Answer, StudyError>;
 
-    /// Another process has begun this run, or has come to `time` [s] in it.
+    /// Notes that another process has begun this run, or has come to `time` [s] in it.
     fn is_elsewhere(&self, place: usize, time: f64);
 
-    /// [s] how far each run has come that is under way here, by place.
+    /// Indices of the runs that are under way here, and the time [s] that each has reached.
     fn under_way(&self) -> Vec<(usize, f64)>;
 }
 
-/// Does the runs at these places of the list, here and by helpers, and hands each answer to `finished` with its place, in the order in
-/// which they end.
+/// Does the runs at these indices of the list, here and by helpers. Each result is handed to `finished` with its index,
+/// in the order in which runs end.
 ///
 /// # Errors
 /// The first error of `finished` or of a helper; no thread can be started.
@@ -122,7 +124,7 @@ pub fn beside<R: RunList>(
     })
 }
 
-/// What a helper does: the runs that the lead names, until the command is over.
+/// Does the runs that the lead names, as a helper, until the command is over.
 ///
 /// # Errors
 /// No thread can be started.
@@ -166,7 +168,8 @@ fn pools(share: ThreadBudget, count: usize) -> Result<Vec<ThreadPool>, StudyErro
     })
 }
 
-/// Starts a thread for each pool that does the runs whose places are sent to it. They end when nothing more can be sent.
+/// Starts a thread for each pool. The threads do the runs whose indices are sent to them, and end when no more can be
+/// sent.
 fn crew<'scope, 'env, A: Send + 'scope>(
     scope: &'scope std::thread::Scope<'scope, 'env>,
     pools: &'env [ThreadPool],
@@ -181,7 +184,7 @@ fn crew<'scope, 'env, A: Send + 'scope>(
             loop {
                 let place = places.lock().unwrap_or_else(PoisonError::into_inner).recv();
                 let Ok(place) = place else { break };
-                // nobody listens any more: what is left would be lost
+                // the receiver is gone: further results would be lost
                 if answered.send((place, pool.install(|| run(place)))).is_err() {
                     break;
                 }
@@ -191,17 +194,17 @@ fn crew<'scope, 'env, A: Send + 'scope>(
     (orders, answers)
 }
 
-/// What has come in.
+/// Next event for the lead.
 enum Heard<A> {
     /// A run is over here.
     Here(usize, A),
-    /// From another process.
+    /// A message from another process.
     There(Message),
     /// Nothing for a while.
     Nothing,
 }
 
-/// Waits for whatever comes next, where there are other processes for no longer than [`TELL`]; `None` if nothing ever will.
+/// Waits for the next event, with other processes for no longer than [`TELL`]. `None` if nothing more can come.
 fn wait<A>(answers: &Receiver<(usize, A)>, ranks: &Ranks) -> Option<Heard<A>> {
     if ranks.count() == 1 {
         return answers.recv().ok().map(|(place, answer)| Heard::Here(place, answer));

@@ -1,4 +1,4 @@
-//! What is at hand without any file: built-in cases, a case of one's own to start from, completions, manual pages.
+//! Commands that need no file: built-in cases, a new case to start from, completions, manual pages.
 
 use super::session::StudyError;
 use super::terminal::{answer, tell};
@@ -9,7 +9,7 @@ use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
-/// [characters] width up to which the questions of cases are indented beside the longest name.
+/// [characters] width of names up to which the questions of cases are indented beside the longest name.
 const NAMES: usize = 30;
 
 /// Lists the built-in cases with their questions, and the sets of values.
@@ -31,14 +31,15 @@ pub fn cases() -> Result<(), StudyError> {
     answer(&text)
 }
 
-/// The question in the heading of a case: what follows "Question:", up to the next such word or the end of the paragraph.
+/// The question in the heading of a case: the text after "Question:", up to the next such word or the end of the
+/// paragraph.
 fn question(heading: &str) -> Option<String> {
     let after = heading.split_once("Question:")?.1;
     let end = after.find("\n\n").into_iter().chain(after.find("\nSource:")).min().unwrap_or(after.len());
     Some(after[..end].split_whitespace().collect::<Vec<_>>().join(" "))
 }
 
-/// Writes a built-in case to a file that is not there yet, and beside it the files that the case names.
+/// Writes a built-in case to a new file, and beside it the files that the case names.
 ///
 /// # Errors
 /// No such case, or the file is there or cannot be written: bad input.
@@ -60,7 +61,7 @@ pub fn init(args: &Init) -> Result<(), StudyError> {
     write(&path, case.text.as_bytes(), "another file")?;
     for (name, bytes) in built_in::files_of(&case) {
         let beside = path.with_file_name(&name);
-        // one that is there already as it would be written, of a case that names it too, serves both
+        // an existing file with these very contents, written for another case that names it too, serves both
         if std::fs::read(&beside).is_ok_and(|there| there == bytes) {
             continue;
         }
@@ -72,11 +73,11 @@ pub fn init(args: &Init) -> Result<(), StudyError> {
     Ok(())
 }
 
-/// Writes a whole file, or none; one that is there stays.
+/// Writes a whole file, or none; an existing file stays.
 fn write_new(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let mut builder = tempfile::Builder::new();
-    // like any file one makes: temporary ones are private
+    // with the permissions of an ordinary file: temporary ones are private
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o644));
     let mut aside = builder.prefix(".diptych-").tempfile_in(folder)?;

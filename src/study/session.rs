@@ -1,4 +1,4 @@
-//! What every command does around its work: read the case, prepare the folder, report.
+//! Tasks of every command around its work: read the case, prepare the folder, report.
 
 use super::checkpointer::Checkpointer;
 pub use super::error::StudyError;
@@ -26,7 +26,7 @@ pub fn read(path: &Path, input: &Input) -> Result<Case, StudyError> {
     Ok(Case::read(path, &input.sets())?)
 }
 
-/// Where a command writes: the folder asked for, or `out/<case>-<command>`.
+/// Folder of results of a command: the one asked for, or `out/<case>-<command>`.
 pub fn place(output: &Output, case: &Path, command: &str) -> PathBuf {
     output.out.clone().unwrap_or_else(|| {
         let stem = case.file_stem().map_or("case".into(), |stem| stem.to_string_lossy());
@@ -65,8 +65,8 @@ pub fn share_threads(effort: &Effort, ranks: &Ranks) -> Result<(), StudyError> {
     start_threads(threads, rayon::ThreadPoolBuilder::new().num_threads(threads))
 }
 
-/// Sets the number of threads for the whole process, if it is given. A single one is the calling thread itself: where it would wait for
-/// another to do the work of each window, small scenes on a busy machine wait for most of their time.
+/// Sets the number of threads for the whole process, if it is given. A single thread is the calling thread itself. If
+/// it waited for another thread to do the work of each window, small scenes on a busy machine would mostly wait.
 pub fn use_threads(threads: Option<usize>) -> Result<(), StudyError> {
     let Some(threads) = threads else { return Ok(()) };
     let mut pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
@@ -82,7 +82,7 @@ fn start_threads(threads: usize, pool: rayon::ThreadPoolBuilder) -> Result<(), S
     })
 }
 
-/// Where results come from; `scene`: in words.
+/// Provenance of the results; `scene`: description of the scene.
 pub fn provenance(case: &Case, scene: String) -> Provenance {
     Provenance {
         title: case.title.clone(),
@@ -101,7 +101,7 @@ pub fn command_line() -> String {
 /// A command line, quoted where a shell needs it.
 pub fn quoted(arguments: impl IntoIterator<Item = OsString>) -> String {
     let quoted = arguments.into_iter().enumerate().map(|(k, argument)| {
-        // the program by its name, wherever it was started from
+        // the program by its name, without the path it was started from
         let argument = if k == 0 { "diptych".into() } else { argument.to_string_lossy().into_owned() };
         let plain = |c: char| c.is_ascii_alphanumeric() || "-_=./,:+".contains(c);
         if !argument.is_empty() && argument.chars().all(plain) {
@@ -122,7 +122,7 @@ pub fn start(experiment: &Experiment) -> Result<Particles, StudyError> {
 /// Refuses a run for which there is not enough memory, before any of it is taken.
 ///
 /// # Errors
-/// [`StudyError::Input`], with the memory that it takes and that there is.
+/// [`StudyError::Input`], with the memory that the run takes and the memory that there is.
 pub fn refuse_too_large(experiment: &Experiment) -> Result<(), StudyError> {
     match memory::refusal(experiment) {
         None => Ok(()),
@@ -130,22 +130,22 @@ pub fn refuse_too_large(experiment: &Experiment) -> Result<(), StudyError> {
     }
 }
 
-/// What a variant writes besides its results, and where.
+/// Destination of the further files of a variant, besides its results.
 pub struct Into<'a> {
     /// The folder of results.
     pub folder: &'a Folder,
-    /// Name of the files of its trajectory.
+    /// Name of the trajectory files.
     pub name: &'a str,
     /// The trajectory that is asked for.
     pub trajectories: Option<Trajectories>,
-    /// What else sees the run, such as the file of its final state.
+    /// Further observers of the run, such as the file of its final state.
     pub others: Vec<&'a mut dyn Observer>,
-    /// The processes that share the run, if they do.
+    /// Sharing of the run with other processes, if they share it.
     pub shared: Option<SharedRun<'a>>,
 }
 
-/// Runs one variant while it is watched, and writes its trajectory if it is asked for; or goes on with it from where the
-/// keeper has it. A trajectory that cannot be written is a failure of the run.
+/// Runs one variant while it is watched, or resumes it from its stored state. Its trajectory is written if that is
+/// asked for. A trajectory that cannot be written is a failure of the run.
 pub fn simulate(
     experiment: &Experiment,
     start: Start,
@@ -156,7 +156,7 @@ pub fn simulate(
     let Into { folder, name, trajectories, mut others, shared } = into;
     std::thread::scope(|scope| {
         let mut trajectory = trajectories.map(|asked| Trajectory::new(scope, folder, name, asked));
-        // the trajectory first: the other processes that share the run have one at the same place
+        // the trajectory first: the other processes that share the run have theirs at this position too
         let first = trajectory.as_mut().map(|trajectory| trajectory as &mut dyn Observer);
         let mut observers: Vec<&mut dyn Observer> = first.into_iter().collect();
         observers.push(&mut watch);
@@ -166,7 +166,7 @@ pub fn simulate(
             None => execute_kept(experiment, start, &mut observers, keeper)?,
         };
         let written = trajectory.map_or(Ok(()), Trajectory::written);
-        // what has been removed is not there to go on with
+        // a folder that has been removed cannot be resumed from
         let is_gone = matches!(written, Err(OutputError::Gone { .. }));
         if let Err(why) = written {
             let time = outcome.simulated_seconds;
@@ -179,7 +179,8 @@ pub fn simulate(
     })
 }
 
-/// Names of files for variants: their own, in letters that any system takes, and different ones.
+/// Names of files for variants. They are the names of the variants, in letters that any system accepts, and all
+/// different.
 pub fn file_names<'a>(variants: impl Iterator<Item = &'a str>) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
     for variant in variants {
@@ -190,7 +191,7 @@ pub fn file_names<'a>(variants: impl Iterator<Item = &'a str>) -> Vec<String> {
     names
 }
 
-/// The trust sheet of a run, with the halved step looked at if asked.
+/// The trust sheet of a run, with a test of half the step if asked for.
 pub fn trust(
     outcome: &Outcome,
     end: &Particles,
@@ -206,14 +207,14 @@ pub fn trust(
     Ok(trust_sheet(outcome, halved))
 }
 
-/// The error of a command some of whose variants failed.
+/// Error of a command if some of its variants failed.
 pub fn failures_of<'a>(variants: impl Iterator<Item = (&'a str, Option<&'a Failure>)>) -> Result<(), StudyError> {
     let failed: Vec<String> =
         variants.filter_map(|(name, why)| Some(format!("error: \"{name}\" stopped: {}", why?))).collect();
     if failed.is_empty() { Ok(()) } else { Err(StudyError::Failed(failed.join("\n"))) }
 }
 
-/// The same for outcomes.
+/// Error of a command if some of its outcomes failed.
 pub fn failures(outcomes: &[Outcome]) -> Result<(), StudyError> {
     failures_of(outcomes.iter().map(|o| (o.experiment.name.as_str(), o.failure.as_ref())))
 }

@@ -6,10 +6,10 @@ use signal_hook::flag;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// The exit code of a program that Ctrl-C has ended, as shells report it: 128 and the number of the signal.
+/// Exit code of a program that Ctrl-C has ended, as shells report it: 128 plus the number of the signal.
 const ENDED: i32 = 130;
 
-/// Whether the user wants the command to stop.
+/// Flag that the user wants the command to stop.
 #[derive(Clone)]
 pub struct Signals(Arc<AtomicBool>);
 
@@ -29,18 +29,18 @@ impl Signals {
             flag::register_conditional_shutdown(signal, ENDED, Arc::clone(&stop))?;
             flag::register(signal, Arc::clone(&stop))?;
         }
-        // a file that outgrows what a shell allows is an error to be told, not the end of the program
+        // a file that outgrows the limit of a shell is an error to be reported, not the end of the program
         #[cfg(unix)]
         flag::register(signal_hook::consts::SIGXFSZ, Arc::new(AtomicBool::new(false)))?;
         Ok(Self(stop))
     }
 
-    /// Whether a signal to stop has come.
+    /// True if a signal to stop has come.
     pub fn say_stop(&self) -> bool {
         self.0.load(Ordering::Relaxed)
     }
 
-    /// As if a signal to stop had come.
+    /// Raises the flag as a signal to stop would.
     pub fn raise(&self) {
         self.0.store(true, Ordering::Relaxed);
     }

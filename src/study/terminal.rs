@@ -1,7 +1,7 @@
-//! What is said to the user. This is the only file that writes to standard output and standard error.
+//! Output to the user. This is the only file that writes to standard output and standard error.
 //!
-//! Either may be closed, full, or a pipe whose reader has gone (`diptych run CASE 2>&1 | head -1`). Rust's `println!` and
-//! `eprintln!` end the program then. Here nothing does: the work goes on and its files are written.
+//! Either may be closed, full, or a pipe whose reader has gone (`diptych run CASE 2>&1 | head -1`). Rust's `println!`
+//! and `eprintln!` end the program then. Here the work goes on and its files are written.
 
 use super::error::StudyError;
 use crate::legible;
@@ -9,15 +9,15 @@ use std::fmt::Display;
 use std::io::{ErrorKind, Write, stderr, stdout};
 use std::path::Path;
 
-/// Tells the user a line on standard error: progress, a warning, an error. Where nobody can read it, it is lost.
+/// Tells the user a line on standard error: progress, a warning, an error. If the line cannot be written, it is lost.
 pub fn tell(line: impl Display) {
     let line = line.to_string();
     // there is no other place left to which a complaint could go
     let _ = writeln!(stderr().lock(), "{}", legible::lines(&line));
 }
 
-/// Prints the sentences that a study ends with and the file in which all of it stands, on standard output. If they
-/// cannot be printed, everything is in the folder nevertheless: that is a warning.
+/// Prints the final sentences of a study and the file that holds all results, on standard output. If they cannot be
+/// printed, everything is in the folder nevertheless: that is a warning.
 pub fn conclude(sentences: &[String], what: &str, file: &Path) {
     let lines: String = sentences.iter().map(|sentence| format!("{sentence}\n")).collect();
     if let Err(why) = answer(&format!("{lines}{what}: {}\n", file.display())) {
@@ -25,8 +25,8 @@ pub fn conclude(sentences: &[String], what: &str, file: &Path) {
     }
 }
 
-/// Prints a text that is the whole result of a command, on standard output. A reader who leaves early (a broken pipe)
-/// has read enough.
+/// Prints a text that is the whole result of a command, on standard output. A reader that closes the pipe early has
+/// read enough: that is no error.
 ///
 /// # Errors
 /// [`StudyError::Failed`] if it cannot be written, for example because the disk is full: there is no other copy of it.
@@ -37,7 +37,7 @@ pub fn answer(text: &str) -> Result<(), StudyError> {
 /// Prints a JSON text that is the whole result of a command, as [`answer`] does.
 ///
 /// # Errors
-/// As for [`answer`].
+/// The errors of [`answer`].
 pub fn answer_json(text: &str) -> Result<(), StudyError> {
     print(&legible::json(text))
 }

@@ -1,4 +1,4 @@
-//! How far can the numbers of a run be trusted?
+//! Trust in the numbers of a run: its limits, in sentences.
 
 use crate::experiment::Model;
 use crate::outcome::Outcome;
@@ -7,7 +7,8 @@ use crate::predict::gas;
 use crate::statistics::Estimate;
 use crate::study::judge::not_steady;
 
-/// Restitution is quoted to two digits; half of the last one is a miss.
+/// Error of the restitution that counts as a miss: restitution is quoted to two digits, and half of the last one is a
+/// miss.
 pub(super) const MISS: f64 = 0.005;
 
 /// A run in one sentence.
@@ -39,8 +40,8 @@ pub fn granular_temperature(outcome: &Outcome) -> Option<f64> {
     (count > 0.0).then(|| sum / count)
 }
 
-/// [-] by how much soft spheres act as if smaller than they are, after Barker and Henderson; of the first species, `None` for
-/// hard spheres, without samples or impacts, and for a few bodies, which are no gas.
+/// [-] relative reduction of the effective diameter of soft spheres, after Barker and Henderson. It is that of the
+/// first species. `None` for hard spheres, without samples or impacts, and for a few bodies, which are no gas.
 pub fn softness(outcome: &Outcome) -> Option<f64> {
     if outcome.record.pairs.count == 0 || !outcome.paths.points.is_empty() {
         return None;
@@ -51,7 +52,7 @@ pub fn softness(outcome: &Outcome) -> Option<f64> {
     shrink.is_finite().then_some(shrink)
 }
 
-/// What limits the trust in each outcome, a sentence each.
+/// Limits of the trust in each outcome, a sentence each.
 pub fn notes(outcomes: &[Outcome]) -> Vec<String> {
     let mut notes = Vec::new();
     for outcome in outcomes {
@@ -95,7 +96,7 @@ pub fn notes(outcomes: &[Outcome]) -> Vec<String> {
     notes
 }
 
-/// Says so when the realised restitution misses the one asked for.
+/// Adds a note if the realised restitution misses the one asked for.
 fn restitution(outcome: &Outcome, note: &mut impl FnMut(String)) {
     let scene = &outcome.experiment.scene;
     if let Some(asked) = scene.restitution_of_pairs()

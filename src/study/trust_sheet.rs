@@ -1,4 +1,4 @@
-//! The trust sheet of a variant: every number that says how far the others can be trusted, beside what it should be.
+//! The trust sheet of a variant: every number that shows how far the others can be trusted, beside its expected value.
 
 use super::trust::{MISS, softness};
 use crate::engine::Failure;
@@ -7,15 +7,17 @@ use crate::outcome::Outcome;
 use crate::output::{Expected, HalvedStep, Judgement, TrustCheck, TrustSheet};
 use crate::statistics::Estimate;
 
-/// Standard errors beyond which a difference is not put down to chance.
+/// Number of standard errors beyond which a difference is not put down to chance.
 const SUSPECT: f64 = 3.0;
-/// [-] largest share of the energy that may go unexplained; the integrator's own error at 20 steps per contact stays well below.
+/// [-] largest share of the energy that may remain unexplained; the integrator's own error at 20 steps per contact
+/// stays well below.
 const RESIDUAL: f64 = 1e-3;
 /// [-] overlap over the (smaller) diameter at the mean impact speed: the paper's Eq. 11, λ.
 const MEAN_OVERLAP: f64 = 0.01;
 /// [-] largest overlap over the (smaller) diameter: the weaker of the two limits the paper quotes below its Eq. 10.
 const LARGEST_OVERLAP: f64 = 0.1;
-/// [-] shrinking by softness that lowers the collision rate by 1 %: the rate of a dilute gas goes with the diameter squared.
+/// [-] reduction of the diameter by softness that lowers the collision rate by 1 %: the rate of a dilute gas goes with
+/// the diameter squared.
 const SOFTNESS: f64 = 0.005;
 
 /// The sheet of one outcome.

@@ -1,4 +1,4 @@
-//! `--verify`: what does half the step and half the window change?
+//! `--verify`: the effect of half the step and half the window.
 
 use super::checkpointer::Checkpointer;
 use super::error::StudyError;
@@ -12,15 +12,15 @@ use crate::schedule::Schedule;
 use crate::statistics::Estimate;
 use std::convert::Infallible;
 
-/// The stretch is this part of the run. It is run once as set and once at half the step, which costs twice as much where
-/// all is stepped: three fifteenths, a fifth of the run.
+/// Divisor of the length of the run that gives a stretch. A stretch is run once as set and once at half the step, which
+/// costs twice as much where all is stepped. That makes three fifteenths, a fifth of the run.
 const PARTS: f64 = 15.0;
 
 /// Samples in a stretch: enough blocks for a standard error.
 const SAMPLES: f64 = 48.0;
 
-/// Runs a fifteenth of the run on from its final state, as set and at half the step and window. `end`: the final state in
-/// the order of ids. Contacts in progress begin anew, in both alike. Progress is shown unless `quiet`.
+/// Runs a fifteenth of the run on from its final state, as set and at half the step and window. `end`: the final state
+/// in the order of ids. Contacts in progress begin anew in both runs. Progress is shown unless `quiet`.
 pub fn verify(outcome: &Outcome, end: &Particles, quiet: bool) -> HalvedStep {
     let run = |experiment: &Experiment| {
         let progress = Progress::new([experiment], quiet);
@@ -30,10 +30,10 @@ pub fn verify(outcome: &Outcome, end: &Particles, quiet: bool) -> HalvedStep {
     halved
 }
 
-/// The same; the keeper may stop it.
+/// Verifies a run like [`verify`], with a keeper that may stop it.
 ///
 /// # Errors
-/// What the keeper has of a stretch is not of it.
+/// The stored state of a stretch is not of it.
 pub(super) fn verify_kept(
     outcome: &Outcome,
     end: &Particles,
@@ -46,7 +46,7 @@ pub(super) fn verify_kept(
     })
 }
 
-/// The stretch as set and at half the step, done by `run`.
+/// Runs the stretch as set and at half the step, by means of `run`.
 fn halve<E>(outcome: &Outcome, mut run: impl FnMut(&Experiment) -> Result<Outcome, E>) -> Result<HalvedStep, E> {
     if let Some(why) = &outcome.failure {
         return Ok(HalvedStep::Unknown(format!("the run itself stopped early: {why}")));
@@ -82,7 +82,7 @@ fn halve<E>(outcome: &Outcome, mut run: impl FnMut(&Experiment) -> Result<Outcom
 fn stretched(outcome: &Outcome, stretch: f64, halved: bool) -> Experiment {
     let mut experiment = outcome.experiment.clone();
     let factor = if halved { 0.5 } else { 1.0 };
-    // those of the end of the run, from which the stretch goes on
+    // the windows at the end of the run, from which the stretch goes on
     let window = Schedule::new(&outcome.experiment).longest().min(stretch);
     experiment.run.duration = stretch;
     experiment.run.average_from = AverageFrom::Time(0.0);
@@ -101,7 +101,7 @@ fn stretched(outcome: &Outcome, stretch: f64, halved: bool) -> Experiment {
     experiment
 }
 
-/// What is compared: name, unit and value of each.
+/// Quantities that are compared: name, unit and value of each.
 fn quantities(run: &Outcome) -> [(&'static str, &'static str, Option<Estimate>); 5] {
     let through = run.record.ledger.through(run.energy_at_start);
     let residual = (through > 0.0).then(|| run.energy_residual.over(through));

@@ -1,4 +1,4 @@
-//! The scenes of the lab: each is a case of `cases/` with changes, what may be set of it, what is drawn, and the words.
+//! Scenes of the lab. Each is a case of `cases/` with changes, its parameters, its graphs, and its texts.
 //!
 //! A new scene is one file here and two lines below.
 
@@ -29,29 +29,29 @@ pub struct LabScene {
     pub sets: &'static [&'static str],
     /// The left panel.
     pub left: PanelSetup,
-    /// What the right panel may show; the first is shown unless another one is chosen.
+    /// Setups that the right panel may show; the first one is shown by default.
     pub rights: &'static [PanelSetup],
-    /// What may be set.
+    /// Parameters that may be set.
     pub knobs: &'static [ParameterRange],
-    /// What is measured and drawn.
+    /// Quantities that are measured and drawn.
     pub gauge: Gauge,
-    /// [s] of the clock on the wall in which the whole scene passes at its own pace.
+    /// [s] wall time that the whole scene takes at its own pace.
     pub lasts: f64,
-    /// How the box is drawn.
+    /// View of the box.
     pub view: BoxView,
-    /// What is seen, three sentences.
+    /// Description of the scene in three sentences.
     pub sentences: [&'static str; 3],
     /// An equation.
     pub equation: &'static str,
-    /// What its symbols are.
+    /// Meaning of the symbols in the equation.
     pub symbols: &'static str,
     /// A question for the student.
     pub question: &'static str,
-    /// Its answer.
+    /// Answer to the question.
     pub answer: &'static str,
 }
 
-/// What one panel runs.
+/// Setup of one panel.
 pub struct PanelSetup {
     /// Heading.
     pub title: &'static str,
@@ -61,16 +61,16 @@ pub struct PanelSetup {
     pub sets: &'static [&'static str],
 }
 
-/// How the box is drawn.
+/// View of the box.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct BoxView {
-    /// Which coordinate goes to the right.
+    /// Coordinate on the horizontal axis.
     pub right: usize,
-    /// Which one goes up.
+    /// Coordinate on the vertical axis.
     pub up: usize,
-    /// [m] what is shown of them: from and to, to the right, then up; `None`: the whole box.
+    /// [m] range shown: from and to on the horizontal axis, then on the vertical one; `None`: the whole box.
     pub region: Option<[f64; 4]>,
-    /// [-] gaps between spheres are drawn so many times as large (two spheres only).
+    /// [-] factor by which gaps between spheres are magnified (two spheres only).
     pub magnify: Option<f64>,
 }
 
@@ -79,7 +79,7 @@ const WHOLE: BoxView = BoxView { right: 0, up: 1, region: None, magnify: None };
 
 /// Soft spheres, as they are in the case.
 const SOFT: PanelSetup = PanelSetup { title: "soft", model: Model::Soft, sets: &[] };
-/// Hard spheres with a calendar of events.
+/// Hard spheres with an event queue.
 const HARD: PanelSetup = PanelSetup { title: "hard", model: Model::Hard, sets: &[] };
 /// Hybrid spheres.
 const HYBRID: PanelSetup = PanelSetup { title: "hybrid", model: Model::Hybrid, sets: &[] };

@@ -1,23 +1,24 @@
-//! What the chart says, in sentences made from its numbers.
+//! Conclusions of the chart, in sentences made from its numbers.
 
 use crate::experiment::Model;
 use crate::output::numbers::{count, quantity as with_prefix, significant};
 use crate::output::{ChartMethod, ChartPoint, ChartQuantity, ChartSlope, CostMeasure, cheapest};
 use crate::statistics::power_law;
 
-/// Errors in the way of which one asks: 1 % and 0.1 %.
+/// Target errors, 1 % and 0.1 %.
 const TARGETS: [(f64, &str); 2] = [(0.01, "1 %"), (0.001, "0.1 %")];
 /// An error below this many of its standard errors may be chance.
 const RESOLVED: f64 = 3.0;
-/// [-] below this an error is rounding: positions hold 1e-19 of a millimetre, overlaps are some micrometres.
+/// [-] below this an error is rounding: positions are resolved to 1e-19 of a millimetre, overlaps are some micrometres.
 const ROUNDING: f64 = 1e-12;
-/// Points in the asymptotic range: the finest that are resolved, at least three of them.
+/// Points in the asymptotic range: the finest that are resolved, at least three.
 const ASYMPTOTIC: usize = 5;
 /// An exponent smaller than this is no order of convergence: the error is of another origin.
 const FLAT: f64 = 0.1;
 
-/// How the error of each method falls with its knob, for each quantity. The asymptotic range is taken to be the finest three
-/// to five points, whichever lie closest to a line, that stand out of chance and rounding and have errors of one sign.
+/// Order of convergence of each method in each quantity: the slope of its error over its knob. The asymptotic range is
+/// the finest three to five resolved points, whichever number of them lies closest to a line. Resolved errors exceed
+/// chance and rounding, and all have one sign.
 pub fn slopes(quantities: &[ChartQuantity], methods: usize, points: &[ChartPoint]) -> Vec<ChartSlope> {
     let mut slopes = Vec::new();
     for (index, quantity) in quantities.iter().enumerate() {
@@ -34,8 +35,8 @@ pub fn slopes(quantities: &[ChartQuantity], methods: usize, points: &[ChartPoint
     slopes
 }
 
-/// Knob and error of the points of one method, in the order of the sweep (from coarse to fine), that stand out of chance and
-/// rounding, after the last one whose error has the other sign.
+/// Knob and error of the resolved points of one method, from coarse to fine. Resolved errors exceed chance and
+/// rounding. Points up to the last one whose error has the other sign are left out.
 fn resolved<'a>(
     points: impl Iterator<Item = &'a ChartPoint>,
     index: usize,
@@ -66,7 +67,7 @@ pub fn name(methods: &[ChartMethod], point: &ChartPoint) -> String {
     format!("{} ({} = {value}{unit})", method.name, method.knob)
 }
 
-/// The conclusion: the cheapest within 1 % and 0.1 % in each quantity, the slopes, the failures.
+/// The conclusion: the cheapest method within 1 % and 0.1 % in each quantity, the slopes, the failures.
 pub fn sentences(
     methods: &[ChartMethod],
     quantities: &[ChartQuantity],
@@ -113,7 +114,7 @@ fn within(
     let Some((model, first)) = cheapest_of(methods, points, index, target, &all) else {
         return format!("nothing stays within {words} for certain");
     };
-    // hard spheres take some quantities as given: then the soft ones are asked for themselves
+    // hard spheres take some quantities as given: then the cheapest soft method is named too
     let soft = match (model, cheapest_of(methods, points, index, target, &[Model::Soft])) {
         (Model::Soft, _) => String::new(),
         (Model::Hard | Model::Hybrid, Some((_, text))) => format!("; of soft methods {text}"),
@@ -122,7 +123,7 @@ fn within(
     format!("within {words} the cheapest is {first}{soft}")
 }
 
-/// The cheapest of some models by operations, and by wall time if that is another.
+/// The cheapest method of some models by operations, and by wall time if that is another method.
 fn cheapest_of(
     methods: &[ChartMethod],
     points: &[ChartPoint],

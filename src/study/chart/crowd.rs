@@ -1,4 +1,5 @@
-//! The chart of a scene with many particles: every method against exact instants, as far as chance lets it be seen.
+//! The chart of a scene with many particles: every method against exact collision instants, as far as statistical
+//! errors allow.
 
 use super::methods::{MethodSweep, work};
 use super::outlook::Outlook;
@@ -15,29 +16,29 @@ use std::time::Instant;
 
 /// A scene to be charted.
 pub struct Crowd {
-    /// What every method runs.
+    /// Stretch of the case that every method runs.
     pub stretch: Stretch,
-    /// What the methods start from.
+    /// Initial state of all methods.
     start: Particles,
     /// Outcomes of the reference, one per start.
     references: Vec<Outcome>,
-    /// How the reference was computed, in words.
+    /// Method of the reference, in words.
     pub method: &'static str,
 }
 
-/// One number of a run.
+/// Function that reads one number off the outcome of a run.
 type OutcomeColumn = fn(&Outcome) -> Option<Estimate>;
 
-/// What can be charted: key, name, axis, unit, how it is read off.
+/// Numbers that can be charted: key, name, axis, unit, and the function that reads it.
 const NUMBERS: [(&str, &str, &str, &str, OutcomeColumn); 2] = [
     ("collision_rate", "pair impacts per time", "|rate − reference|/reference", "1/s", |o| o.pair_rate),
     ("temperature", "granular temperature", "|T − reference|/reference", "m²/s²", |o| o.temperature),
 ];
 
-/// The same for a slice.
+/// Function that reads one number off a slice of a profile.
 type PickSlice = fn(&SliceRow) -> Option<Estimate>;
 
-/// What is compared slice by slice.
+/// Profiles that are compared slice by slice: key, name, axis, unit, and the function that reads it.
 const PROFILES: [(&str, &str, &str, &str, PickSlice); 2] = [
     (
         "velocity_profile",
@@ -56,8 +57,8 @@ const PROFILES: [(&str, &str, &str, &str, PickSlice); 2] = [
 ];
 
 impl Crowd {
-    /// Runs what goes before a stretch, and the reference: exact instants, or where these fail the soft model by local
-    /// fourth-order steps at N_c = 50.
+    /// Runs the time before a stretch, and the reference. The reference resolves exact instants; where this fails it is
+    /// the soft model by local fourth-order steps at N_c = 50.
     ///
     /// # Errors
     /// A start that cannot be made, or a scene in which neither runs.
@@ -73,7 +74,7 @@ impl Crowd {
         Err(StudyError::Failed(format!("error: no reference: neither model runs through this scene{why}")))
     }
 
-    /// The start of the first seed, and a run from each; the failure of any.
+    /// The start of the first seed and a run from each start, or the first failure.
     fn references(
         way: &Experiment,
         method: &str,
@@ -149,7 +150,7 @@ impl Crowd {
                 self.references.iter().map(|run| norm(&differences(&profile(run, pick), &mean)).powi(2)).sum();
             let rms = (squares / starts).sqrt();
             let floor = rms * ((starts + 1.0) / (starts - 1.0)).sqrt() / size;
-            // a profile that is all noise is none
+            // a profile that is all noise is left out
             if size > 0.0 && floor < 1.0 / 3.0 {
                 let slices = mean.iter().flatten().count().max(1) as f64;
                 let error = rms / (starts - 1.0).sqrt() / slices.sqrt();
@@ -205,7 +206,7 @@ impl Crowd {
             key => {
                 let number = NUMBERS.iter().find(|(known, ..)| *known == key).map(|(.., pick)| pick(outcome));
                 if let Some(found) = number {
-                    // a run has the scatter of the reference's, or its own error if that is larger
+                    // the scatter of a run is that of the reference's runs, or its own error if that is larger
                     let (found, share) = (found?, found?.over(quantity.reference.value));
                     let uncertainty = share.error.map_or(quantity.floor, |own| own.max(quantity.floor));
                     single(found.value, (share.value - 1.0).abs(), Some(uncertainty))
@@ -221,7 +222,7 @@ impl Crowd {
         found.error.is_finite().then_some(found)
     }
 
-    /// The mean over the runs of the reference, where all of them know the slice.
+    /// Mean profile over the runs of the reference, in slices that all of them have sampled.
     fn mean_profile(&self, pick: PickSlice) -> Vec<Option<f64>> {
         let mut sums: Vec<Option<f64>> = Vec::new();
         for run in &self.references {
@@ -236,13 +237,13 @@ impl Crowd {
         sums.iter().map(|sum| Some((*sum)? / self.references.len() as f64)).collect()
     }
 
-    /// Whether chance makes the reference's runs differ at all.
+    /// True if the runs of the reference differ by chance.
     pub fn is_random(&self) -> bool {
         self.references.iter().any(|run| run.final_state_hash != self.references[0].final_state_hash)
     }
 }
 
-/// The values of all slices; those that no particle visits have none.
+/// The values of all slices; slices that no particle visits have none.
 fn profile(outcome: &Outcome, pick: PickSlice) -> Vec<Option<f64>> {
     outcome.profiles.slices.iter().map(|row| Some(pick(row)?.value)).collect()
 }

@@ -20,7 +20,7 @@ use std::time::Instant;
 /// Phases of the first touch within a step.
 pub const PHASES: usize = 128;
 
-/// One in so many phases is run to see how long all will take.
+/// One in this many phases is run to estimate the time of all.
 const TRIAL: usize = 16;
 
 /// One head-on impact.
@@ -28,33 +28,33 @@ const TRIAL: usize = 16;
 pub struct HeadOn {
     /// Method settings; its scene is replaced by an empty one.
     pub experiment: Experiment,
-    /// The sphere, and the other one if there is one: otherwise a plane wall.
+    /// The sphere, and the second sphere; `None` for a plane wall.
     pub bodies: (Species, Option<Species>),
-    /// What a contact law must know of the two.
+    /// Properties of the two bodies that the contact law needs.
     pub contact: Bodies,
-    /// How they answer.
+    /// Surface properties of the contact.
     pub surface: Surface,
     /// [m/s] normal speed of approach.
     pub approach: f64,
-    /// [s] straight flight until they touch.
+    /// [s] time of straight flight until the bodies touch.
     pub touch: f64,
-    /// [s] how long all is simulated.
+    /// [s] simulated time in all.
     pub duration: f64,
 }
 
-/// What one run did before it failed.
+/// Work of one run before it failed.
 struct Stopped {
     why: ChartFailure,
     counters: Counters,
     wall: f64,
 }
 
-/// What one run gives.
+/// Results of one run.
 struct Rebound {
     restitution: f64,
-    /// [-] energy that the ledger does not explain, over that at the start.
+    /// [-] energy that the balance leaves unexplained, over the energy at the start.
     residual: f64,
-    /// [-] distance from where an instant collision would have put them, over the diameter.
+    /// [-] distance from the positions after an instantaneous collision, over the diameter.
     displacement: f64,
     counters: Counters,
     wall: f64,
@@ -98,7 +98,7 @@ impl HeadOn {
         Ok(Self { experiment, bodies, contact: meeting.bodies, surface: meeting.surface, approach, touch, duration })
     }
 
-    /// The knobs' values.
+    /// Values of the knobs.
     pub fn values(quick: bool) -> Values {
         let steps: &[f64] = if quick {
             &[1.5, 5.0, 10.0, 15.0, 20.0, 50.0]
@@ -141,7 +141,7 @@ impl HeadOn {
         (0.5 * self.bodies.0.diameter, self.bodies.1.as_ref().map_or(0.0, |other| 0.5 * other.diameter))
     }
 
-    /// [m] diameter that distances are measured in: the smaller one.
+    /// [m] diameter that distances are measured in: the smaller of the two.
     fn diameter(&self) -> f64 {
         let first = self.bodies.0.diameter;
         self.bodies.1.as_ref().map_or(first, |other| first.min(other.diameter))
@@ -158,7 +158,7 @@ impl HeadOn {
         experiment
     }
 
-    /// [s] wall time of every point of every method, from one in sixteen of its phases.
+    /// [s] expected wall time of every point of every method, from one in sixteen of its phases.
     pub fn expected(&self, sweeps: &[MethodSweep]) -> Vec<f64> {
         let points = sweeps.iter().flat_map(|sweep| sweep.values.iter().map(move |value| (sweep, *value)));
         let trial = |(sweep, value): (&MethodSweep, f64)| {
@@ -199,7 +199,7 @@ impl HeadOn {
         let mut times: Vec<f64> = runs.iter().map(|run| run.wall).collect();
         times.sort_by(f64::total_cmp);
         let e = self.surface.restitution;
-        // relative to the one asked for, unless that is none
+        // relative to the restitution asked for, unless that is zero
         let scale = if e > 0.0 { e } else { 1.0 };
         let column = |of: fn(&Rebound) -> f64| -> Vec<f64> { runs.iter().map(of).collect() };
         let restitution = column(|run| run.restitution);
@@ -221,7 +221,7 @@ impl HeadOn {
         }
     }
 
-    /// One run whose touch falls `phase` (0, 1) of a step after a step.
+    /// One run in which the bodies touch at `phase` (0, 1) within a step.
     fn rebound(&self, experiment: &Experiment, knob: MethodParameter, phase: f64) -> Result<Rebound, Stopped> {
         let (scene, mut particles) = self.scene();
         let experiment = Experiment { scene, ..experiment.clone() };
@@ -242,7 +242,7 @@ impl HeadOn {
                 let window = experiment.run.window.unwrap_or(self.duration);
                 (window, (self.duration / window - 1e-9).ceil())
             }
-            // a whole number of steps: the step is the one asked for to the last digit
+            // a whole number of steps, so that the step is exactly the one asked for
             _ => ((self.duration / step - 1e-9).ceil() * step, 1.0),
         };
         let mut simulation = Simulation::new(&experiment, particles);
@@ -270,7 +270,7 @@ impl HeadOn {
     /// An empty box with the bodies far apart on the x axis.
     fn scene(&self) -> (Scene, Particles) {
         let (a, b) = self.radii();
-        // nobody gets farther than this
+        // no sphere gets farther than this
         let reach = 4.0 * (a + b) + 2.0 * self.approach * (self.duration + self.touch) * 2.0;
         let size = Vector3::repeat(2.0 * reach);
         let plane = Plane { point: Vector3::zeros(), normal: Vector3::x() };
@@ -317,7 +317,7 @@ impl HeadOn {
         }
     }
 
-    /// [m] surface to surface.
+    /// [m] gap between the two surfaces.
     fn gap(&self, simulation: &Simulation) -> f64 {
         let (a, b) = self.radii();
         let x = |id: u32| {
@@ -337,7 +337,8 @@ fn range(values: &[f64]) -> (f64, f64) {
     values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(*v), high.max(*v)))
 }
 
-/// Error of the mean. Phases are equally spaced, so its own error is well below that of as many random ones, which is given.
+/// Error of the mean. The standard error given is that of as many random phases. That of equally spaced phases is well
+/// below it.
 fn mean_error(values: &[f64], reference: f64, scale: f64) -> PointError {
     let count = values.len() as f64;
     let mean = values.iter().sum::<f64>() / count;

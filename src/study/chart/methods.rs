@@ -1,16 +1,16 @@
-//! The methods that are charted, and the knob each is swept over.
+//! Methods that are charted, and the knob over which each is swept.
 
 use crate::contact_law::{ContactLaw, Parameter};
 use crate::engine::Counters;
 use crate::experiment::{Experiment, HardStepping, Integrator, Model, SoftStepping, Spheres, TimeStep};
 use crate::output::ChartMethod;
 
-/// What is turned to trade cost for precision.
+/// Knob that trades cost for precision.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MethodParameter {
     /// [-] steps per contact N_c.
     StepsPerContact,
-    /// Elastic parameter of the contact law, here as the case has it, at [`FINE_STEPS`] per contact.
+    /// Elastic parameter of the contact law, swept at [`FINE_STEPS`] per contact; the value here is that of the case.
     Stiffness(Parameter),
     /// [-] θ of the stepped hard engine.
     Theta,
@@ -21,7 +21,7 @@ pub enum MethodParameter {
 /// Steps per contact while the stiffness is swept: Runge-Kutta's own error in the restitution is then below 1e-6.
 pub const FINE_STEPS: f64 = 50.0;
 
-/// How contacts and collisions are computed.
+/// Treatment of contacts and collisions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum MethodKind {
     Soft(ContactLaw, SoftStepping, Integrator),
@@ -29,12 +29,12 @@ enum MethodKind {
     Events,
 }
 
-/// One method with the values of its knob, from cheap to dear.
+/// One method with the values of its knob, from cheap to expensive.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MethodSweep {
     /// Name.
     pub name: &'static str,
-    /// What is turned.
+    /// Knob of the method.
     pub knob: MethodParameter,
     /// The values in SI units, from coarse to fine.
     pub values: Vec<f64>,
@@ -46,11 +46,11 @@ pub struct MethodSweep {
 pub struct Values {
     /// [-] N_c.
     pub steps_per_contact: Vec<f64>,
-    /// [-] stiffness over the case's.
+    /// [-] factors on the stiffness of the case.
     pub stiffness: Vec<f64>,
     /// [-] θ.
     pub theta: Vec<f64>,
-    /// [-] windows over the case's.
+    /// [-] factors on the window of the case.
     pub windows: Vec<f64>,
 }
 
@@ -126,7 +126,7 @@ impl MethodSweep {
         experiment
     }
 
-    /// What outputs call it.
+    /// Name and knob of the method as they stand in outputs.
     pub fn method(&self) -> ChartMethod {
         let (knob, unit) = match self.knob {
             MethodParameter::StepsPerContact => ("N_c", ""),
@@ -142,7 +142,7 @@ impl MethodSweep {
     }
 }
 
-/// Operations: what is counted in every method alike.
+/// Number of operations, counted alike in every method: pair checks, force evaluations and events.
 pub fn work(counters: &Counters) -> f64 {
     (counters.pair_checks + counters.force_evaluations + counters.events) as f64
 }

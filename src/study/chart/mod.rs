@@ -25,11 +25,11 @@ use crate::experiment::Experiment;
 use crate::output::numbers::{quantity, significant};
 use crate::output::{ChartMethod, ChartPoint, ChartQuantity, ChartStudy, write_chart};
 
-/// What is measured, before it is written.
+/// Results of a chart, before they are written.
 pub struct ChartResults {
-    /// What errors are measured against.
+    /// Reference against which errors are measured.
     pub reference: String,
-    /// What was run for each point.
+    /// Description of the runs behind each point.
     pub setting: String,
     /// The methods.
     pub methods: Vec<ChartMethod>,
@@ -37,7 +37,7 @@ pub struct ChartResults {
     pub quantities: Vec<ChartQuantity>,
     /// The points, method by method, coarse to fine.
     pub points: Vec<ChartPoint>,
-    /// What the reader should know.
+    /// Notes for the reader.
     pub notes: Vec<String>,
 }
 
@@ -75,14 +75,14 @@ pub fn chart(args: &Chart) -> Result<(), StudyError> {
     Ok(())
 }
 
-/// What the methods are laid over: the case, with the contact law of whichever variant has one.
+/// Experiment that the methods vary: the case, with the contact law of the first variant that has one.
 fn base(case: &Case) -> Result<Experiment, StudyError> {
     let variants = case.variants(None);
     let run = case.experiment(None, None);
     let known: Vec<Experiment> =
         run.iter().cloned().chain(variants.iter().flatten().cloned()).map(|(experiment, _)| experiment).collect();
     let Some(mut base) = known.first().cloned() else {
-        // both are errors here: the case's own says more
+        // both are errors here: that of the case itself says more
         return Err(run
             .err()
             .or(variants.err())

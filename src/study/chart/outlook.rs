@@ -1,16 +1,16 @@
-//! How long will the chart take, and how much of it is left? Told, never used.
+//! Wall time of a chart, expected and left. It is told to the user and not used otherwise.
 
 use crate::simulation::Simulation;
 use crate::study::progress::INTERVAL;
 use std::time::Instant;
 
-/// [-] share of the chart that the first estimate counts for beside what has been measured since.
+/// [-] weight of the first estimate beside the times measured since, as a share of the chart.
 const PRIOR: f64 = 0.05;
 
-/// The runs of a chart, what each is expected to take, and how far they have come.
+/// Runs of a chart, the wall time expected of each, and the progress so far.
 pub struct Outlook {
     told: Option<fn(&str)>,
-    /// [s] of each run, in their order.
+    /// [s] wall time expected of each run, in their order.
     expected: Vec<f64>,
     done: usize,
     /// The present run.
@@ -20,7 +20,7 @@ pub struct Outlook {
 }
 
 impl Outlook {
-    /// Tells `told` line by line, or nobody: then nothing is estimated either.
+    /// Tells `told` line by line. With `None` nothing is told or estimated.
     pub fn new(told: Option<fn(&str)>) -> Self {
         let now = Instant::now();
         Self { told, expected: Vec::new(), done: 0, name: String::new(), began: now, said: now }
@@ -34,7 +34,7 @@ impl Outlook {
         }
     }
 
-    /// Takes what each run will take [s] and tells the sum; `estimate` is not asked if nobody listens.
+    /// Takes the wall time [s] expected of each run and tells the sum; `estimate` is not called if nothing is told.
     ///
     /// # Errors
     /// The error of `estimate`.
@@ -85,7 +85,8 @@ impl Outlook {
     }
 }
 
-/// [s] until the last of the runs is over, `done` and a `part` of the next having taken `elapsed` [s]; none after the last.
+/// [s] wall time until the last of the runs is over, after `done` runs and a `part` of the next took `elapsed` [s];
+/// `None` after the last.
 fn time_left(expected: &[f64], done: usize, part: f64, elapsed: f64) -> Option<f64> {
     let next = expected.get(done)?;
     let total: f64 = expected.iter().sum();
@@ -94,7 +95,7 @@ fn time_left(expected: &[f64], done: usize, part: f64, elapsed: f64) -> Option<f
     Some((total - over) * (elapsed + prior) / (over + prior))
 }
 
-/// About so much time.
+/// Time in words, about.
 fn in_words(seconds: f64) -> String {
     match seconds {
         s if s < 1.0 => "less than a second".into(),

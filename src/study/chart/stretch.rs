@@ -1,4 +1,5 @@
-//! What the methods run in a scene with many particles: a part of the time that the case averages over.
+//! The stretch of time that the methods run in a scene with many particles: a part of the time that the case averages
+//! over.
 
 use super::methods::{FINE_STEPS, MethodParameter, MethodSweep, Values};
 use crate::experiment::{AverageFrom, Experiment, HardStepping, Integrator, SoftStepping, Spheres, TimeStep};
@@ -9,34 +10,35 @@ use crate::study::calibration::{agitated, physics, timed};
 use crate::study::session::{StudyError, start};
 use std::time::Instant;
 
-/// Runs of the reference, each from a start of its own.
+/// Runs of the reference, each from its own start.
 pub const STARTS: usize = 8;
 /// Samples in a stretch, enough blocks for standard errors.
 pub const SAMPLES: f64 = 60.0;
-/// A stretch is this part of the time that the case averages over, so that dozens of runs take minutes where one takes seconds.
+/// The time that the case averages over, divided by that of a stretch. So dozens of runs take minutes where one run
+/// takes seconds.
 const PARTS: f64 = 10.0;
-/// The same with `--quick`.
+/// Divisor of the averaging time with `--quick`.
 const QUICK_PARTS: f64 = 100.0;
-/// [-] share of a run that is tried to see how long it will take.
+/// [-] share of a run that is timed to estimate its wall time.
 const TRIAL: f64 = 0.02;
 
-/// [-] what is so near to three digits has been meant to be those.
+/// [-] a number this close to one of three digits was meant to be that number.
 const ROUNDING: f64 = 1e-9;
-/// [-] a case is not looked at that is longer by more than this: its windows grow with it.
+/// [-] longest duration tried over that of the case: windows grow with the duration.
 const LONGEST: f64 = 1e6;
 
 /// A stretch of a case.
 pub struct Stretch {
-    /// What every method runs, from the common start.
+    /// Experiment that every method runs from the common start.
     pub experiment: Experiment,
-    /// [s] what goes before it, by the method of the reference.
+    /// [s] time before the stretch, run by the method of the reference.
     pub before: f64,
     /// [s] the window of the case.
     pub window: f64,
 }
 
 impl Stretch {
-    /// The knobs' values.
+    /// Values of the knobs.
     pub fn values(quick: bool) -> Values {
         let of = |long: &[f64], short: &[f64]| if quick { short.to_vec() } else { long.to_vec() };
         Values {
@@ -73,7 +75,7 @@ impl Stretch {
         Ok(Self { experiment, before, window })
     }
 
-    /// The ways to compute the reference, the best first, in words.
+    /// Methods for the reference, the best first, each with its description.
     pub fn ways(&self) -> Vec<(Experiment, &'static str)> {
         let mut hard = self.experiment.clone();
         hard.run.spheres = Spheres::Hard;
@@ -90,8 +92,8 @@ impl Stretch {
         ways
     }
 
-    /// The methods with the values of their knobs. Windows are left out that are longer than the case's and too long for error bars:
-    /// no run has windows longer than itself.
+    /// Methods with the values of their knobs. Windows longer than the case's are left out where they would be too long
+    /// for error bars: no run has windows longer than itself.
     pub fn sweeps(&self, quick: bool) -> Vec<MethodSweep> {
         let window = Schedule::new(&self.experiment).window;
         let longest = window.max(self.experiment.run.duration / FEWEST_BLOCKS as f64);
@@ -102,7 +104,7 @@ impl Stretch {
         sweeps
     }
 
-    /// One method at one value of its knob; no sample comes sooner than a window.
+    /// One method at one value of its knob. No sample interval is shorter than a window.
     pub fn run_of(&self, sweep: &MethodSweep, value: f64) -> Experiment {
         let mut experiment = sweep.experiment(&self.experiment, value);
         if let (Some(window), Some(interval)) = (experiment.run.window, experiment.statistics.sample_interval) {
@@ -111,8 +113,8 @@ impl Stretch {
         experiment
     }
 
-    /// [s] wall time of every run, the references first, from a trial of each with particles as agitated as a gas, if there is one,
-    /// makes them in the case.
+    /// [s] expected wall time of every run, the references first, from a trial of each. In a gas, particles of the
+    /// trial are as agitated as the gas makes them in the case.
     ///
     /// # Errors
     /// A start that cannot be made.
@@ -124,7 +126,7 @@ impl Stretch {
         let placing = clock.elapsed().as_secs_f64();
         let trial = |experiment: &Experiment| timed(experiment, &particles, TRIAL);
         let ways = self.ways();
-        // as the chart does: the second where the first fails
+        // as in the chart: the second method where the first fails
         let mut trials = ways.into_iter().map(|(mut way, _)| {
             way.run.duration = STARTS as f64 * (self.before + way.run.duration);
             trial(&way)
@@ -137,8 +139,8 @@ impl Stretch {
         Ok(expected)
     }
 
-    /// What to say of a stretch with too few samples for error bars, and the shortest `run.duration` of `base` that would do;
-    /// none if there are enough.
+    /// Message about a stretch with too few samples for error bars, with the shortest `run.duration` of `base` that
+    /// gives enough. `None` if there are enough.
     pub fn shortfall(&self, base: &Experiment, quick: bool) -> Option<String> {
         let samples = Schedule::new(&self.experiment).samples;
         if samples >= FEWEST_BLOCKS as u64 {
@@ -168,7 +170,7 @@ impl Stretch {
     }
 }
 
-/// [s] the shortest duration of a case, in three digits, with which its stretches have error bars; none if no longer one has.
+/// [s] shortest duration of a case, to three digits, whose stretches have error bars; `None` if no duration has.
 fn shortest(base: &Experiment, quick: bool) -> Option<f64> {
     let enough = |duration: f64| {
         let mut longer = base.clone();
@@ -187,7 +189,7 @@ fn shortest(base: &Experiment, quick: bool) -> Option<f64> {
         if enough(middle) { long = middle } else { short = middle }
     }
     let mut duration = rounded(long * (1.0 - ROUNDING), f64::ceil);
-    // whole numbers of windows: a little longer may be a window less
+    // whole numbers of windows: a slightly longer duration may have one window less
     for _ in 0..100 {
         if enough(duration) {
             return Some(duration);
@@ -197,9 +199,9 @@ fn shortest(base: &Experiment, quick: bool) -> Option<f64> {
     None
 }
 
-/// In three digits.
+/// Value to three digits.
 fn rounded(value: f64, how: fn(f64) -> f64) -> f64 {
     let unit = 10f64.powi(value.log10().floor() as i32 - 2);
-    // by way of text: a product with a power of ten is not the nearest number to those digits
+    // through text: a product with a power of ten is not the nearest number to those digits
     format!("{:.2e}", how(value / unit) * unit).parse().unwrap_or(value)
 }

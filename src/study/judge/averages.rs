@@ -1,4 +1,4 @@
-//! What is compared of two steady runs: averages that may differ at all.
+//! Observables compared between two steady runs: averages that may differ at all.
 
 use crate::experiment::Experiment;
 use crate::fluid::Profile;
@@ -10,7 +10,7 @@ use crate::walls::Wall;
 use nalgebra::Vector3;
 use std::borrow::Cow;
 
-/// A column of `profiles.csv`: its name, unit, place in a row, and what a mirror at the mid-plane does to it.
+/// A column of `profiles.csv`: its name, unit, index in a row, and its symmetry under a mirror at the mid-plane.
 type ComparedColumn = (&'static str, &'static str, usize, Parity);
 
 const DENSITY: ComparedColumn = ("number_density_ratio", "", 0, Parity::Even);
@@ -19,17 +19,18 @@ const SHEAR: ComparedColumn = ("uv", "m²/s²", 7, Parity::Odd);
 const NORMAL: [ComparedColumn; 3] =
     [("uu", "m²/s²", 4, Parity::Even), ("vv", "m²/s²", 5, Parity::Even), ("ww", "m²/s²", 6, Parity::Even)];
 
-/// Slices from which a profile has a shape of its own beside its mean, on either side of the mid-plane.
+/// Fewest slices on either side of the mid-plane for which the shape of a profile is compared besides its mean.
 const SLICES: usize = 4;
 
-/// Points in each half of the gas profile that its symmetry is looked at.
+/// Points in each half of the gas profile at which its symmetry is checked.
 const POINTS: usize = 20;
 
-/// The observables of a variant and of its reference, in the same order; in a mixture temperature, rate of impacts and, where
-/// something drives a stream, velocity of each species as well.
+/// Observables of a variant and of its reference, in equal order. In a mixture they include temperature and impact rate
+/// of each species and, where something drives a stream, the velocity of each species.
 ///
-/// V vanishes since mass is conserved and W, uw, vw by symmetry: they are left out. So are U without gas and gravity along the
-/// stream (momentum is conserved then), and n and uv where no wall makes a place differ from another.
+/// V vanishes since mass is conserved, and W, uw, vw vanish by symmetry: they are left out. U is left out where there
+/// is neither gas nor gravity along the stream, since momentum is conserved then. n and uv are left out where no wall
+/// makes a position differ from another.
 pub fn observables(variant: &Outcome, reference: &Outcome) -> [Vec<Observable>; 2] {
     let scene = &reference.experiment.scene;
     let walls = !scene.walls.is_empty();
@@ -88,9 +89,9 @@ fn numbers(outcome: &Outcome, reference: &Outcome, until: f64) -> Vec<Observable
     };
     let both = of(outcome).into_iter().zip(of(reference));
     let numbers = both.filter_map(|((name, unit, own), (_, _, other))| {
-        // of so many particles as the reference has
+        // the rates are those of as many particles as the reference has
         let counts = (name != "granular temperature").then_some((reference.particles, outcome.particles));
-        // what rests has neither a temperature nor impacts that matter
+        // particles at rest have neither a temperature nor impacts that matter
         let rest = reference.experiment.scene.rest_speed().powi(2);
         reference.temperature.filter(|temperature| temperature.value > rest)?;
         let scale = (value(&other)?, "its value");
@@ -99,7 +100,8 @@ fn numbers(outcome: &Outcome, reference: &Outcome, until: f64) -> Vec<Observable
     numbers.collect()
 }
 
-/// Velocity (0), temperature (1) or rate of impacts with particles (2) of each species of a mixture that the reference has.
+/// Velocity (0), temperature (1) or rate of impacts with particles (2) of each species of a mixture, for the species
+/// that the reference has.
 fn of_kinds(outcome: &Outcome, reference: &Outcome, until: f64, which: usize) -> Vec<Observable> {
     let (name, unit) = [("U", "m/s"), ("granular temperature", "m²/s²"), ("impacts per time", "1/s")][which];
     let of = |other: &SpeciesAverages| {
@@ -119,7 +121,7 @@ fn value(batches: &Option<Batches>) -> Option<f64> {
     batches.as_ref()?.values.first().copied().filter(|value| *value > 0.0)
 }
 
-/// A sum over so many particles as the first number says, from one over as many as the second.
+/// Converts a sum over the second number of particles into one over the first number of particles.
 fn of_as_many(batches: Option<Batches>, counts: Option<(usize, usize)>) -> Option<Batches> {
     match counts {
         Some((wanted, present)) if wanted != present => {
@@ -134,12 +136,13 @@ fn number(name: Cow<'static, str>, unit: &'static str, (scale, scale_is): Scale,
     Observable { name, unit, places, parity, fixed_mean, scale, scale_is, parts }
 }
 
-/// A scale, and what it is in words.
+/// A scale, and its name in words.
 type Scale = (f64, &'static str);
 
-/// Scale of differences in a column, in its unit: the mean for the density; for U the mean slip between gas and particles
-/// or, without gas, the mean velocity past walls, and the agitation where that is larger: none of these depends on the frame; the mean
-/// of a normal stress; the largest magnitude of the shear stress. `None` where nothing was sampled, or nothing moves.
+/// Scale of differences in a column, in the unit of the column. For the density and for a normal stress it is the mean.
+/// For U it is the mean slip between gas and particles or, without gas, the mean velocity past walls. The agitation is
+/// taken instead where it is larger. None of these depends on the frame of reference. For the shear stress it is the
+/// largest magnitude. `None` where nothing was sampled, or nothing moves.
 fn scale(column: &ComparedColumn, reference: &Outcome) -> Option<Scale> {
     let table = &reference.profiles;
     let known: Vec<(f64, f64)> = (0..table.slices.len())
@@ -161,7 +164,7 @@ fn scale(column: &ComparedColumn, reference: &Outcome) -> Option<Scale> {
         "uv" => (known.iter().fold(0.0, |most: f64, (_, value)| most.max(value.abs())), "its largest magnitude"),
         _ => (mean(&|(_, value)| *value), "its mean"),
     };
-    // what rests has no velocity to compare
+    // particles at rest have no velocity to compare
     let rest = match column.0 {
         "number_density_ratio" => 0.0,
         "U" => scene.rest_speed(),
@@ -170,7 +173,7 @@ fn scale(column: &ComparedColumn, reference: &Outcome) -> Option<Scale> {
     (scale.0 > rest && !known.is_empty()).then_some(scale)
 }
 
-/// Whether the scene is the same when it is mirrored at the mid-plane y = L_y/2.
+/// True if the scene is symmetric under a mirror at the mid-plane y = L_y/2.
 fn is_mirrored(experiment: &Experiment) -> bool {
     let Scene { domain, gravity, fluid, walls, .. } = &experiment.scene;
     let height = domain.size.y;

@@ -12,23 +12,24 @@ use std::borrow::Cow;
 /// Instants at which curves are compared: enough for their shape, few enough that each of them counts.
 const INSTANTS: usize = 20;
 
-/// Replicas of each variant from which errors are told.
+/// Fewest replicas of each variant for which errors are given.
 pub const FEWEST: usize = 3;
 
-/// Replicas that are recommended where there are none: Student's t then has 14 degrees of freedom.
+/// Number of replicas that is recommended where there are none: Student's t then has 14 degrees of freedom.
 const ADVISED: usize = 8;
 
-/// Particles that may move as one without a single run giving a wrong "different". Molecular chaos would have 1.
+/// Number of particles that may move as one without a single run giving a wrong "different". For molecular chaos it
+/// would be 1.
 const CLUMP: f64 = 100.0;
 
-/// A curve: name, unit, what it is of a row, and its scale from all values of the reference.
+/// A curve: name, unit, the function that reads it from a row, and its scale from all values of the reference.
 struct Curve {
     name: &'static str,
     unit: &'static str,
     of: fn(&Row) -> Option<f64>,
-    /// The scale is at least this of another curve, which is never zero for long.
+    /// Another curve that is never zero for long; its scale is a lower limit of the scale here.
     like: Option<fn(&Row) -> Option<f64>>,
-    /// Whether it is a sum over all particles: then it is taken for as many as the reference has.
+    /// True if the curve is a sum over all particles: then it is converted to as many particles as the reference has.
     sum: bool,
 }
 
@@ -60,7 +61,7 @@ const CURVES: [Curve; 9] = [
     Curve { name: "height of the centre of mass", unit: "m", of: |row| row.centre[1], like: None, sum: false },
 ];
 
-/// Judges two variants by curves over the time that both have run.
+/// Compares two variants by curves over the time that both have run.
 pub fn judge(runs: &[ReplicaRuns; 2], asked: Criteria) -> Finding {
     let all: [Vec<&Outcome>; 2] = [0, 1].map(|k| std::iter::once(runs[k].outcome).chain(runs[k].others).collect());
     let why = unsteady([runs[0].outcome, runs[1].outcome]);
@@ -100,14 +101,14 @@ fn nothing(why: &str) -> Finding {
     }
 }
 
-/// The row of a run at a time [s].
+/// Row of a run at a time [s].
 fn row_at(run: &Outcome, time: f64) -> Option<&Row> {
     let rows = &run.series.rows;
     let place = rows.partition_point(|row| row.time < time * (1.0 - 1e-9));
     rows.get(place).filter(|row| (row.time - time).abs() <= 1e-9 * time)
 }
 
-/// [s] some instants after the start that all runs have seen.
+/// [s] some instants after the start that all runs have reached.
 pub fn common(all: &[Vec<&Outcome>]) -> Vec<f64> {
     let Some(first) = all.iter().flatten().next() else { return Vec::new() };
     let runs: Vec<&&Outcome> = all.iter().flatten().collect();
@@ -117,14 +118,15 @@ pub fn common(all: &[Vec<&Outcome>]) -> Vec<f64> {
     (1..=count).map(|k| times[k * times.len() / count - 1]).collect()
 }
 
-/// The curves of all runs of a variant that exist in the reference, with its scales: of all particles, and of each species.
+/// Curves of all runs of a variant that exist in the reference, with their scales: of all particles, and of each
+/// species.
 pub fn observables(runs: &[&Outcome], references: &[&Outcome], times: &[f64]) -> Vec<Observable> {
     let kinds = references.first().map_or(&[][..], |reference| &reference.kinds.curves);
     let of_kinds = kinds.iter().filter_map(|curve| of_kind(curve, runs, references, times));
     CURVES.iter().filter_map(|curve| observable(curve, runs, references, times)).chain(of_kinds).collect()
 }
 
-/// A curve of all runs of a variant; `None` where it does not exist, or nothing of it is to be seen in the reference.
+/// A curve of all runs of a variant; `None` where it does not exist, or has no scale in the reference.
 fn observable(curve: &Curve, runs: &[&Outcome], references: &[&Outcome], times: &[f64]) -> Option<Observable> {
     let scale = scale(curve, references, times)?;
     let value = |run: &Outcome, time| (curve.of)(row_at(run, time)?);
@@ -140,7 +142,7 @@ fn of_kind(curve: &KindCurve, runs: &[&Outcome], references: &[&Outcome], times:
     (scale > 0.0).then(|| of.observable(value, runs, references, times))
 }
 
-/// Which curve.
+/// Name, unit and scale of a curve.
 struct Of {
     name: Cow<'static, str>,
     unit: &'static str,
@@ -175,7 +177,8 @@ impl Of {
     }
 }
 
-/// The largest magnitude of a curve in the reference, in its unit, of a velocity its largest change; `None` if it has none.
+/// Scale of a curve, in the unit of the curve: its largest magnitude in the reference, or for a velocity its largest
+/// change. `None` if there is none.
 fn scale(curve: &Curve, references: &[&Outcome], times: &[f64]) -> Option<f64> {
     let rows = || references.iter().flat_map(|run| times.iter().filter_map(|&time| row_at(run, time)));
     let largest = |of: fn(&Row) -> Option<f64>, start: f64| {
@@ -188,8 +191,9 @@ fn scale(curve: &Curve, references: &[&Outcome], times: &[f64]) -> Option<f64> {
     (scale > 0.0).then_some(scale)
 }
 
-/// One run of each: there is no error, but a difference may be beyond what chance could do. Temperature and energy of N particles
-/// scatter by sqrt(2/(3 N)) of themselves if each moves on its own; here so many together count as one.
+/// Compares one run of each. There is no error bar, but a difference may exceed what chance could do. If each of N
+/// particles moves on its own, temperature and energy scatter by sqrt(2/(3 N)) of their values. Here [`CLUMP`]
+/// particles together count as one.
 fn single(variant: &Outcome, reference: &Outcome, times: &[f64], why: &str) -> Finding {
     let clumps = variant.particles.min(reference.particles) as f64 / CLUMP;
     let scatter = (2.0 / (3.0 * clumps)).sqrt();

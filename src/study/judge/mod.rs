@@ -1,8 +1,8 @@
-//! Every variant against its reference: equivalent, different, or not resolved.
+//! Comparison of every variant with its reference: equivalent, different, or not resolved.
 //!
-//! Few bodies are compared by the path of each, as long as paths can be foretold. Beyond that, and with many, two steady runs are
-//! compared by their averages; what is not steady has no averages and is compared by curves over time, whose errors come from
-//! replicas.
+//! Few bodies are compared by the path of each, as long as paths can be predicted. Beyond that time, and for many
+//! bodies, two steady runs are compared by their averages. Unsteady runs have no averages: they are compared by curves
+//! over time, whose errors come from replicas.
 
 mod averages;
 mod curves;
@@ -23,24 +23,26 @@ use crate::statistics::{Answer, Comparison, ErrorLevels, compare};
 use crate::study::replicas::FROZEN;
 use words::{pair, percent};
 
-/// [s] wall time below which a ratio of two says little of the methods: what is done once, such as the first search of
-/// neighbours and the start of threads, takes milliseconds.
+/// [s] wall time below which the ratio of two wall times says little about the methods. Work that is done once, such as
+/// the first search of neighbours and the start of threads, takes milliseconds.
 const TELLING: f64 = 0.1;
 
-/// [-] between samples of a longer run over that of this one, up to which its averages are as much better as it is longer.
+/// [-] largest ratio of the sample interval of a longer run to that of this run. Up to it the averages of the longer
+/// run improve in proportion to its length.
 const CLOSE: f64 = 1.1;
 
-/// [-] share of the box up to which soft spheres meet as often as hard ones but for a share of 5 % of their softness or so
+/// [-] volume fraction up to which soft spheres collide as often as hard ones, except for about 5 % of their softness
 /// (docs/theory.md, "Softness").
 const DILUTE: f64 = 0.03;
 
-/// Judges every variant that has a reference other than itself. `others`: the replicas of each variant but the first, whose
-/// averages the outcome holds already. `margin` [-]: over the scale of each observable. A single look.
+/// Compares every variant that has a reference other than itself, in a single look. `others` are the replicas of each
+/// variant but the first; the averages of the outcome already contain them. `margin` [-]: over the scale of each
+/// observable.
 pub fn judge(outcomes: &[Outcome], others: &[Vec<Outcome>], margin: f64) -> Vec<Verdict> {
     judge_at(outcomes, others, Criteria { margin, levels: ErrorLevels::default() })
 }
 
-/// Judges at one of several looks, with the levels of that look.
+/// Compares the variants at one of several looks, with the error levels of that look.
 pub fn judge_at(outcomes: &[Outcome], others: &[Vec<Outcome>], asked: Criteria) -> Vec<Verdict> {
     let replicas = |place: usize| others.get(place).map_or(&[][..], Vec::as_slice);
     let pairs = references(outcomes).into_iter().enumerate().filter(|(place, other)| place != other);
@@ -54,22 +56,22 @@ pub fn judge_at(outcomes: &[Outcome], others: &[Vec<Outcome>], asked: Criteria) 
 /// Margin and error levels of a comparison.
 #[derive(Clone, Copy, Debug)]
 pub struct Criteria {
-    /// [-] over the scale of each observable.
+    /// [-] margin over the scale of each observable.
     pub margin: f64,
-    /// Chances of the wrong answers.
+    /// Probabilities of wrong answers.
     pub levels: ErrorLevels,
 }
 
 /// A variant with its replicas.
 #[derive(Clone, Copy)]
 pub struct ReplicaRuns<'a> {
-    /// The averages over all of them, else the first.
+    /// Outcome of the first replica, with averages over all replicas where there are several.
     pub outcome: &'a Outcome,
-    /// All but the first.
+    /// All replicas but the first.
     pub others: &'a [Outcome],
 }
 
-/// What an answer consists of before it gets the names of the variants.
+/// Parts of an answer before it gets the names of the variants.
 struct Finding {
     answer: Answer,
     basis: Basis,
@@ -99,7 +101,7 @@ fn one(runs: &[ReplicaRuns; 2], asked: Criteria) -> Verdict {
     }
 }
 
-/// The answer for two variants, by the kind of comparison that fits them.
+/// Answer for two variants, by the kind of comparison that fits them.
 fn found(runs: &[ReplicaRuns; 2], asked: Criteria) -> Finding {
     let both = [runs[0].outcome, runs[1].outcome];
     let [variant, reference] = both;
@@ -119,7 +121,7 @@ fn found(runs: &[ReplicaRuns; 2], asked: Criteria) -> Finding {
     }
 }
 
-/// Nothing is shown to be equivalent by runs that stopped before their end.
+/// Finding without "equivalent" if a run stopped early: such runs cannot show that.
 fn stopped(runs: &[ReplicaRuns; 2], found: Finding) -> Finding {
     let Some(stopped) = runs.iter().map(|one| one.outcome).find(|one| one.failure.is_some()) else { return found };
     if found.answer != Answer::Equivalent {
@@ -131,7 +133,7 @@ fn stopped(runs: &[ReplicaRuns; 2], found: Finding) -> Finding {
     Finding { answer: Answer::Unresolved, sentence, ..found }
 }
 
-/// A run that stopped, or some replicas of it that are left out; nothing of one that came to its end.
+/// Message about a run that stopped, or whose stopped replicas are left out; `None` if all came to their end.
 fn how_it_stopped(run: &Outcome) -> Option<String> {
     let (name, why) = (&run.experiment.name, run.failure.as_ref()?);
     let time = quantity(run.simulated_seconds, "s", 4);
@@ -142,12 +144,13 @@ fn how_it_stopped(run: &Outcome) -> Option<String> {
     })
 }
 
-/// [-] share of the particles that keep their places, where averages of one run say nothing of other runs.
+/// [-] share of the particles that keep their positions, if it is so large that averages of one run say nothing of
+/// other runs.
 fn frozen(both: [&Outcome; 2]) -> Option<f64> {
     both.iter().filter_map(|one| one.places_kept).reduce(f64::max).filter(|kept| *kept > FROZEN)
 }
 
-/// One run each of something that does not mix: another run would settle otherwise.
+/// Compares one run each of a scene that does not mix: another run would settle in another way.
 fn one_of_many(both: [&Outcome; 2], kept: f64) -> Finding {
     let placed = both[1].experiment.start.iter().all(|one| matches!(one.amount, Amount::Placed(_)));
     let advice = if placed {
@@ -177,14 +180,14 @@ fn identical() -> Finding {
     }
 }
 
-/// Two steady runs, by their averages.
+/// Compares two steady runs by their averages.
 fn steady(variant: &Outcome, reference: &Outcome, asked: Criteria) -> Finding {
     let [a, b] = averages::observables(variant, reference);
     let comparison = compare(&a, &b, asked.margin, asked.levels);
     let shorter = if variant.simulated_seconds < reference.simulated_seconds { variant } else { reference };
     let replicas = |one: &Outcome| one.averaged.replicas.map_or(1, |replicas| replicas.count);
     let runs = replicas(variant).min(replicas(reference));
-    // from given places all replicas would be the same run
+    // from given positions all replicas would be equal
     let placed = shorter.experiment.start.iter().all(|one| matches!(one.amount, Amount::Placed(_)));
     let frozen = frozen([variant, reference]).is_some();
     let needed = |stretch: f64| {
@@ -209,7 +212,7 @@ fn steady(variant: &Outcome, reference: &Outcome, asked: Criteria) -> Finding {
     }
 }
 
-/// A run whose averaged part is so many times as long, with samples that are as close as those of this one.
+/// Description of a run whose averaged part is `stretch` times as long, with samples as close as in this run.
 fn longer(run: &Outcome, stretch: f64) -> String {
     let from = run.profiles.from;
     let mut experiment = run.experiment.clone();
@@ -221,7 +224,7 @@ fn longer(run: &Outcome, stretch: f64) -> String {
     format!("{longer} (statistics.sample_interval = \"{}\")", quantity(run.sample_interval, "s", 2))
 }
 
-/// Why something is not judged by averages over time: who is not steady.
+/// Names of the runs that are not steady, with the reasons: such runs are not compared by averages over time.
 fn unsteady(runs: [&Outcome; 2]) -> String {
     let why = runs.into_iter().filter_map(|one| {
         let predicate = words::not_steady(&one.steadiness)?;
@@ -230,7 +233,7 @@ fn unsteady(runs: [&Outcome; 2]) -> String {
     why.collect::<Vec<_>>().join(", ")
 }
 
-/// What finite stiffness explains of a difference in the rate of impacts, in a dilute gas.
+/// Effect of finite stiffness on a difference in the impact rate, in a dilute gas.
 fn soft_rate(variant: &Outcome, reference: &Outcome) -> Option<String> {
     let scene = &variant.experiment.scene;
     let volume = |(count, species): (usize, &crate::scene::Species)| count as f64 * species.volume();
@@ -244,7 +247,7 @@ fn soft_rate(variant: &Outcome, reference: &Outcome) -> Option<String> {
     ))
 }
 
-/// What a variant costs over its reference; nothing of one that stopped, whose cost is not that of the case.
+/// Cost of a variant over that of its reference; `None` if either stopped, since its cost is not that of the case.
 fn costs(variant: &Outcome, reference: &Outcome) -> Option<String> {
     if [variant, reference].iter().any(|one| one.failure.is_some()) {
         return None;

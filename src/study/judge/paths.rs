@@ -1,8 +1,8 @@
-//! Few bodies that are not steady: where each of them is and how fast it flies, at the same instant.
+//! Comparison of few bodies that are not steady: position and velocity of each of them at equal instants.
 //!
-//! Paths of spheres that collide are chaotic: what is small grows with every impact. How fast, a twin of the reference tells,
-//! whose velocities are disturbed a little. Paths are compared up to the instant at which that disturbance has grown a
-//! thousandfold; beyond it they would differ for no reason that has to do with the models.
+//! Paths of colliding spheres are chaotic: small differences grow with every impact. A twin of the reference, whose
+//! velocities are slightly disturbed, shows how fast. Paths are compared up to the instant at which that disturbance
+//! has grown a thousandfold. Beyond it they would differ for reasons that have nothing to do with the models.
 
 use super::Finding;
 use super::words::{self, percent};
@@ -15,11 +15,11 @@ use crate::statistics::Answer;
 use crate::study::execute::execute;
 use nalgebra::Vector3;
 
-/// [-] disturbance of the twin over the largest speed: far above rounding, far below what is compared.
+/// [-] disturbance of the twin over the largest speed: far above rounding, far below the differences compared.
 const DISTURBANCE: f64 = 1e-6;
 
-/// [-] growth of the disturbance beyond which paths are not compared. A difference in the models as small as the margin of 1 % has
-/// outgrown everything by then.
+/// [-] growth of the disturbance beyond which paths are not compared. Even a difference between the models as small as
+/// the margin of 1 % has by then outgrown everything else.
 const GROWTH: f64 = 1e3;
 
 /// The particles at one instant, by id.
@@ -30,12 +30,12 @@ fn instants(run: &Outcome) -> Vec<Instant<'_>> {
     run.paths.points.chunk_by(|a, b| a.time == b.time).collect()
 }
 
-/// Whether two times [s] are the same but for rounding.
+/// True if two times [s] are equal within rounding.
 fn near(s: f64, t: f64) -> bool {
     (s - t).abs() <= 1e-9 * s.abs().max(t.abs())
 }
 
-/// The instants that two runs have in common.
+/// Instants that two runs have in common.
 fn common<'a>(a: &'a Outcome, b: &'a Outcome) -> Vec<[Instant<'a>; 2]> {
     let others = instants(b);
     let same = |one: Instant<'a>| {
@@ -46,23 +46,23 @@ fn common<'a>(a: &'a Outcome, b: &'a Outcome) -> Vec<[Instant<'a>; 2]> {
     instants(a).into_iter().filter_map(same).collect()
 }
 
-/// [m/s] largest difference in velocity, and whose.
+/// [m/s] largest difference in velocity, and the id of the particle.
 fn velocity_apart([a, b]: [Instant; 2]) -> (f64, u32) {
     let apart = a.iter().zip(b).map(|(p, q)| ((p.velocity - q.velocity).norm(), p.id));
     apart.fold((0.0, 0), |most, one| if one.0 > most.0 { one } else { most })
 }
 
-/// [m/s] the largest speed of any particle at any instant that was noted.
+/// [m/s] largest speed of any particle at any recorded instant.
 fn largest_speed(run: &Outcome) -> f64 {
     run.paths.points.iter().map(|point| point.velocity.norm()).fold(0.0, f64::max)
 }
 
-/// Whether a disturbance of the reference grows a thousandfold in the course of the run.
+/// True if a disturbance of the reference grows a thousandfold in the course of the run.
 pub fn is_chaotic(reference: &Outcome) -> bool {
     predictable(reference).is_some()
 }
 
-/// Judges two variants by the paths of their particles.
+/// Compares two variants by the paths of their particles.
 pub fn judge(variant: &Outcome, reference: &Outcome, margin: f64) -> Finding {
     let reason = "There are few particles: the path of each is compared.".to_owned();
     let unresolved = |sentence: String| Finding {
@@ -130,26 +130,26 @@ pub fn judge(variant: &Outcome, reference: &Outcome, margin: f64) -> Finding {
     Finding { answer, basis: Basis::Paths, sentence, reason, comparison: None }
 }
 
-/// A particle that is far from where it is in the other run.
+/// Deviation of a particle from its position or velocity in the other run.
 #[derive(Clone, Copy, Default)]
 struct Apart {
-    /// [m/s] or [m].
+    /// [m/s] or [m], size of the deviation.
     size: f64,
     id: u32,
-    /// [s]
+    /// [s] time of the deviation.
     time: f64,
 }
 
-/// Largest differences of two runs in velocity and in place, over all instants.
+/// Largest differences of two runs in velocity and in position, over all instants.
 struct Widest {
     velocity: Apart,
     place: Apart,
 }
 
 impl Widest {
-    /// `all`: the instants of the reference. A velocity may be that of the reference up to `late` [s] earlier or later, as after an impact
-    /// that comes late; particles that touch something are left out, as contacts that are just in progress would tell of
-    /// themselves, not of what they lead to.
+    /// Largest differences over the pairs `before`; `all` are the instants of the reference. A velocity may be that of
+    /// the reference up to `late` [s] earlier or later, as after a delayed impact. Particles that touch something are
+    /// left out: during a contact they differ because of the contact itself, not because of its result.
     fn of(before: &[&[Instant; 2]], all: &[Instant], reference: &Outcome, late: f64) -> Self {
         let domain = &reference.experiment.scene.domain;
         let mut widest = Self { velocity: Apart::default(), place: Apart::default() };
@@ -180,14 +180,14 @@ impl Apart {
     }
 }
 
-/// [s] the last instant at which a disturbance of the reference has grown less than a thousandfold; `None` if it never grows so
-/// much, or nothing can be told.
+/// [s] last instant at which a disturbance of the reference has grown less than a thousandfold. `None` if it never
+/// grows that much, or if this cannot be determined.
 fn predictable(reference: &Outcome) -> Option<f64> {
     let speed = largest_speed(reference);
     let mut start = initial_state(&reference.experiment).ok()?;
     let ids = start.id.clone();
     for (velocity, id) in start.velocity.iter_mut().zip(ids) {
-        // any directions will do, as long as they are not all the same
+        // any directions will do, as long as they differ
         let angle = f64::from(id);
         *velocity += DISTURBANCE * speed * Vector3::new(angle.sin(), (2.0 * angle).cos(), angle.cos()).normalize();
     }
@@ -200,24 +200,24 @@ fn predictable(reference: &Outcome) -> Option<f64> {
     lasting.then(|| common[first.saturating_sub(1)][0][0].time)
 }
 
-/// Up to when the paths of a reference can be foretold.
+/// Time up to which the paths of a reference can be predicted.
 pub struct Horizon(Option<f64>);
 
 impl Horizon {
-    /// Whether that is before the end of the run.
+    /// True if that time is before the end of the run.
     pub fn is_chaotic(&self) -> bool {
         self.0.is_some()
     }
 }
 
-/// Runs a disturbed twin of the reference to see up to when its paths can be foretold.
+/// Runs a disturbed twin of the reference to find the time up to which its paths can be predicted.
 pub fn horizon(reference: &Outcome) -> Horizon {
     Horizon(predictable(reference))
 }
 
-/// How far a weighted sum of runs is from nothing.
+/// Deviation of a weighted sum of runs from zero.
 pub struct Missed {
-    /// [s] at this instant.
+    /// [s] instant of the deviation.
     pub time: f64,
     /// [m/s] the largest speed of the reference.
     pub speed: f64,
@@ -227,10 +227,11 @@ pub struct Missed {
     pub place: f64,
 }
 
-/// The sum of runs with weights that add up to nothing, particle by particle, at the last common instant at which nothing touches.
+/// Sum of runs with weights that add up to zero, particle by particle, at the last common instant at which nothing
+/// touches.
 ///
 /// # Errors
-/// Why there is none, in words.
+/// The reason why there is no such instant, in words.
 pub fn apart(runs: &[(f64, &Outcome)], reference: &Outcome, horizon: &Horizon) -> Result<Missed, String> {
     if runs.iter().any(|(_, run)| run.initial_state_hash != reference.initial_state_hash) {
         return Err("it starts from another state, so that paths cannot be compared".into());

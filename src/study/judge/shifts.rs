@@ -1,8 +1,9 @@
-//! How far something shifts each observable: one number for each, to be set beside others.
+//! Shift of each observable by a factor: one number for each observable, to be compared with those of other factors.
 //!
-//! Of two steady runs: means over the channel, the number density at the walls, temperature and rates. Of what is not steady:
-//! curves over time, at the instant or in the mean that is clearest. Of few bodies: velocities and places at one instant.
-//! What is compared may be a weighted sum of runs, such as the slope of a line through several.
+//! Two steady runs are compared by means over the channel, the number density at the walls, temperature and rates.
+//! Unsteady runs are compared by curves over time, at the clearest instant or in the mean. Few bodies are compared by
+//! velocities and positions at one instant. A weighted sum of runs may be compared as well, such as the slope of a line
+//! through several.
 
 use super::paths::{self, Horizon};
 use super::{ReplicaRuns, averages, curves};
@@ -14,32 +15,32 @@ use crate::statistics::{
     student_bound, two_sided,
 };
 
-/// Runs with weights: all that is compared is their sum.
+/// Runs with weights; their weighted sum is compared.
 pub type Mix<'a> = [(f64, ReplicaRuns<'a>)];
 
-/// The case as it is, with which everything is compared in the same way.
+/// The case as it is, with which all runs are compared in one way.
 pub struct ShiftReference<'a> {
     runs: ReplicaRuns<'a>,
     basis: Basis,
-    /// Up to when paths are compared.
+    /// Time up to which paths are compared, if paths are compared.
     horizon: Option<Horizon>,
 }
 
-/// Which of the deviations of an observable is its shift.
+/// Function that picks the shift among the deviations of an observable.
 type ShiftColumn = fn(&Tested) -> Option<Deviation>;
 
-/// Some shifts, and what there is to say of them.
+/// Shifts of some observables, with the kind of comparison.
 pub struct Shifts {
-    /// In the order of the observables.
+    /// Shifts in the order of the observables.
     pub shifts: Vec<Shift>,
     /// Kind of comparison behind them.
     pub basis: Basis,
-    /// Why nothing is claimed, if nothing can be.
+    /// Reason why no claim is made, if none can be.
     pub doubt: Option<String>,
 }
 
 impl<'a> ShiftReference<'a> {
-    /// How things are compared follows from the case as it is.
+    /// Reference whose kind of comparison follows from the case as it is.
     pub fn new(runs: ReplicaRuns<'a>) -> Self {
         let outcome = runs.outcome;
         let few = !outcome.paths.points.is_empty();
@@ -53,13 +54,14 @@ impl<'a> ShiftReference<'a> {
         Self { runs, basis, horizon }
     }
 
-    /// The sum of some runs minus that of others; weights are positive and add up to the same on both sides. Of curves it is their
-    /// mean or the instant that is clearest.
+    /// Sum of some runs minus that of others. Weights are positive and add up to equal totals on both sides. For curves
+    /// the shift is their mean or their clearest instant, whichever is clearer.
     pub fn shifts(&self, of: &Mix, against: &Mix, margin: f64) -> Shifts {
         self.found([of, against], margin, Tested::headline)
     }
 
-    /// The same of what should be nothing: of curves it is their mean, as the clearest of many instants never is nothing.
+    /// Shifts that should be zero, such as the misses of a line. For curves the mean is taken, as the clearest of many
+    /// instants is never zero.
     pub fn misses(&self, of: &Mix, against: &Mix, margin: f64) -> Vec<Shift> {
         self.found([of, against], margin, |tested| tested.mean).shifts
     }
@@ -146,12 +148,12 @@ impl<'a> ShiftReference<'a> {
     }
 }
 
-/// The final states of all runs: the same in runs that are the same bit for bit.
+/// Checksums of the final states of all runs: equal for runs that are equal bit for bit.
 fn ends(mix: &Mix) -> Vec<u64> {
     mix.iter().flat_map(|(_, runs)| all_of(runs)).map(|run| run.final_state_hash).collect()
 }
 
-/// A shift of runs that are the same: exactly none.
+/// Sets a shift of runs that are equal: exactly zero.
 fn nothing(shift: &mut Shift) {
     shift.difference = 0.0;
     shift.error = Some(0.0);
@@ -163,8 +165,9 @@ fn all_of<'a>(runs: &ReplicaRuns<'a>) -> Vec<&'a Outcome> {
     std::iter::once(runs.outcome).chain(runs.others).collect()
 }
 
-/// A profile as one number: the mean over the slices, of what changes its sign at the mid-plane half the difference of both
-/// sides, of the density that next to the walls. What is a number already stays. `None` where nothing is known.
+/// A profile as one number. It is the mean over the slices. For a profile that changes its sign at the mid-plane it is
+/// half the difference of both sides, for the density the value next to the walls. Single numbers stay as they are.
+/// `None` where nothing is known.
 fn number(profile: &Observable) -> Option<Observable> {
     let count = profile.places.len();
     if count == 0 {
@@ -196,7 +199,7 @@ fn number(profile: &Observable) -> Option<Observable> {
     })
 }
 
-/// The weighted sum of the same observables of several runs.
+/// Weighted sum of equal observables of several runs.
 fn sum(each: &[(f64, Vec<Observable>)]) -> Vec<Observable> {
     let Some((weight, first)) = each.first() else { return Vec::new() };
     if each.len() == 1 && *weight == 1.0 {
@@ -213,7 +216,7 @@ fn sum(each: &[(f64, Vec<Observable>)]) -> Vec<Observable> {
     first.iter().enumerate().map(one).collect()
 }
 
-/// The differences of two sets of the same observables.
+/// Differences of two sets of equal observables.
 fn judged([a, b]: [&[Observable]; 2], margin: f64, pick: ShiftColumn) -> Vec<Shift> {
     let comparison = compare(a, b, margin, ErrorLevels::default());
     let one = |(a, b): (&Observable, &Observable)| {
@@ -240,7 +243,7 @@ fn shift(judged: &Judged, found: Deviation) -> Shift {
     }
 }
 
-/// The largest difference of what has no error bars.
+/// Largest difference of observables without error bars.
 fn without_error(a: &Observable, b: &Observable) -> Option<Shift> {
     let difference = |k: usize| {
         let [a, b] = [a, b].map(|one| one.parts.get(k)?.as_ref()?.values.first().copied());
@@ -264,9 +267,9 @@ fn without_error(a: &Observable, b: &Observable) -> Option<Shift> {
     })
 }
 
-/// Widens the errors of shifts that come from a line through several runs by as much as these miss the line, in the errors that
-/// `misses` have themselves; where nothing scatters the miss is all there is of an error, and `share` [-] of it is that of the
-/// shift. The misses are those of the same observables.
+/// Widens the errors of shifts that come from a line through several runs, by the distance of these runs from the line.
+/// That distance is measured in its own errors, those of `misses`. Where nothing scatters, the miss is the only error:
+/// then `share` [-] of it is the error of the shift. `misses` are those of equal observables.
 pub fn widened(shifts: Vec<Shift>, misses: &[Shift], share: f64) -> Vec<Shift> {
     let one = |mut shift: Shift| {
         let miss = misses.iter().find(|miss| miss.observable == shift.observable);
@@ -278,7 +281,7 @@ pub fn widened(shifts: Vec<Shift>, misses: &[Shift], share: f64) -> Vec<Shift> {
         } else {
             share * miss.difference.abs()
         };
-        // three runs leave one degree of freedom to their misses
+        // the misses of three runs have one degree of freedom
         let freedom = shift.freedom.unwrap_or(1.0);
         if more > 0.0 {
             shift.error = Some(error + more);

@@ -1,15 +1,16 @@
-//! The answers of a comparison in words.
+//! Answers of a comparison in words.
 
 use crate::output::numbers::{counted, quantity, significant, with_error};
 use crate::statistics::{Answer, Comparison, Deviation, Estimate, Judged, LARGEST_DRIFT, Steadiness};
 
-/// Differences that are named after the clearest one; the table has them all.
+/// Number of differences that are named in a sentence; the table has them all.
 const NAMED: usize = 3;
 
-/// [-] times as long a run or as many replicas beyond which no number is given: nobody waits for it.
+/// [-] factor on the length of a run or the number of replicas beyond which no number is given: no run would be that
+/// long.
 const ENDLESS: f64 = 1000.0;
 
-/// The names of two variants, quoted, as a sentence begins.
+/// The names of two variants, quoted, as the beginning of a sentence.
 pub fn pair(variant: &str, reference: &str) -> String {
     format!("\"{variant}\" against \"{reference}\":")
 }
@@ -19,7 +20,7 @@ pub fn percent(share: f64) -> String {
     format!("{} %", significant(100.0 * share, 2))
 }
 
-/// What a sentence says of a run that is not called steady, after its name; nothing of one that is.
+/// Predicate of a sentence about a run that is not steady, to follow its name; `None` for a steady run.
 pub fn not_steady(steadiness: &Steadiness) -> Option<String> {
     let why = match steadiness.drift {
         _ if steadiness.steady => return None,
@@ -39,7 +40,7 @@ pub fn margin(share: f64) -> String {
     format!("{} %", digits.trim_end_matches('0').trim_end_matches('.'))
 }
 
-/// What a column of a table is called in a sentence.
+/// Name of a table column in a sentence.
 pub fn in_prose(name: &str) -> String {
     match name {
         "number_density_ratio" => "the number density".into(),
@@ -50,8 +51,8 @@ pub fn in_prose(name: &str) -> String {
     }
 }
 
-/// The answer of a comparison of averages or curves; `across`: the unit of the places, m or s. `needed`: what would decide,
-/// for a run that is so many times as long.
+/// Answer of a comparison of averages or curves. `across`: the unit of the positions, m or s. `needed`: text for a run
+/// that is longer by a factor, which would decide.
 pub fn answer(comparison: &Comparison, across: &str, needed: impl Fn(f64) -> String) -> String {
     match comparison.answer {
         Answer::Equivalent => equivalent(comparison, across),
@@ -60,7 +61,7 @@ pub fn answer(comparison: &Comparison, across: &str, needed: impl Fn(f64) -> Str
     }
 }
 
-/// Where something holds that holds at every place.
+/// Phrase for something that holds everywhere.
 fn anywhere(across: &str) -> &'static str {
     if across == "s" { "at any instant compared" } else { "in any slice" }
 }
@@ -93,7 +94,7 @@ fn different(detected: &[&Judged], across: &str, limit: f64) -> String {
     sentence + "."
 }
 
-/// A difference with its error, over the scale and where it is.
+/// A difference with its error, over the scale, with its position.
 fn size(one: &Judged, across: &str) -> String {
     let name = in_prose(&one.tested.name);
     let Some(Deviation { place, difference, error, .. }) = one.tested.headline() else { return name };
@@ -121,7 +122,7 @@ fn unresolved(comparison: &Comparison, across: &str, needed: &impl Fn(f64) -> St
         return format!("not resolved: there are no error bars for {}.", names.join(", "));
     };
     let limit = margin(comparison.margin);
-    // all of them have to be shown; what these runs just fail to show needs more than a little
+    // all observables have to be shown equivalent; what these runs just fail to show needs more than a little
     let stretch = comparison.judged.iter().map(|one| one.stretch).fold(2.0, f64::max);
     let advice = if stretch > ENDLESS {
         format!(

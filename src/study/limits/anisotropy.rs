@@ -1,4 +1,4 @@
-//! Soft, spheres that turn one another less: how fast the agitation of different directions evens out, over the stiffness.
+//! Soft spheres that deflect one another less: decay of the anisotropy of the agitation, over the stiffness.
 
 use super::picture::{curve, curves, even, measured, points};
 use super::scenes::{DIAMETER, collision_rate, fill, mass, mean, run, simulation, soften};
@@ -14,12 +14,12 @@ use crate::statistics::Estimate;
 use crate::study::session::StudyError;
 use std::f64::consts::{FRAC_2_PI, PI};
 
-/// [-] volume fraction: that of the paper's case D.
+/// [-] volume fraction, as in the paper's case D.
 const FRACTION: f64 = 0.01;
-/// Collisions per particle before the decay is looked at: contacts that last have then begun as often as they end.
+/// Collisions per particle before the decay is measured: then as many lasting contacts begin as end.
 const BEFORE: f64 = 0.1;
-/// Collisions per particle during which it is looked at. The anisotropy falls by a third; longer, and chance in later collisions,
-/// which soft and hard spheres do not share, adds more scatter than the longer time takes.
+/// Collisions per particle while the decay is measured. The anisotropy falls by a third. A longer time would add more
+/// scatter than it removes, since later collisions of soft and hard spheres differ by chance.
 const DURING: f64 = 0.5;
 
 /// [m²/s²] T_z - (T_x + T_y)/2 of all particles about their common mean.
@@ -31,14 +31,14 @@ fn anisotropy(particles: &Particles) -> f64 {
     variance.z - 0.5 * (variance.x + variance.y)
 }
 
-/// [m²/s²] the temperature that a start is given.
+/// [m²/s²] temperature of the start.
 fn start_temperature(experiment: &Experiment) -> f64 {
     experiment.start[0].mean_fluctuation().powi(2)
 }
 
 /// [1/s] the rate at which the anisotropy decays, and the failure of the run if it had one.
 fn rate(experiment: &Experiment) -> Result<(f64, Option<Failure>), StudyError> {
-    /// Windows per collision of a particle: few of those who meet in a window have just met others.
+    /// Windows per collision of a particle: few particles that collide within a window have just collided with others.
     const WINDOWS: f64 = 40.0;
     let time = 1.0 / collision_rate(FRACTION, start_temperature(experiment));
     let mut simulation = simulation(experiment)?;
@@ -57,7 +57,7 @@ pub fn anisotropy_decay(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let softness = |kappa: f64| kappa / FRAC_2_PI.sqrt();
     let temperature = start_temperature(&grid.base);
     let stiffness = |kappa: f64| mass() * temperature / (softness(kappa) * DIAMETER).powi(2);
-    // without any softness they are hard
+    // zero softness stands for hard spheres
     let all: Vec<f64> = std::iter::once(0.0).chain(kappas.iter().copied()).collect();
     let runs = grid.run(&points(&seeds, &all), |&(seed, kappa)| {
         let experiment = grid.with(|case| {
@@ -73,7 +73,7 @@ pub fn anisotropy_decay(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     })?;
     let (hard, soft) = runs.split_at(seeds.len());
     let row = |(&kappa, runs): (&f64, &[(f64, Option<Failure>)])| {
-        // starts are common: most first collisions are too, and with them most of the scatter
+        // starts are common, so most first collisions are too: most of their scatter cancels in the ratio
         let ratios: Vec<f64> = runs.iter().zip(hard).map(|(soft, hard)| soft.0 / hard.0).collect();
         let (ratio, error) = mean(&ratios, |ratio| *ratio);
         let s = softness(kappa);

@@ -10,13 +10,14 @@ use crate::output::panel::SeriesStyle;
 use crate::study::session::StudyError;
 use std::f64::consts::PI;
 
-/// [-] below which a column of n equal spheres that meets a wall collides infinitely often: tan²(π/4 (1 - 1/n)) (Bernu and
-/// Mazighi 1990, J. Phys. A 23, 5745); a free line of N = 2n is its own mirror image.
+/// [-] limit tan²(π/4 (1 - 1/n)) of the restitution for a column of n equal spheres that meets a wall: below it they
+/// collide infinitely often (Bernu and Mazighi 1990, J. Phys. A 23, 5745). A free line of N = 2n spheres is its own
+/// mirror image.
 fn threshold(n: f64) -> f64 {
     (PI / 4.0 * (1.0 - 1.0 / n)).tan().powi(2)
 }
 
-/// The time of an inelastic collapse; `None` for any other end.
+/// Time of an inelastic collapse; `None` for any other end.
 fn collapse(failure: &Option<Failure>) -> Option<f64> {
     match failure {
         Some(Failure::InelasticCollapse { time, .. }) => Some(*time),
@@ -24,8 +25,8 @@ fn collapse(failure: &Option<Failure>) -> Option<f64> {
     }
 }
 
-/// Gaps [m] and velocities [m/s] of a row: a column that meets a wall at 1 m/s, or a line whose outer spheres run together at
-/// -1 and 1 m/s, with those in between.
+/// Gaps [m] and velocities [m/s] of a row. It is a column that meets a wall at 1 m/s, or a line whose outer spheres
+/// approach each other at -1 and 1 m/s, with the others in between.
 fn start(count: usize, set: usize, wall: bool) -> (Vec<f64>, Vec<f64>) {
     let middle = if wall { 0.0 } else { 9.0 * count as f64 };
     let gap = |k: usize| 0.5 + scatter(set, k) + if k == 0 { middle } else { 0.0 };
@@ -33,8 +34,8 @@ fn start(count: usize, set: usize, wall: bool) -> (Vec<f64>, Vec<f64>) {
     (0..count).map(|k| (gap(k), speed(k))).unzip()
 }
 
-/// Lines that run together, or columns at the wall that the case has: the share of the starts that collapse over the number
-/// of spheres and the restitution.
+/// Share of the starts that collapse, over the number of spheres and the restitution. The starts are lines that run
+/// together, or columns at the wall if the case has one.
 pub fn one_dimension(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let wall = !grid.base.scene.walls.is_empty();
     let counts = match (wall, grid.choose(true, false)) {
@@ -128,18 +129,18 @@ pub fn cooling(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     Ok(vec![MapSweep::new(rows, lesson, picture)])
 }
 
-/// [s] bins of the collisions of a bed: a sixtieth of the time in which it comes to rest.
+/// [s] width of the time bins for the collisions of a bed: a sixtieth of the time in which it comes to rest.
 const BIN: f64 = 2e-3;
 /// Number of bins.
 const BINS: usize = 75;
 
-/// What a bed did in one of them.
+/// Collisions and energy of a bed in one time bin.
 struct CollapseInterval {
-    /// [s] its middle.
+    /// [s] middle of the bin.
     at: f64,
     /// [1/s] collisions per sphere.
     rate: f64,
-    /// [-] energy that the TC model has kept until its end, over what was there and what gravity gave.
+    /// [-] energy kept by the TC model up to the end of the bin, over the initial energy plus the work of gravity.
     kept: f64,
     failure: Option<Failure>,
 }

@@ -1,4 +1,4 @@
-//! Several contacts at once: rows that pass a blow on, and one sphere hit from both sides.
+//! Several contacts at once: rows of spheres that pass a blow on, and one sphere hit from both sides.
 
 use super::picture::{curve, curves, even};
 use super::scenes::{restitute, row, run, simulation, speeds};
@@ -10,7 +10,7 @@ use crate::simulation::Simulation;
 use crate::study::session::StudyError;
 use std::f64::consts::PI;
 
-/// [N/m] that of the cases: contacts of spheres of 1 kg that last 2.2 ms.
+/// [N/m] stiffness of the cases: contacts of spheres of 1 kg then last 2.2 ms.
 const STIFFNESS: f64 = 1e6;
 /// Restitutions of the cradle.
 const RESTITUTIONS: [f64; 2] = [1.0, 0.94];
@@ -27,7 +27,7 @@ fn both(grid: &Points, change: impl Fn(&mut Experiment)) -> Result<[Simulation; 
     Ok([simulation(&soft)?, simulation(&hard)?])
 }
 
-/// The last sphere of a row of touching ones that the first hits.
+/// Velocity of the last sphere in a row of touching spheres that the first one hits.
 pub fn cradle(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let points: Vec<(usize, f64)> =
         RESTITUTIONS.iter().flat_map(|e| (2..=grid.choose(5, 8)).map(|n| (n, *e))).collect();
@@ -68,7 +68,8 @@ pub fn cradle(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     Ok(vec![MapSweep::new(rows, lesson, picture)])
 }
 
-/// The middle one of three, hit from both sides at nearly the same time: from the right `late` contact times after the left.
+/// Middle one of three spheres, hit from both sides at nearly equal times: from the right `late` contact times after
+/// the left.
 pub fn simultaneous(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let contact = PI * (0.5 / STIFFNESS).sqrt();
     let late = even(-2.0, 2.0, grid.choose(17, 81));

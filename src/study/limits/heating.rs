@@ -1,4 +1,4 @@
-//! Soft, heating of an elastic gas by second-order Runge-Kutta.
+//! Heating of an elastic gas of soft spheres by second-order Runge-Kutta.
 
 use super::picture::{curve, curves, even, measured, points};
 use super::scenes::{collision_rate, mean, run, simulation};
@@ -12,9 +12,9 @@ use crate::predict::integrator::{Scheme, heating_per_collision, realised_restitu
 use crate::statistics::Estimate;
 use crate::study::session::StudyError;
 
-/// [m/s] per component at the start: T = 0.49 m²/s², that of the paper's case D.
+/// [m/s] speed per component at the start: T = 0.49 m²/s², as in the paper's case D.
 const SPEED: f64 = 0.7;
-/// [-] volume fraction: pairs meet often, and seldom three at once.
+/// [-] volume fraction: pairs collide often, and three particles at once seldom.
 const FRACTION: f64 = 0.1;
 
 /// Relative change of the temperature per collision that a particle suffers, over N_c.
@@ -45,7 +45,7 @@ pub fn heating(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
         let failure = runs.iter().find_map(|run| run.1.clone());
         Some(KnownPoint { values: vec![steps, value, error, predicted(steps)?], failure })
     };
-    // an elastic contact of five steps or more ends
+    // an elastic contact of five steps or more always ends
     let rows: Vec<KnownPoint> = runs.chunks(seeds.len()).zip(&steps).filter_map(row).collect();
     let percent = |row: &KnownPoint, k: usize| 100.0 * row.values[k];
     let paper = rows.iter().find(|row| row.values[0] == 7.735);

@@ -1,8 +1,9 @@
-//! `diptych limits`: where does each method fail? Maps whose every point is a run and whose every failure is typed.
+//! `diptych limits`: maps of the parameters at which each method fails. Every point is a run, and every failure has a
+//! type.
 //!
-//! The scene of each map is a case file in `cases/limits/`: its heading holds the question, what each point is, and what the
-//! columns of the table mean. One driver reads it and runs all points of a sweep; a file here per family of maps says what
-//! changes from point to point, and what is to be learnt.
+//! The scene of each map is a case file in `cases/limits/`. Its heading holds the question, the meaning of a point, and
+//! the columns of the table. One driver reads it and runs all points of a sweep. For each family of maps, a file here
+//! says what changes from point to point, and which conclusion follows.
 
 mod anisotropy;
 mod collapse;
@@ -34,7 +35,7 @@ pub use sweep::Grid;
 /// A map: its name, its case file, and the columns of its table.
 type MapEntry = (&'static str, &'static str, &'static str);
 
-/// The maps of one sweep, and how it is run: what it found for each of them.
+/// The maps of one sweep, and the function that runs it and returns one result for each of them.
 type MapRun = (&'static [MapEntry], fn(&Points) -> Result<Vec<MapSweep>, StudyError>);
 
 macro_rules! map {
@@ -130,7 +131,8 @@ pub fn names() -> impl Iterator<Item = &'static str> {
 /// Runs the maps and writes one folder.
 ///
 /// # Errors
-/// Bad input before anything is computed; what the disk refuses after. Failures of engines are results here.
+/// Bad input before anything is computed; a file that cannot be written afterwards. Failures of engines are results
+/// here.
 pub fn limits(args: &Limits) -> Result<(), StudyError> {
     if let Some(unknown) = args.only.iter().find(|name| !names().any(|known| known == *name)) {
         let names: Vec<&str> = names().collect();

@@ -1,4 +1,4 @@
-//! Grids of points, and the pictures of what came of them.
+//! Grids of points, and the pictures of their results.
 
 use crate::output::limits::{Cell, Class, Picture, RegimeMap, Shade};
 use crate::output::panel::{Panel, PanelSeries, SeriesPoint, SeriesStyle};
@@ -6,7 +6,8 @@ use crate::output::panel::{Panel, PanelSeries, SeriesPoint, SeriesStyle};
 /// An axis of a grid: its label, the values of the points, and whether it is logarithmic.
 pub struct MapAxis<'a>(pub &'a str, pub &'a [f64], pub bool);
 
-/// The ends of the cell around each of some ascending values: halfway to the next, on a logarithmic axis in its measure.
+/// Ends of the cell around each of some ascending values. They lie halfway to the next value, on a logarithmic axis
+/// halfway in the logarithm.
 fn edges(values: &[f64], log: bool) -> Vec<(f64, f64)> {
     let from = |at: f64| if log { at.exp() } else { at };
     let at: Vec<f64> = values.iter().map(|value| if log { value.ln() } else { *value }).collect();
@@ -15,15 +16,15 @@ fn edges(values: &[f64], log: bool) -> Vec<(f64, f64)> {
     let end = |k: usize| {
         let below = if k > 0 { half(k - 1, k) } else { half(0, 1.min(last)) };
         let above = if k < last { half(k, k + 1) } else { below };
-        // what is never negative has no cells below zero
+        // quantities that are never negative have no cells below zero
         let low = from(at[k] - below);
         (if values[k] >= 0.0 { low.max(0.0) } else { low }, from(at[k] + above))
     };
     (0..at.len()).map(end).collect()
 }
 
-/// A plane of coloured cells around the points of a grid, which run through `x` first, with lines of theory on it. `class`
-/// gives the place in `classes` of a point by its number.
+/// A plane of coloured cells around the points of a grid, with lines of theory on it. The points run through `x` first.
+/// `class` gives the index of a point in `classes`, from the number of the point.
 pub fn plane(
     x: &MapAxis,
     y: &MapAxis,
@@ -55,7 +56,7 @@ pub fn curve(label: impl Into<String>, look: SeriesStyle, points: impl Iterator<
     PanelSeries::new(label, look, points.map(|[x, y]| SeriesPoint::at(x, y)))
 }
 
-/// Points of abscissa, ordinate and one standard error of it.
+/// Points of abscissa, ordinate, and standard error of the ordinate.
 pub fn measured(label: impl Into<String>, place: usize, points: impl Iterator<Item = [f64; 3]>) -> PanelSeries {
     PanelSeries::new(
         label,
@@ -64,19 +65,19 @@ pub fn measured(label: impl Into<String>, place: usize, points: impl Iterator<It
     )
 }
 
-/// All points of a grid, through `x` first.
+/// All points of a grid, running through `x` first.
 pub fn points<T: Copy>(x: &[T], y: &[T]) -> Vec<(T, T)> {
     y.iter().flat_map(|&y| x.iter().map(move |&x| (x, y))).collect()
 }
 
-/// `count` values from `first` to `last`, equally apart.
+/// `count` values from `first` to `last`, equally spaced.
 pub fn even(first: f64, last: f64, count: usize) -> Vec<f64> {
     let step = (last - first) / (count - 1) as f64;
-    // what is left of a decimal step after adding it up would show in tables
+    // the rounding error of a sum of decimal steps would show in tables
     (0..count).map(|k| ((first + step * k as f64) * 1e9).round() / 1e9).collect()
 }
 
-/// `count` values from `first` to `last`, in equal ratios.
+/// `count` values from `first` to `last`, in a geometric sequence.
 pub fn ratios(first: f64, last: f64, count: usize) -> Vec<f64> {
     let ratio = (last / first).powf(1.0 / (count - 1) as f64);
     (0..count).map(|k| first * ratio.powi(k as i32)).collect()

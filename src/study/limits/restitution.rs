@@ -1,4 +1,4 @@
-//! Soft, realised restitution of a head-on pair whose touch falls anywhere within a step.
+//! Realised restitution of a head-on pair of soft spheres whose touch falls anywhere within a step.
 
 use super::picture::{MapAxis, even, plane, points};
 use super::scenes::{DIAMETER, mass, place, restitute, run, simulation, speeds};
@@ -12,10 +12,11 @@ use crate::predict::integrator::{Scheme, realised_restitution};
 use crate::study::session::StudyError;
 use nalgebra::Vector3;
 
-/// Ends of the classes of |realised - asked|: nothing, a digit, a fluctuation of one percent, of five.
+/// Ends of the classes of |realised - asked|. They stand for no error, a digit, a fluctuation of one percent, and one
+/// of five percent.
 const CLASSES: [f64; 4] = [0.001, 0.005, 0.02, 0.05];
 
-/// Mean, least and largest restitution [-] over touches at so many phases of a step [s], and the first failure.
+/// Mean, least and largest restitution [-] over touches at several phases of a step [s], and the first failure.
 fn rebounds(
     grid: &Points,
     phases: u32,

@@ -1,4 +1,4 @@
-//! What the maps change in their scenes from point to point, and what they read off them.
+//! Changes of scenes from point to point of a map, and quantities that the maps read from them.
 
 use crate::contact_law::ContactLaw;
 use crate::domain::Domain;
@@ -10,11 +10,11 @@ use crate::simulation::Simulation;
 use crate::study::session::{StudyError, start};
 use nalgebra::Vector3;
 
-/// [m] the paper's small particle.
+/// [m] diameter of the paper's small particle.
 pub const DIAMETER: f64 = 406e-6;
-/// [kg/m³] of the same.
+/// [kg/m³] density of the paper's small particle.
 const DENSITY: f64 = 1038.0;
-/// [N/m] the paper's.
+/// [N/m] stiffness of the paper.
 pub const STIFFNESS: f64 = 3000.0;
 
 /// [kg] mass of the paper's small particle.
@@ -38,7 +38,7 @@ pub fn soften(experiment: &mut Experiment, law: ContactLaw) {
     experiment.run.spheres = Spheres::Soft(law);
 }
 
-/// Starts the particles of the case at these places [m] with these velocities [m/s].
+/// Starts the particles of the case at these positions [m] with these velocities [m/s].
 pub fn place(experiment: &mut Experiment, list: Vec<(Vector3<f64>, Vector3<f64>)>) {
     let species = experiment.start[0].species;
     let kind = &experiment.scene.species[usize::from(species)];
@@ -49,8 +49,8 @@ pub fn place(experiment: &mut Experiment, list: Vec<(Vector3<f64>, Vector3<f64>)
     experiment.start[0].amount = Amount::Placed(particles);
 }
 
-/// Spheres of 1 m and 1 kg in a row along x, in a box of a length [m]: their gaps [m], the first from the wall at 0 or from
-/// an edge, and velocities [m/s].
+/// Puts spheres of 1 m and 1 kg in a row along x, in a box of a length [m]. Their gaps [m] are given, the first from
+/// the wall at 0 or from an edge, and their velocities [m/s].
 pub fn row(experiment: &mut Experiment, length: f64, gaps: &[f64], velocities: &[f64]) {
     let mut at = 0.0;
     let spheres = gaps.iter().zip(velocities).map(|(gap, velocity)| {
@@ -88,7 +88,8 @@ pub fn collision_rate(fraction: f64, temperature: f64) -> f64 {
     24.0 * fraction * g * (temperature / std::f64::consts::PI).sqrt() / DIAMETER
 }
 
-/// [m²/s²] temperature of a gas of equal spheres without mean motion, whose momentum is not counted: 2E/(3(N-1)m).
+/// [m²/s²] temperature of a gas of equal spheres whose total momentum is zero and takes up three degrees of freedom:
+/// 2E/(3(N-1)m).
 pub fn temperature(simulation: &Simulation) -> f64 {
     2.0 * simulation.particles.kinetic_energy() / (3.0 * (simulation.particles.len() as f64 - 1.0) * mass())
 }
@@ -100,7 +101,8 @@ pub fn speeds(simulation: &Simulation) -> Vec<f64> {
     particles.velocity.iter().map(|v| v.x).collect()
 }
 
-/// Equally scattered numbers in [0, 1) without chance: multiples of the golden section, shifted by the set's number.
+/// Evenly scattered numbers in [0, 1) without chance: multiples of the golden section, shifted by the number of the
+/// set.
 pub fn scatter(set: usize, k: usize) -> f64 {
     // 1/φ, and the root of x³ = x + 1 for the sets (Roberts 2018)
     const GOLDEN: f64 = 0.618_033_988_749_895;
@@ -108,7 +110,7 @@ pub fn scatter(set: usize, k: usize) -> f64 {
     ((k + 1) as f64 * GOLDEN + (set + 1) as f64 * PLASTIC).fract()
 }
 
-/// Mean of what runs with different seeds gave, and its standard error; of one value the error is NaN.
+/// Mean over runs with different seeds, and its standard error; for one run the error is NaN.
 pub fn mean<T>(runs: &[T], of: impl Fn(&T) -> f64) -> (f64, f64) {
     let n = runs.len() as f64;
     let mean = runs.iter().map(&of).sum::<f64>() / n;

@@ -1,4 +1,4 @@
-//! Soft, spheres that act as if smaller: the collision rate over the softness.
+//! Soft spheres that act as if smaller: their collision rate over the softness.
 
 use super::picture::{curve, curves, even, measured, points};
 use super::scenes::{DIAMETER, collision_rate, mass, mean, run, simulation, soften, temperature};
@@ -12,14 +12,14 @@ use crate::statistics::Estimate;
 use crate::study::session::StudyError;
 use std::f64::consts::PI;
 
-/// [m/s] per component at the start.
+/// [m/s] speed per component at the start.
 const SPEED: f64 = 0.7;
 /// [-] volume fraction.
 const FRACTION: f64 = 0.1;
 /// Samples of the temperature in a run.
 const SAMPLES: u32 = 50;
 
-/// [N/m] the stiffness at which sqrt(m T/k) is that share of a diameter.
+/// [N/m] stiffness at which sqrt(m T/k) is that share of a diameter.
 fn stiffness(softness: f64) -> f64 {
     mass() * (SPEED / (softness * DIAMETER)).powi(2)
 }
@@ -29,15 +29,15 @@ fn effective_diameter(softness: f64) -> f64 {
     1.0 - (PI / 2.0).sqrt() * softness
 }
 
-/// [-] the collision rate of hard spheres of the effective diameter over that of the full one.
+/// [-] collision rate of hard spheres of the effective diameter over that of hard spheres of the full one.
 fn of_smaller_spheres(softness: f64) -> f64 {
     let smaller = effective_diameter(softness);
     collision_rate(FRACTION * smaller.powi(3), 1.0) / smaller / collision_rate(FRACTION, 1.0)
 }
 
-/// [-] how often soft spheres touch, over hard ones. They touch at the distance d, as hard ones do, but the density of
-/// others there is that of a fluid of spheres of d_eff a little off its contact: g (1 + g'/g (d - d_eff)), with the slope at
-/// contact of Percus and Yevick's equation (Wertheim 1963), g' d = -(9/2) φ (1+φ)/(1-φ)³.
+/// [-] rate at which soft spheres touch, over that of hard ones. Both touch at the distance d. For soft spheres the
+/// density of neighbours there is that of a fluid of spheres of d_eff, slightly off contact: g (1 + g'/g (d - d_eff)).
+/// The slope at contact follows from Percus and Yevick's equation (Wertheim 1963): g' d = -(9/2) φ (1+φ)/(1-φ)³.
 fn touches(softness: f64) -> f64 {
     let contact = |fraction: f64| (1.0 - 0.5 * fraction) / (1.0 - fraction).powi(3);
     let smaller = effective_diameter(softness);
@@ -46,7 +46,7 @@ fn touches(softness: f64) -> f64 {
     (contact(fraction) + slope * (1.0 / smaller - 1.0)) / contact(FRACTION)
 }
 
-/// [1/m] the collision rate over the root of the temperature in a run of a length [s].
+/// [1/m] collision rate over the square root of the temperature, in a run of a length [s].
 fn rate(experiment: &Experiment, duration: f64) -> Result<(f64, Option<Failure>), StudyError> {
     let mut simulation = simulation(experiment)?;
     // a tenth of the time to forget the start
@@ -71,7 +71,7 @@ pub fn softness(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     );
     let seeds = even(1.0, f64::from(seeds), seeds as usize);
     let duration = collisions / collision_rate(FRACTION, SPEED * SPEED);
-    // without any softness they are hard
+    // zero softness stands for hard spheres
     let all: Vec<f64> = std::iter::once(0.0).chain(softness.iter().copied()).collect();
     let runs = grid.run(&points(&seeds, &all), |&(seed, softness)| {
         let experiment = grid.with(|case| {

@@ -1,4 +1,4 @@
-//! Drag apart from flight: the error of the splitting over the length of the window.
+//! Separate treatment of drag and flight: the error of the splitting over the length of the window.
 
 use super::picture::{curve, curves};
 use super::scenes::{run, simulation};
@@ -10,7 +10,7 @@ use crate::study::session::StudyError;
 /// Windows of the reference: its error is (1/32)² of that of the finest point.
 const REFERENCE: u64 = 16_384;
 
-/// Error of place and velocity over the window.
+/// Error of position and velocity over the window.
 pub fn splitting(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let powers: Vec<u32> = grid.choose(vec![0, 3, 6, 9], (0..=9).collect());
     // [s] the paper's small sphere falls for about its response time

@@ -1,7 +1,7 @@
-//! Soft, stability of lasting contacts: a sphere held between two walls, slightly disturbed.
+//! Stability of lasting contacts of soft spheres: a sphere held between two walls, slightly disturbed.
 //!
-//! Two walls hold it, each with half the stiffness and half the dashpot: together they are one contact of stiffness k_n
-//! and restitution e that lasts, without a force that would press the sphere against a single one.
+//! Each of the two walls has half the stiffness and half the dashpot. Together they are one lasting contact of
+//! stiffness k_n and restitution e. There is no force that would press the sphere against a single wall.
 
 use super::picture::{MapAxis, even, plane, points};
 use super::scenes::{DIAMETER, STIFFNESS, mass, restitute, run, simulation};
@@ -17,17 +17,17 @@ use std::f64::consts::PI;
 /// [-] overlap with each wall over the diameter.
 const SQUEEZE: f64 = 0.005;
 
-/// [-] the disturbance over that overlap: the contacts last until it has grown a hundredfold.
+/// [-] the disturbance over the overlap with each wall: the contacts last until it has grown a hundredfold.
 const DISTURBANCE: f64 = 0.01;
 
-/// Time steps of a point: Heun's growth at ω_0 Δt = 0.1 without damping, 1.25e-5 a step, makes 3.5 of it.
+/// Time steps of a point: Heun's growth without damping at ω_0 Δt = 0.1 is 1.25e-5 a step, a factor of 3.5 in all.
 const STEPS: f64 = 1e5;
 
-/// A swing that has grown by more than this grows: far from 1, which it keeps without damping, and from the hundred at which
-/// contacts open.
+/// Growth factor of a swing from which it counts as unstable. It is far from 1, the value without damping, and from the
+/// hundred at which contacts open.
 const GROWS: f64 = 2.0;
 
-/// [-] restitution of each of the two walls, whose damping ratio is √2 times that of one.
+/// [-] restitution of a contact with one of the two walls, whose damping ratio is √2 times that of a single contact.
 fn of_one(restitution: f64) -> f64 {
     let damping = damping_ratio(restitution) / 2.0f64.sqrt();
     (-PI * damping / (1.0 - damping * damping).sqrt()).exp()
@@ -46,7 +46,7 @@ pub fn stability(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
             case.soft.time_step = TimeStep::Fixed(step);
         }))?;
         let mut failure = run(&mut simulation, 1, STEPS * step);
-        // half the range of its places, over a period at the shortest step
+        // half the range of its positions, over a period at the shortest step
         let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
         for _ in 0..64 {
             // an energy that grew does not stop the motion

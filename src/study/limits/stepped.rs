@@ -1,4 +1,4 @@
-//! Hard in steps: what is missed and what is left over when collisions are looked for at the ends of steps.
+//! Hard spheres in steps: collisions missed and overlaps left when collisions are looked for at the ends of steps.
 
 use super::picture::{curve, curves, even, measured, points};
 use super::scenes::{collision_rate, mean, run, simulation};
@@ -11,25 +11,25 @@ use crate::statistics::Estimate;
 use crate::study::session::StudyError;
 use std::f64::consts::PI;
 
-/// [m/s] per component.
+/// [m/s] speed per component.
 const SPEED: f64 = 0.5;
 /// [-] volume fraction.
 const FRACTION: f64 = 0.1;
 
-/// What a run came to.
+/// Results of a run.
 struct SteppedRun {
     /// Collisions that got an impulse.
     pairs: f64,
-    /// Collisions that were over at the next look.
+    /// Collisions that were over when collisions were next looked for.
     missed: f64,
-    /// [-] mean overlap found, over the diameter; 0 where no collision was.
+    /// [-] mean overlap found, over the diameter; 0 if there was no collision.
     overlap: f64,
-    /// [-] that of which 99 % are less.
+    /// [-] 99 % quantile of the overlap, over the diameter.
     deepest: f64,
     failure: Option<Failure>,
 }
 
-/// Missed collisions over θ, and the overlap left over, of the same runs.
+/// Missed collisions and remaining overlap over θ, from one set of runs.
 pub fn missed_and_overlap(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let (theta, seeds, collisions) = grid.choose(
         (vec![0.05, 0.1, 0.3, 1.0], 3, 20.0),
@@ -37,14 +37,14 @@ pub fn missed_and_overlap(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     );
     let seeds = even(1.0, f64::from(seeds), seeds as usize);
     let duration = collisions / collision_rate(FRACTION, SPEED * SPEED);
-    // 0: at exact instants
+    // 0 stands for exact instants
     let all: Vec<f64> = std::iter::once(0.0).chain(theta.iter().copied()).collect();
     let runs = grid.run(&points(&seeds, &all), |&(seed, theta)| {
         let mut simulation = simulation(&grid.with(|case| {
             case.run.seed = seed as u64;
             case.hard.stepping = if theta > 0.0 { HardStepping::Steps { theta } } else { HardStepping::Events };
         }))?;
-        // one window: a step is a whole part of it, and would be shorter than θ asks for in a short one
+        // one window: a step is a whole part of it, and in a short window would be shorter than θ asks for
         let failure = run(&mut simulation, 1, duration);
         let summary = simulation.record.pairs.summary();
         Ok(SteppedRun {

@@ -1,4 +1,4 @@
-//! One sweep: runs all of its points, and holds what they come to.
+//! One sweep: runs all of its points, and holds their results.
 
 use crate::engine::Failure;
 use crate::experiment::Experiment;
@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use std::io::{IsTerminal, stderr};
 use std::time::Instant;
 
-/// How points are run.
+/// Options for running the points.
 #[derive(Clone, Copy, Debug)]
 pub struct Grid {
     /// Coarser grids, shorter runs.
@@ -19,13 +19,13 @@ pub struct Grid {
     pub quiet: bool,
 }
 
-/// What a sweep starts from.
+/// Starting point of a sweep.
 pub struct Points<'a> {
-    /// How points are run.
+    /// Options for running the points.
     pub grid: &'a Grid,
-    /// Name of its first map, for the progress.
+    /// Name of the first map of the sweep, for the progress.
     pub name: &'static str,
-    /// The experiment of its case file, of which every point changes something.
+    /// The experiment of the case file of the sweep. Every point changes something of it.
     pub base: Experiment,
 }
 
@@ -33,22 +33,22 @@ pub struct Points<'a> {
 pub struct KnownPoint {
     /// The numbers in the order of the columns, each in the unit of its column.
     pub values: Vec<f64>,
-    /// Why it stopped, if it did: of several runs the first that did.
+    /// Reason why the point stopped, if it did: that of the first run that stopped.
     pub failure: Option<Failure>,
 }
 
-/// What a sweep found for one map.
+/// Results of a sweep for one map.
 pub struct MapSweep {
     /// The points, in the order in which they are drawn.
     pub rows: Vec<limits::MapPoint>,
-    /// What is to be learnt, from the numbers.
+    /// Conclusion from the numbers.
     pub lesson: String,
-    /// How it is drawn.
+    /// Picture of the map.
     pub picture: Picture,
 }
 
 impl MapSweep {
-    /// Of points of which every number is known.
+    /// Map of points of which every number is known.
     pub fn new(rows: Vec<KnownPoint>, lesson: String, picture: Picture) -> Self {
         let row = |row: KnownPoint| limits::MapPoint {
             values: row.values.into_iter().map(Some).collect(),
@@ -59,7 +59,7 @@ impl MapSweep {
 }
 
 impl Points<'_> {
-    /// The first of these in the quick grid, the second in the full one.
+    /// `quick` in the quick grid, `full` in the full one.
     pub fn choose<T>(&self, quick: T, full: T) -> T {
         if self.grid.quick { quick } else { full }
     }
@@ -78,7 +78,7 @@ impl Points<'_> {
         one: impl Fn(&P) -> Result<R, StudyError> + Sync,
     ) -> Result<Vec<R>, StudyError> {
         let bar = if self.grid.quiet { ProgressBar::hidden() } else { ProgressBar::new(points.len() as u64) };
-        // a template that does not parse would only lose its looks
+        // a template that does not parse would only spoil the look
         if let Ok(style) = ProgressStyle::with_template("{bar:16} {pos} of {len} points, {eta} left  {wide_msg}") {
             bar.set_style(style);
         }

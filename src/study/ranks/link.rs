@@ -1,38 +1,39 @@
-//! How processes reach one another.
+//! Connection between processes.
 
 #[allow(unused_imports, reason = "for the links in the comments")]
 use crate::communicator::Communicator;
 
-/// What processes that work on one command need of what joins them. All of it is called from the thread that made it.
+/// Communication between the processes that work on one command. All methods are called from the thread that made the
+/// link.
 pub trait Link {
     /// Number of this process, from 0.
     fn rank(&self) -> usize;
 
-    /// How many there are.
+    /// Number of processes.
     fn size(&self) -> usize;
 
-    /// How many of them share this machine.
+    /// Number of processes on this machine.
     fn on_this_machine(&self) -> usize;
 
     /// Sends bytes to another process; they arrive in the order in which they were sent.
     fn send(&self, to: usize, bytes: &[u8]);
 
-    /// What has arrived from any process and has not been taken yet, with the number of its sender.
+    /// Next message that has arrived from any process and has not been taken yet, with the number of its sender.
     fn take(&self) -> Option<(usize, Vec<u8>)>;
 
-    /// The bytes of all processes, in the order of their numbers. Everybody must call it.
+    /// The bytes of all processes, in the order of their numbers. All processes must call this.
     fn gather(&self, own: &[u8]) -> Vec<Vec<u8>>;
 
-    /// As [`Communicator::exchange`].
+    /// Exchanges bytes, as in [`Communicator::exchange`].
     fn exchange(&self, outgoing: Vec<Vec<u8>>) -> Vec<Vec<u8>>;
 
-    /// As [`Communicator::broadcast`].
+    /// Broadcasts bytes, as in [`Communicator::broadcast`].
     fn broadcast(&self, bytes: Vec<u8>) -> Vec<u8>;
 
-    /// As [`Communicator::sum`].
+    /// Sums numbers, as in [`Communicator::sum`].
     fn sum(&self, numbers: &mut [i64]);
 
-    /// As [`Communicator::largest`].
+    /// Takes the largest values, as in [`Communicator::largest`].
     fn largest(&self, values: &mut [f64]);
 }
 
@@ -75,8 +76,8 @@ impl Link for LoneProcess {
     fn largest(&self, _values: &mut [f64]) {}
 }
 
-/// Whether this process was started as one of several: by Open MPI, MPICH and what is built on it, or Slurm with PMIx. Each of
-/// them gives its processes a number in one of these variables.
+/// True if this process was started as one of several: by Open MPI, MPICH and its relatives, or Slurm with PMIx. Each
+/// of them gives its processes a number in one of these variables.
 pub fn is_one_of_several() -> bool {
     ["OMPI_COMM_WORLD_RANK", "PMIX_RANK", "PMI_RANK"].iter().any(|name| std::env::var_os(name).is_some())
 }

@@ -1,9 +1,10 @@
-//! The processes that work on one command: this one, or as many as `mpirun` has started (feature `mpi`). MPI calls their
-//! numbers ranks.
+//! Processes that work on one command: this one alone, or as many as `mpirun` has started (feature `mpi`). MPI calls
+//! their numbers ranks.
 //!
-//! All of them read the same command line and the same case, and [agree](Ranks::agree) that they have. Then process 0, the
-//! lead, does the command. The others help: they do runs that the lead names by their places in a list that everybody has made by
-//! itself, and send back what came out. So only names and results travel, and who has done a run does not matter to it.
+//! All processes read one command line and one case, and [agree](Ranks::agree) that they have. Then process 0, the
+//! lead, does the command. The others help: they do runs that the lead names by their indices in a list, and send back
+//! the results. Each process has made that list by itself, so only indices and results travel. The result of a run does
+//! not depend on the process that did it.
 
 mod link;
 #[cfg(feature = "mpi")]
@@ -24,32 +25,32 @@ use std::collections::VecDeque;
 /// The processes that work on one command.
 pub struct Ranks {
     link: Box<dyn Link>,
-    /// Whether they have agreed on what they do.
+    /// True if the processes have agreed on their work.
     agreed: Cell<bool>,
-    /// The helpers that could take a run, each once for every run that it could take.
+    /// Helpers that could take a run, each listed once for every run that it could take.
     free: RefCell<VecDeque<usize>>,
-    /// Runs that helpers have in hand.
+    /// Number of runs that helpers are working on.
     away: Cell<usize>,
-    /// The exit code that the lead has told a helper.
+    /// Exit code that the lead has told a helper.
     dismissed: Cell<Option<u8>>,
 }
 
-/// What processes tell one another.
+/// Messages between processes.
 #[derive(Serialize, Deserialize)]
 pub enum Message {
-    /// Lead to helper: do the run at this place of the list.
+    /// Lead to helper: do the run at this index of the list.
     Do(usize),
-    /// Lead to helper: the run at this place of the list of those that all processes share begins.
+    /// Lead to helper: the run at this index of the list of shared runs begins.
     Follow(usize),
-    /// Lead to helper: leave the runs under way at the ends of their windows.
+    /// Lead to helper: leave the present runs at the ends of their windows.
     Stop,
     /// Lead to helper: the command is over, with this exit code.
     End(u8),
-    /// Helper to lead: so many runs could be taken.
+    /// Helper to lead: this number of runs could be taken.
     Free(usize),
-    /// Helper to lead: the run at this place has come to that simulated time [s].
+    /// Helper to lead: the run at this index has come to that simulated time [s].
     At(usize, f64),
-    /// Helper to lead: the run at this place is over, with that result; `None` if it was left on its way.
+    /// Helper to lead: the run at this index is over, with that result; `None` if it was left before its end.
     Done(usize, Option<Result<Vec<u8>, String>>),
     /// Helper to lead: it cannot help.
     Failed(String),
@@ -57,17 +58,17 @@ pub enum Message {
     Gone,
 }
 
-/// What a process found when it read its command and case.
+/// Result of reading the command and the case in one process.
 #[derive(Clone, PartialEq, Serialize, Deserialize)]
 enum Found {
     /// Something to do, with a checksum of it.
     Work(u32),
-    /// An error, and whether the input is at fault.
+    /// An error, and true if the input is at fault.
     Error(String, bool),
 }
 
 impl Ranks {
-    /// Joins the processes that this one was started with; by itself if there are none.
+    /// Joins the processes that were started together with this one, or returns this one alone if there are none.
     ///
     /// # Errors
     /// MPI cannot be started.
@@ -105,17 +106,17 @@ impl Ranks {
         }
     }
 
-    /// Whether this process does the command, and says what there is to say.
+    /// True if this process does the command and prints its messages.
     pub fn is_lead(&self) -> bool {
         self.link.rank() == 0
     }
 
-    /// How many processes there are.
+    /// Number of processes.
     pub fn count(&self) -> usize {
         self.link.size()
     }
 
-    /// Threads for this process: those asked for, or its share of the cores that it may use.
+    /// Number of threads for this process: the number asked for, or its share of the available cores.
     pub fn threads(&self, asked: Option<u16>) -> usize {
         let cores = || std::thread::available_parallelism().map_or(1, usize::from);
         asked.map_or_else(|| (cores() / self.link.on_this_machine()).max(1), usize::from)
@@ -128,20 +129,21 @@ impl Ranks {
         }
     }
 
-    /// Does what is not shared, here if this is the lead.
+    /// Does work that is not shared, only in the lead.
     ///
     /// # Errors
-    /// That of the work, or of a process that could not begin.
+    /// The error of the work, or that of a process that could not begin.
     pub fn by_lead(&self, work: impl FnOnce() -> Result<(), StudyError>) -> Result<(), StudyError> {
         self.agree(Ok(()), |()| 0)?;
         if self.is_lead() { work() } else { Ok(()) }
     }
 
-    /// Agrees with the others that all have found the same to do; `mark` is a checksum of what it is. Everybody must come here, or
-    /// to [`close`](Self::close).
+    /// Agrees with the other processes that all have equal work; `mark` is its checksum. All processes must call this
+    /// or [`close`](Self::close).
     ///
     /// # Errors
-    /// That of the first process that has one, for everybody; or some have found something else than the lead.
+    /// The error of the first process that has one, returned in all processes. It is also an error if a process has
+    /// other work than the lead.
     pub fn agree<T>(&self, found: Result<T, StudyError>, mark: impl FnOnce(&T) -> u32) -> Result<T, StudyError> {
         self.agreed.set(true);
         if self.count() == 1 {
@@ -156,8 +158,8 @@ impl Ranks {
         disagreement(&all).map_or(found, Err)
     }
 
-    /// Ends what the processes do together, with the result of this one: the lead says why it is an error, and all end with the exit code
-    /// that its result has. Everybody must come here.
+    /// Ends the common work of the processes, with the result of this one. The lead prints the reason of an error, and
+    /// all end with the exit code for its result. All processes must call this.
     pub fn close<T>(&self, result: Result<T, StudyError>, code: impl FnOnce(&Result<T, StudyError>) -> u8) -> u8 {
         let result = if self.agreed.get() { result } else { self.agree(result, |_| 0) };
         if !self.is_lead() {
@@ -179,7 +181,7 @@ impl Ranks {
         code
     }
 
-    /// What a helper does when it has nothing left to do; returns the exit code.
+    /// Waits, in a helper that has nothing left to do, for the end of the command; returns the exit code.
     fn wait_for_the_end(&self, why: Option<StudyError>) -> u8 {
         if let (Some(why), None) = (why, self.dismissed.get()) {
             self.report(&Message::Failed(why.to_string()));
@@ -198,12 +200,12 @@ impl Ranks {
         code
     }
 
-    /// The lead has told this helper that the command is over.
+    /// Notes that the lead has told this helper the end of the command.
     pub fn dismissed(&self, code: u8) {
         self.dismissed.set(Some(code));
     }
 
-    /// Gives the run at that place to a helper that could take one; false if there is none.
+    /// Gives the run at index `place` to a helper that could take one; false if there is none.
     pub fn hand_out(&self, place: usize) -> bool {
         let Some(helper) = self.free.borrow_mut().pop_front() else { return false };
         self.send(helper, &Message::Do(place));
@@ -211,22 +213,22 @@ impl Ranks {
         true
     }
 
-    /// Runs that helpers have in hand.
+    /// Number of runs that helpers are working on.
     pub fn away(&self) -> usize {
         self.away.get()
     }
 
-    /// Tells all helpers that a run begins that all share.
+    /// Tells all helpers that a shared run begins.
     pub fn call_together(&self, place: usize) {
         (1..self.count()).for_each(|helper| self.send(helper, &Message::Follow(place)));
     }
 
-    /// Tells all helpers to leave what they are at.
+    /// Tells all helpers to leave their present runs.
     pub fn stop_helpers(&self) {
         (1..self.count()).for_each(|helper| self.send(helper, &Message::Stop));
     }
 
-    /// What a helper has told the lead, who keeps account of who is free.
+    /// Next message of a helper to the lead, which keeps account of the free helpers.
     pub fn heard(&self) -> Option<Message> {
         let (from, message) = self.take()?;
         match &message {
@@ -240,7 +242,7 @@ impl Ranks {
         Some(message)
     }
 
-    /// Tells the lead.
+    /// Sends a message to the lead.
     pub fn report(&self, message: &Message) {
         self.send(0, message);
     }
@@ -255,7 +257,7 @@ impl Ranks {
     fn take(&self) -> Option<(usize, Message)> {
         loop {
             let (from, bytes) = self.link.take()?;
-            // what is no message is of another program, which `agree` has found out already
+            // bytes that are no message are those of another program, which `agree` has found out already
             if let Ok(message) = unpacked(&bytes) {
                 return Some((from, message));
             }
@@ -275,7 +277,7 @@ fn unfit(why: postcard::Error) -> StudyError {
     StudyError::Failed(format!("error: a message between processes cannot be read: {why}"))
 }
 
-/// Why the processes cannot begin, if they cannot.
+/// Reason why the processes cannot begin, if there is one.
 fn disagreement(all: &[Found]) -> Option<StudyError> {
     let error = all.iter().enumerate().find_map(|(rank, found)| match found {
         Found::Error(why, input) => Some((rank, why, *input)),

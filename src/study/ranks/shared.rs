@@ -1,4 +1,5 @@
-//! One run that all processes share: its thread asks, and the thread that MPI belongs to does what is asked for.
+//! One run that all processes share. The thread of the run makes requests, and the thread that MPI belongs to carries
+//! them out.
 
 use super::Ranks;
 use super::link::Link;
@@ -7,7 +8,7 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// What the thread of the run asks for, and the answer to it.
+/// Request of the thread of the run, and the answer to it.
 enum Call {
     Exchange(Vec<Vec<u8>>),
     Broadcast(Vec<u8>),
@@ -15,18 +16,18 @@ enum Call {
     Largest(Vec<f64>),
 }
 
-/// What a process has told others of a run that they share.
+/// Communication of a process with others during a shared run.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Traffic {
-    /// Messages to single others.
+    /// Number of messages to single other processes.
     pub messages: u64,
-    /// [bytes] in them.
+    /// [bytes] size of these messages to single processes.
     pub bytes: u64,
-    /// Calls that all took part in.
+    /// Number of calls that all processes took part in.
     pub calls: u64,
-    /// Time in all of it, with waiting for the others.
+    /// Time spent on communication, including the wait for the others.
     pub waited: Duration,
-    /// Time from the beginning to the end.
+    /// Time from the beginning to the end of the run.
     pub whole: Duration,
 }
 
@@ -43,7 +44,7 @@ impl std::fmt::Display for Traffic {
     }
 }
 
-/// The end of the line at which the run is.
+/// End of the channel on the side of the run.
 struct LineEnd {
     rank: usize,
     size: usize,
@@ -51,7 +52,7 @@ struct LineEnd {
 }
 
 impl LineEnd {
-    /// The answer to a call; the call itself if nobody is there any more.
+    /// Answer to a call; `None` if the other end of the channel is closed.
     fn ask(&self, call: Call) -> Option<Call> {
         let ends = self.ends.lock().unwrap_or_else(PoisonError::into_inner);
         ends.0.send(call).ok()?;
@@ -111,8 +112,8 @@ fn answer(link: &dyn Link, call: Call) -> Call {
 }
 
 impl Ranks {
-    /// Does work on a run that all processes share, each in a thread of its own: MPI is called from the thread that started it only.
-    /// Returns what it comes to, and what had to be told.
+    /// Does work on a run that all processes share. Each process works in a second thread, since MPI may only be called
+    /// from the thread that started it. Returns the result of the work, and the communication that it took.
     pub fn together<T: Send>(&self, work: impl FnOnce(Arc<dyn Communicator>) -> T + Send) -> (T, Traffic) {
         let (asked, calls) = channel();
         let (answers, answered) = channel();
@@ -132,7 +133,7 @@ impl Ranks {
                 let answer = answer(&*self.link, call);
                 traffic.calls += 1;
                 traffic.waited += asked.elapsed();
-                // the run waits for it
+                // the run waits for this answer
                 let _ = answers.send(answer);
             }
             traffic.whole = began.elapsed();

@@ -10,7 +10,7 @@ use std::sync::{Arc, Barrier, Mutex};
 use std::thread::scope;
 use std::time::Duration;
 
-/// What has been sent, with the number of the sender.
+/// A message that has been sent, with the number of the sender.
 type Letter = (usize, Vec<u8>);
 
 /// One of several threads that stand for processes.
@@ -75,7 +75,7 @@ impl Link for Thread {
     }
 }
 
-/// Does `work` as each of so many processes; the exit codes.
+/// Does `work` as each of `count` processes; returns the exit codes.
 fn processes(count: usize, work: impl Fn(&Ranks) -> Result<u8, StudyError> + Sync) -> Vec<u8> {
     let (others, inboxes): (Vec<_>, Vec<_>) = (0..count).map(|_| channel()).unzip();
     let shared = Arc::new((Barrier::new(count), Mutex::new(vec![Vec::new(); count])));
@@ -98,7 +98,7 @@ fn processes(count: usize, work: impl Fn(&Ranks) -> Result<u8, StudyError> + Syn
     })
 }
 
-/// Squares of numbers; of one of them a process may know nothing, or be stopped at it.
+/// Squares of numbers; for one of them a process may fail or be stopped.
 struct Squares {
     by_others: AtomicUsize,
     unknown: Option<usize>,
@@ -160,7 +160,7 @@ fn every_run_is_done_once_and_by_all() {
             return help(&squares, SHARE, ranks, &Signals::listen()?).map(|()| 9);
         }
         let mut all = vec![0; COUNT];
-        // two lists of runs, one after the other, as `compare` has them
+        // two lists of runs, one after the other, as in `compare`
         let places: Vec<usize> = (0..COUNT).collect();
         for part in [&places[..20], &places[20..]] {
             beside(&squares, part, (SHARE, ranks), |place, square| {
@@ -192,7 +192,7 @@ fn a_helper_that_fails_ends_all_and_one_that_is_stopped_stops_all() {
                 over += 1;
                 Ok(())
             })?;
-            // each of four threads may be at one, and be given one more before the word comes
+            // each of four threads may be in a run, and get one more before the message arrives
             Ok(if over < COUNT / 2 { 130 } else { 3 })
         })
     };

@@ -1,7 +1,7 @@
-//! The factors: what each changes in a case, by how much, and why by so much.
+//! Factors of a sensitivity study: the change that each makes in a case, its size, and the reason for that size.
 //!
-//! Where a case idealises (restitution 1, no friction) a factor takes a real value; where it has one, a factor moves it by as
-//! much as measurements are uncertain. A factor that makes no sense for a scene says why.
+//! Where a case idealises (restitution 1, no friction) a factor takes a real value. Where the case has a real value,
+//! the factor moves it by the uncertainty of measurements. A factor that makes no sense for a scene says why.
 
 use super::plan::{PlannedFactor, SensitivityPlan};
 use crate::contact_law::ContactLaw;
@@ -25,25 +25,25 @@ const FRICTION_ERROR: f64 = 0.02;
 const PAPER_STEPS: f64 = 7.7;
 /// [-] θ of stepped hard spheres: a third of the usual 0.3, at which fast ones pass through walls (docs/limits.md).
 const THETA: f64 = 0.1;
-/// [-] one stiffness over the next: overlaps then double, and the softest are four times as deep.
+/// [-] ratio of successive stiffnesses: overlaps then double, and the softest spheres overlap four times as deeply.
 const STIFFNESS_RATIO: f64 = 4.0;
-/// [-] the shorter box over the whole.
+/// [-] length of the shorter box over that of the whole one.
 const BOX_SHARE: f64 = 0.5;
 
-/// Plans the runs of a factor, or says why it makes no sense. `size`: as typed, if it is.
+/// Plans the runs of a factor, or says why it makes no sense. `size`: the size as typed, if one was typed.
 type Make = fn(&mut SensitivityPlan, Option<&str>) -> Result<PlannedFactor, String>;
 
-/// A factor of the program's own.
+/// A built-in factor.
 pub struct Known {
-    /// Its name on the command line.
+    /// Name on the command line.
     pub name: &'static str,
-    /// What it is, in a sentence.
+    /// Title in a sentence.
     pub title: &'static str,
-    /// What it does to a case.
+    /// Function that plans the change.
     pub make: Make,
 }
 
-/// All of them, in the order of the help text.
+/// All built-in factors, in the order of the help text.
 pub const KNOWN: [Known; 12] = [
     Known { name: "model", title: "the contact model", make: model },
     Known { name: "stiffness", title: "the stiffness", make: stiffness },
@@ -59,14 +59,14 @@ pub const KNOWN: [Known; 12] = [
     Known { name: "seed", title: "another seed", make: seed },
 ];
 
-/// A number as typed for a size, within `from ..= to`.
+/// Size as typed, within `from ..= to`, or the usual size.
 fn sized(size: Option<&str>, usual: f64, from: f64, to: f64) -> Result<f64, String> {
     let Some(text) = size else { return Ok(usual) };
     let number = text.trim().parse().ok().filter(|number| (from..=to).contains(number));
     number.ok_or_else(|| format!("its size `{text}` is no number from {from} to {to}"))
 }
 
-/// Why a size has its value: as asked, or as usual.
+/// Reason for the value of a size: asked for, or usual.
 fn why(size: Option<&str>, usual: impl Into<String>) -> String {
     if size.is_some() { "as asked for".into() } else { usual.into() }
 }
@@ -76,7 +76,7 @@ fn no_size(size: Option<&str>) -> Result<(), String> {
     size.map_or(Ok(()), |text| Err(format!("it has no size, and `{text}` is given")))
 }
 
-/// A number as one would type it, to a millionth.
+/// A number as it would be typed, rounded to a millionth.
 fn plain(number: f64) -> f64 {
     (1e6 * number).round() / 1e6
 }
@@ -108,7 +108,7 @@ fn stiffness(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<PlannedFa
     let law = plan.run(soft).law().ok_or("there is no contact law")?;
     let parameter = law.parameter();
     let mut runs = vec![(soft, 1.0)];
-    // an overlap goes with a power of the stiffness: by how much stiffer for half of it, the law knows
+    // an overlap goes with a power of the stiffness: the law tells the stiffness for half the overlap
     let power = law.stiffening(2.0).log2();
     for k in 1..=2 {
         let factor = ratio.powi(k);
@@ -162,7 +162,8 @@ fn stepping(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<PlannedFac
     ))
 }
 
-/// The tables that say how particles meet each other, with what each says: `contact`, and the pairs of kinds that are listed.
+/// Tables of the contacts between particles, each with its surface: `contact`, and the pairs of species that are
+/// listed.
 fn pairs(plan: &SensitivityPlan) -> Result<Vec<(String, Surface)>, String> {
     let reference = plan.reference();
     if reference.count() < 2 {
@@ -172,9 +173,10 @@ fn pairs(plan: &SensitivityPlan) -> Result<Vec<(String, Surface)>, String> {
     Ok(std::iter::once(("contact".to_owned(), reference.scene.contact)).chain(listed).collect())
 }
 
-/// The tables of pairs whose second kind is `wanted`, with what each says: which pairs a table is of is seen from what changes with it.
+/// Tables of pairs whose second kind is `wanted`, each with its surface. A trial change of the friction in a table
+/// shows which pairs it belongs to.
 fn listed(plan: &SensitivityPlan, wanted: fn(&Kind) -> bool) -> Vec<(String, Surface)> {
-    /// [-] a friction that no case has.
+    /// [-] a friction coefficient that no case has.
     const PROBE: f64 = 0.123_456_789;
     let before = &plan.reference().scene.pairs;
     let tables = (0..before.iter().count()).map_while(|k| {
@@ -222,7 +224,7 @@ fn wall_friction(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<Plann
     surface(plan, &all, ("friction", "wall μ"), why(size, source))
 }
 
-/// Why friction moves by as much as it does.
+/// Reason for the step in friction.
 const FRICTION_IS_KNOWN: &str = "a measured friction is known to ± 0.02, Foerster et al. 1994";
 
 fn usual_restitution(own: f64) -> f64 {
@@ -237,7 +239,7 @@ fn why_restitution(own: f64) -> &'static str {
     }
 }
 
-/// The keys of all walls with what each has.
+/// Keys of all walls, each with its value of the property.
 fn walls(plan: &SensitivityPlan, of: fn(&Surface) -> f64) -> Result<Vec<(String, f64)>, String> {
     let walls = &plan.reference().scene.walls;
     if walls.is_empty() {
@@ -248,7 +250,7 @@ fn walls(plan: &SensitivityPlan, of: fn(&Surface) -> f64) -> Result<Vec<(String,
     Ok(every.chain(listed.iter().map(|(table, surface)| (table.clone(), of(surface)))).collect())
 }
 
-/// Surfaces, each by its table, with one property that goes from a value to another.
+/// Factor that changes one property of several surfaces. Each is given by its table, its old and its new value.
 fn surface(
     plan: &mut SensitivityPlan,
     surfaces: &[(String, f64, f64)],
@@ -353,7 +355,7 @@ fn shorter_box(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<Planned
     let name = format!("box: {} along {}", quantity(after, "m", 4), ["x", "y", "z"][axis]);
     let shorter = format!("domain.size[{axis}]=\"{after:e} m\"");
     let number = |k: usize| format!("particles[{k}].count={}", (counts[k] as f64 * share).round().max(1.0));
-    // a case that says how many there are would crowd them
+    // a case that gives the number of particles would crowd them: the number is reduced as well
     let same = |experiment: &Experiment| experiment.counts() == reference.counts();
     let sets = match plan.changed(std::slice::from_ref(&shorter), None, None) {
         Ok(experiment) if !same(&experiment) => vec![shorter],
@@ -375,7 +377,7 @@ fn seed(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<PlannedFactor,
         return Err("all particles start at given places: there is no chance in it".into());
     }
     let own = reference.run.seed;
-    // beyond those of the replicas
+    // beyond the seeds of the replicas
     let usual = own.wrapping_add(u64::from(plan.replicas));
     let to = match size {
         None => usual,
@@ -393,7 +395,7 @@ fn seed(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<PlannedFactor,
     ))
 }
 
-/// A factor of the user's own.
+/// Factor defined by the user.
 pub fn own(plan: &mut SensitivityPlan, text: &str) -> Result<PlannedFactor, String> {
     let run = plan.add(text, &[text.to_owned()], None, None)?;
     Ok(PlannedFactor::against(plan.first(), run, text.to_owned(), "as asked for"))

@@ -1,7 +1,7 @@
-//! `diptych sensitivity`: what matters most, in one chart.
+//! `diptych sensitivity`: the factors that matter most, in one chart.
 //!
-//! Every factor is a run of the case with something changed, set beside the case as it is. All runs go on beside each other; all
-//! shifts are judged together.
+//! Every factor is a run of the case with something changed, compared with the case as it is. All runs go on
+//! concurrently; all shifts are judged together.
 
 mod factors;
 mod outlook;
@@ -31,7 +31,7 @@ use std::path::PathBuf;
 use std::sync::Mutex;
 use std::time::Instant;
 
-/// Runs what matters and what does not, and writes one folder. The answer is that of all factors together.
+/// Runs a sensitivity study and writes one folder. Returns the answer of all factors together.
 ///
 /// # Errors
 /// Bad input before anything is computed; failures of engines after everything has been written.
@@ -39,7 +39,7 @@ pub fn sensitivity(args: &Sensitivity, ranks: &Ranks) -> Result<Option<Answer>, 
     sensitivity_on(args, &Invocation::First, ranks)
 }
 
-/// The same, begun or gone on with: runs that are over are not run again.
+/// Begins or resumes a sensitivity study; runs that are over are not run again.
 pub(super) fn sensitivity_on(
     args: &Sensitivity,
     occasion: &Invocation,
@@ -94,11 +94,11 @@ pub(super) fn sensitivity_on(
     Ok(overall)
 }
 
-/// A run that is to be done.
+/// A run to be done.
 struct SensitivityJob {
-    /// Which of the plan.
+    /// Index of the run in the plan.
     place: usize,
-    /// Which replica of it.
+    /// Index of the replica.
     number: usize,
     run: ResumableRun,
 }
@@ -115,7 +115,7 @@ fn jobs(plan: &SensitivityPlan) -> Result<Vec<SensitivityJob>, StudyError> {
     Ok(jobs)
 }
 
-/// Does all jobs beside each other. Where the user stops the command, those that are not over are stored and left out.
+/// Does all jobs concurrently. Where the user stops the command, unfinished jobs are stored and left out.
 fn run_all(
     jobs: &[SensitivityJob],
     (share, ranks): (ThreadBudget, &Ranks),
@@ -137,7 +137,7 @@ fn run_all(
     let mut written = Instant::now();
     beside(&runs, &places, (share, ranks), |k, result| {
         table.outcomes[jobs[k].place][jobs[k].number] = Some(result?);
-        // what is there so far can be looked at
+        // the results so far are written so that the user can look at them
         if written.elapsed() >= INTERVAL && table.outcomes.iter().flatten().any(Option::is_none) {
             keeper.helped(table.write(false))?;
             written = Instant::now();
@@ -146,18 +146,18 @@ fn run_all(
     })
 }
 
-/// The outcomes of all runs, as far as they are over, and where they are written to.
+/// Outcomes of all runs that are over, and the folder to which they are written.
 struct SensitivityTable<'a> {
     plan: &'a SensitivityPlan<'a>,
     margin: f64,
     provenance: &'a Provenance,
     folder: &'a Folder,
-    /// By run and replica.
+    /// Outcomes by run and replica.
     outcomes: Vec<Vec<Option<Outcome>>>,
 }
 
 impl SensitivityTable<'_> {
-    /// Each run with all its replicas as one; `None` of those that are not over.
+    /// Pooled replicas of each run; `None` for a run that is not over.
     fn pooled(&self) -> Vec<Option<Outcome>> {
         let one = |runs: &Vec<Option<Outcome>>| {
             let runs: Vec<Outcome> = runs.iter().cloned().collect::<Option<_>>()?;
@@ -167,13 +167,14 @@ impl SensitivityTable<'_> {
         self.outcomes.iter().map(one).collect()
     }
 
-    /// Writes what there is; `whole`: all of it, with the summary. Returns the page, the sentences and the answer.
+    /// Writes the results so far; `whole`: all of them, with the summary. Returns the page, the sentences and the
+    /// answer.
     fn write(&self, whole: bool) -> Result<(PathBuf, Vec<String>, Option<Answer>), crate::output::OutputError> {
         let pooled = self.pooled();
         let (factors, waiting) = weigh::factors(self.plan, &pooled, &self.outcomes, self.margin);
         let sentences = words::sentences(&factors, &waiting, self.margin);
         let over: Vec<Outcome> = pooled.into_iter().flatten().collect();
-        // one by one: that they do not start alike is what some of them are for
+        // run by run: runs may differ in their start on purpose
         let notes: Vec<String> = over.iter().flat_map(|one| notes(std::slice::from_ref(one))).collect();
         let left_out: &[OmittedFactor] = &self.plan.left_out;
         let runs = self.runs();

@@ -1,4 +1,4 @@
-//! What a study will take, before it begins.
+//! Number of runs and wall time of a study, before it begins.
 
 use super::plan::SensitivityPlan;
 use crate::experiment::Model;
@@ -8,10 +8,10 @@ use crate::study::progress::span;
 use crate::study::session::{StudyError, start};
 use std::fmt::Write;
 
-/// [-] share of a run that is timed at most: a run of many collisions takes seconds to tell of itself.
+/// [-] largest share of a run that is timed: a run of many collisions shows its cost within seconds.
 const TRIED: f64 = 0.02;
 
-/// How many runs there are, and about how long they take on so many threads, in a line.
+/// Line with the number of runs and their approximate wall time on this number of threads.
 ///
 /// # Errors
 /// A scene too crowded to start.
@@ -33,7 +33,7 @@ pub fn line(plan: &SensitivityPlan, threads: usize) -> Result<String, StudyError
     ))
 }
 
-/// [s] wall time of one replica of every run, on one thread, by a trial of each model.
+/// [s] wall time of one replica of every run, on one thread, from a trial run of each model.
 fn time(plan: &SensitivityPlan) -> Result<f64, StudyError> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build();
     let pool = pool.map_err(|why| StudyError::Input(format!("error: cannot start a thread: {why}")))?;
@@ -43,16 +43,16 @@ fn time(plan: &SensitivityPlan) -> Result<f64, StudyError> {
         let Some(first) = of().next() else { continue };
         let start = start(&first.experiment)?;
         let tried = pool.install(|| timed(&first.experiment, &start, TRIED));
-        // one that stops at once tells nothing of the others
+        // a trial that stops at once says nothing of the time of the others
         times += of().count() as f64 * tried.seconds;
     }
     Ok(times)
 }
 
-/// The factors with their sizes, those that are left out, and the line.
+/// The factors with their sizes, the factors that are left out, and the line of [`line`].
 ///
 /// # Errors
-/// As for [`line`].
+/// The errors of [`line`].
 pub fn text(plan: &SensitivityPlan, threads: usize) -> Result<String, StudyError> {
     let mut text = String::new();
     let width = plan.factors.iter().map(|factor| factor.name.chars().count()).max().unwrap_or(0);

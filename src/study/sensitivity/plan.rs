@@ -1,4 +1,4 @@
-//! The runs of a study of sensitivity, each once, and what each factor compares.
+//! Runs of a sensitivity study, each once, and the comparisons of each factor.
 
 use super::factors::{KNOWN, own};
 use crate::case::{Case, Checked, fingerprint};
@@ -10,37 +10,37 @@ use crate::study::plan::any_model;
 use crate::study::replicas::replicas;
 use crate::study::session::StudyError;
 
-/// Replicas of each run of something that is not steady, unless the user says how many: Student's t of a difference then has 14
-/// degrees of freedom.
+/// Default number of replicas of each run that is not steady: Student's t of a difference then has 14 degrees of
+/// freedom.
 const REPLICAS: u16 = 8;
 
-/// Why a factor is left out that the user has not named.
+/// Reason for leaving out a factor that the user has not named.
 pub const NOT_ASKED: &str = "not asked for";
 
-/// Particles up to which paths are compared, of which replicas would say nothing.
+/// Largest number of particles for which paths are compared. For paths replicas would say nothing.
 const FEW: usize = 50;
 
-/// Which of the runs a factor compares.
+/// Runs that a factor compares.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Compared {
-    /// The second minus the first.
+    /// The second run minus the first one.
     Against(usize, usize),
-    /// The limit of runs of ever stiffer spheres minus the first run; each with its place on the axis on which what softness does
-    /// grows in proportion, 1 for the first.
+    /// The limit of runs of ever stiffer spheres minus the first run. Each run has its position on an axis along which
+    /// the effect of softness grows in proportion; the first is at 1.
     Extrapolated(Vec<(usize, f64)>),
 }
 
 /// A factor whose runs are planned.
 pub struct PlannedFactor {
-    /// Its name on the command line; the key of one of the user's own.
+    /// Name of the factor on the command line; for a factor of the user, its key.
     pub name: String,
-    /// What it is, in a sentence.
+    /// Title in a sentence.
     pub title: String,
-    /// What it compares.
+    /// Runs that the factor compares.
     pub compared: Compared,
-    /// From what to what.
+    /// Change from the old value to the new one.
     pub change: String,
-    /// Why by so much.
+    /// Reason for the size of the change.
     pub why: String,
 }
 
@@ -59,7 +59,7 @@ impl PlannedFactor {
         Self { name: String::new(), title: String::new(), compared, change, why }
     }
 
-    /// Places of the runs that are only its own side of the comparison, and of those they are compared with.
+    /// Indices of the runs on the factor's side of the comparison, and of those on the other side.
     pub fn sides(&self) -> [Vec<usize>; 2] {
         match &self.compared {
             Compared::Against(base, run) => [vec![*run], vec![*base]],
@@ -72,9 +72,9 @@ impl PlannedFactor {
 
 /// A run and what it changes in the case.
 pub struct PlannedRun {
-    /// What is run, from the first of its seeds.
+    /// Experiment with the first of its seeds.
     pub experiment: Experiment,
-    /// Its changes as they would be typed.
+    /// Changes of the case as they would be typed.
     pub set: String,
     hash: String,
 }
@@ -84,18 +84,18 @@ pub struct SensitivityPlan<'a> {
     case: &'a Case,
     seed: Option<u64>,
     model: Option<Model>,
-    /// Each once.
+    /// Runs, each once.
     pub runs: Vec<PlannedRun>,
     /// The factors in the order of the help text.
     pub factors: Vec<PlannedFactor>,
-    /// Those that make no sense here.
+    /// Factors that make no sense for this case.
     pub left_out: Vec<OmittedFactor>,
-    /// Runs of each from different seeds.
+    /// Number of replicas of each run, with different seeds.
     pub replicas: u16,
 }
 
 impl<'a> SensitivityPlan<'a> {
-    /// Plans what is asked for.
+    /// Plans the factors that are asked for.
     ///
     /// # Errors
     /// The case itself cannot run, or a factor is unknown, named twice, or asked for and makes no sense here.
@@ -129,7 +129,7 @@ impl<'a> SensitivityPlan<'a> {
         Ok((plan, checked))
     }
 
-    /// Plans the program's own factors that are asked for, or all.
+    /// Plans the built-in factors that are asked for, or all.
     fn choose(&mut self, args: &Sensitivity) -> Result<(), StudyError> {
         let mut wanted: Vec<(&str, Option<&str>)> = Vec::new();
         for text in &args.factors {
@@ -167,50 +167,50 @@ impl<'a> SensitivityPlan<'a> {
         Ok(())
     }
 
-    /// The case as it is.
+    /// Experiment of the case as it is.
     pub fn reference(&self) -> &Experiment {
         &self.runs[self.first()].experiment
     }
 
-    /// The place of the case as it is.
+    /// Index of the case as it is.
     pub fn first(&self) -> usize {
         0
     }
 
-    /// A run by its place.
+    /// Experiment of the run at an index.
     pub fn run(&self, place: usize) -> &Experiment {
         &self.runs[place].experiment
     }
 
-    /// The soft spheres of the case.
+    /// Index of the run of the case with soft spheres.
     ///
     /// # Errors
-    /// In words, if it cannot have any.
+    /// The reason why the case cannot have soft spheres, in words.
     pub fn soft(&mut self) -> Result<usize, String> {
         self.add("soft", &[], Some(Model::Soft), None)
     }
 
-    /// The hard spheres of the case.
+    /// Index of the run of the case with hard spheres.
     ///
     /// # Errors
-    /// In words, if it cannot have any.
+    /// The reason why the case cannot have hard spheres, in words.
     pub fn hard(&mut self) -> Result<usize, String> {
         self.add("hard", &[], Some(Model::Hard), None)
     }
 
-    /// The experiment with these changes; of the model of the case as it is unless another one is given.
+    /// Experiment with these changes. It has the model of the case as it is unless another one is given.
     ///
     /// # Errors
-    /// Why the case refuses them, in words.
+    /// The reason why the case refuses these changes, in words.
     pub fn changed(&self, sets: &[String], model: Option<Model>, seed: Option<u64>) -> Result<Experiment, String> {
         let changed = self.case.changed(sets, model.or(self.model), seed.or(self.seed));
         changed.map(|(experiment, _)| experiment).map_err(|why| why.message)
     }
 
-    /// The place of a run with these changes, which is added unless it is there.
+    /// Index of a run with these changes. The run is added unless it is there already.
     ///
     /// # Errors
-    /// Why the case refuses them, in words.
+    /// The reason why the case refuses these changes, in words.
     pub fn add(
         &mut self,
         name: &str,

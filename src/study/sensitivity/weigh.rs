@@ -1,4 +1,4 @@
-//! How far each factor shifts each observable, judged together.
+//! Shift of each observable by each factor, judged together.
 
 use super::plan::{Compared, PlannedFactor, SensitivityPlan};
 use crate::outcome::Outcome;
@@ -7,7 +7,7 @@ use crate::output::sensitivity::{Factor, Shift};
 use crate::statistics::{Answer, LEVEL, holm};
 use crate::study::judge::{ReplicaRuns, ShiftReference, Shifts, widened};
 
-/// The factors whose runs are over, those that matter most first, and the names of the others.
+/// Factors whose runs are over, the most important first, and the names of the others.
 pub fn factors(
     plan: &SensitivityPlan,
     pooled: &[Option<Outcome>],
@@ -28,15 +28,16 @@ pub fn factors(
         }
     }
     decide(&mut found, margin);
-    // what was found to matter, then what is not known, then what does not matter; the largest first in each
+    // first the factors found to matter, then the unresolved ones, then those that do not matter; the largest first in
+    // each
     let size = |factor: &Factor| factor.headline().map_or(0.0, |shift| shift.share().abs());
     found.sort_by(|a, b| b.answer.cmp(&a.answer).then(size(b).total_cmp(&size(a))));
-    // what stopped says nothing of sizes
+    // runs that stopped say nothing of sizes
     found.sort_by_key(|factor| factor.stopped.is_some());
     (found, waiting)
 }
 
-/// One factor; `None` if a run of it is not over. Its answer is still to be given.
+/// One factor, whose answer is still to be given; `None` if a run of it is not over.
 fn factor<'a>(
     plan: &SensitivityPlan,
     planned: &PlannedFactor,
@@ -90,7 +91,7 @@ fn shifts<'a>(
     }
 }
 
-/// Weights as two sides of positive ones.
+/// Positive weights of the runs on either side of a weighted sum.
 fn split<'a>(weights: &[f64], runs: &[ReplicaRuns<'a>]) -> [Vec<(f64, ReplicaRuns<'a>)>; 2] {
     let side = |sign: f64| -> Vec<(f64, ReplicaRuns<'a>)> {
         let all = weights.iter().zip(runs).map(|(weight, run)| (sign * weight, *run));
@@ -99,13 +100,14 @@ fn split<'a>(weights: &[f64], runs: &[ReplicaRuns<'a>]) -> [Vec<(f64, ReplicaRun
     [side(1.0), side(-1.0)]
 }
 
-/// A straight line through values at some places, by least squares with equal weights.
+/// Straight line through values at given positions, by least squares with equal weights.
 struct LineFit {
-    /// What the value at place 0 is more than that at place 1, by weights of the values: minus the slope.
+    /// Weights of the values that give the line at position 0 minus the line at position 1: minus the slope.
     to_zero: Vec<f64>,
-    /// How far the second value is from the line through the first and the last, by weights.
+    /// Weights of the values that give the deviation of the second value from the line through the first and the last
+    /// one.
     miss: Vec<f64>,
-    /// [-] standard error of the slope over the miss, if nothing else scatters.
+    /// [-] standard error of the slope over the deviation, if nothing else scatters.
     share: f64,
 }
 
@@ -120,7 +122,8 @@ impl LineFit {
             let part = (second - first) / (third - first);
             miss = vec![-(1.0 - part), 1.0, -part];
         }
-        // the sum of squares that three values leave is the miss squared over the sum of the squares of its weights
+        // three values leave a sum of squared residuals that is the squared deviation over the sum of its squared
+        // weights
         let norm = miss.iter().map(|weight| weight * weight).sum::<f64>();
         Self { to_zero, miss, share: (1.0 / (norm * square)).sqrt() }
     }
@@ -157,7 +160,7 @@ mod tests {
     fn a_line_is_followed_to_its_end_and_a_miss_is_seen() {
         let line = LineFit::new(&[1.0, 2.0, 4.0]);
         let dot = |weights: &[f64], values: [f64; 3]| weights.iter().zip(values).map(|(w, v)| w * v).sum::<f64>();
-        // 7 - 0.5 x: at 0 it is 0.5 more than at 1
+        // 7 - 0.5 x: at 0 the line is 0.5 higher than at 1
         let on_it = [6.5, 6.0, 5.0];
         assert!((dot(&line.to_zero, on_it) - 0.5).abs() < 1e-12 && dot(&line.miss, on_it).abs() < 1e-12);
         // the slope of a bent line has the error of least squares: s² = residual over 1, over the sum of squares of x

@@ -1,14 +1,15 @@
-//! What a study comes to in sentences.
+//! Conclusions of a study, in sentences.
 
 use crate::output::numbers::{percent, quantity, significant, with_error};
 use crate::output::sensitivity::{Factor, Shift};
 use crate::statistics::{Answer, Estimate};
 use crate::study::judge::{in_prose, margin_in_words};
 
-/// The name of the factor that is nothing but chance.
+/// Name of the factor that is nothing but chance.
 const CHANCE: &str = "seed";
 
-/// What matters most, what else is beyond the margin, what is below it, what could not be resolved, and what chance does.
+/// Sentences on the strongest factor, the other factors beyond the margin, those below it, those that could not be
+/// resolved, and chance.
 pub fn sentences(factors: &[Factor], waiting: &[String], margin: f64) -> Vec<String> {
     let of = |answer: Answer| -> Vec<&Factor> {
         factors
@@ -54,21 +55,21 @@ pub fn sentences(factors: &[Factor], waiting: &[String], margin: f64) -> Vec<Str
     sentences
 }
 
-/// A shift with its error, and how many margins that is.
+/// A shift with its error, and its size in margins.
 fn headline(shift: &Shift, margin: f64) -> String {
     let times = significant(shift.share().abs() / margin, 2);
     format!("{} by {}, {times} times the margin of {}", where_(shift), share(shift), margin_in_words(margin))
 }
 
-/// The observable of a shift, and when.
+/// The observable of a shift, and the time.
 fn where_(shift: &Shift) -> String {
     let at = shift.time.map_or(String::new(), |time| format!(" at t = {}", quantity(time, "s", 3)));
     let name = in_prose(&shift.observable);
-    // names of single numbers have no article of their own
+    // names of single numbers come without an article
     if name.starts_with("the ") { name + &at } else { format!("the {name}{at}") }
 }
 
-/// [-] shares of the scale below this are rounding.
+/// [-] share of the scale below which a shift is rounding.
 const ROUNDING: f64 = 1e-9;
 
 /// A shift over its scale with its error.
@@ -84,7 +85,7 @@ fn size(shift: &Shift) -> String {
     format!("{} in {}", share(shift), where_(shift))
 }
 
-/// Factors with what is said of each.
+/// Factors, each with a remark.
 fn list(factors: &[&Factor], say: &dyn Fn(&Shift) -> String) -> String {
     let one = |factor: &&Factor| {
         let said = factor.headline().map_or(String::new(), |shift| format!(" ({})", say(shift)));
@@ -109,7 +110,7 @@ fn not_resolved(factors: &[&Factor], within: &str) -> Option<String> {
         };
         format!("{}{said}", factor.title)
     };
-    // what holds of all is said once
+    // a remark that holds for all is said once
     let same = factors[0].remarks.first().filter(|why| factors.iter().all(|other| other.remarks.first() == Some(why)));
     if let Some(why) = same {
         let names: Vec<&str> = factors.iter().map(|factor| factor.title.as_str()).collect();
@@ -124,7 +125,7 @@ fn not_resolved(factors: &[&Factor], within: &str) -> Option<String> {
     Some(format!("Not resolved: {}.{advice}", factors.iter().map(one).collect::<Vec<_>>().join(", ")))
 }
 
-/// How much chance alone shifts.
+/// Sentence on the size of shifts by chance alone.
 fn chance(factor: &Factor) -> Option<String> {
     let widest = factor.shifts.iter().max_by(|a, b| a.share().abs().total_cmp(&b.share().abs()))?;
     Some(format!("Another seed alone shifts up to {}: that much is noise.", size(widest)))

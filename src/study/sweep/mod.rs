@@ -1,8 +1,8 @@
 //! `diptych sweep CASE`: the variants of a case at several values of its keys.
 //!
-//! Every run is known by the hash of its resolved case. Its result is a file of that name, written whole when the run is done:
-//! whoever starts the same sweep again goes on with what is missing, and a run that several points have in common (hard spheres do
-//! not know of a stiffness) is done once.
+//! Every run is known by the hash of its resolved case. Its result is a file of that name, written whole when the run
+//! is done. So a sweep that is started again goes on with the missing runs. A run that several points have in common is
+//! done once (hard spheres do not depend on a stiffness).
 
 mod run;
 
@@ -25,10 +25,10 @@ use std::collections::HashSet;
 /// The subfolder of the results of single runs.
 const POINTS: &str = "points";
 
-/// Rows that a sweep may have: more would not be looked at one by one.
+/// Most rows of a sweep: a reader would not look at more one by one.
 const MOST: usize = 10_000;
 
-/// Runs what is missing of a sweep and writes its folder.
+/// Runs the missing runs of a sweep and writes its folder.
 ///
 /// # Errors
 /// Bad input before anything is computed; runs that stopped early after everything has been written.
@@ -40,7 +40,7 @@ pub fn sweep(args: &Sweep, ranks: &Ranks) -> Result<(), StudyError> {
         return help_with(&jobs, share, ranks);
     }
     let path = place(&args.output, &args.case, "sweep");
-    // runs of a sweep that are there are gone on with
+    // existing runs of a sweep are kept, and the missing ones are run
     tell_what_is_ignored(&case, args.output.quiet)?;
     let folder = make(path.clone(), args.output.overwrite || path.join(POINTS).is_dir())?;
     warn(&plan.checked, args.output.quiet);
@@ -78,7 +78,7 @@ pub fn sweep(args: &Sweep, ranks: &Ranks) -> Result<(), StudyError> {
         let how = run.failure.as_ref().map_or(String::new(), |why| format!(", stopped: {why}"));
         say(format!("{done} of {wanted} runs: {}, {:.1} s{how}", job.name, run.wall_seconds));
         give(&mut rows, &run);
-        // what is there so far can be looked at, and stays if the sweep is stopped
+        // results so far are written so that the user can look at them, and stay if the sweep is stopped
         if done < wanted {
             study(&rows)?;
         }
@@ -94,7 +94,7 @@ pub fn sweep(args: &Sweep, ranks: &Ranks) -> Result<(), StudyError> {
     failures(&rows, &variants, &axes)
 }
 
-/// The case, its axes and what is to be run.
+/// The case, its axes and the plan of its runs.
 fn planned(args: &Sweep) -> Result<(Case, Vec<SweepAxis>, SweepPlan), StudyError> {
     let mut case = read(&args.case, &args.input)?;
     let axes = case.axes(&args.sweep)?;
@@ -102,7 +102,7 @@ fn planned(args: &Sweep) -> Result<(Case, Vec<SweepAxis>, SweepPlan), StudyError
     Ok((case, axes, plan))
 }
 
-/// Says what a case asks for that the runs of a sweep do not do.
+/// Tells the user which requests of a case are ignored in a sweep.
 fn tell_what_is_ignored(case: &Case, quiet: bool) -> Result<(), Diagnostic> {
     if case.trajectories()?.is_some() && !quiet {
         tell("warning: the runs of a sweep write no trajectories: `output.every` is for `run` and `compare`");
@@ -110,7 +110,7 @@ fn tell_what_is_ignored(case: &Case, quiet: bool) -> Result<(), Diagnostic> {
     Ok(())
 }
 
-/// How a sweep ends that the user has stopped.
+/// Error of a sweep that the user has stopped.
 fn stopped(done: usize, wanted: usize) -> StudyError {
     StudyError::Stopped(format!(
         "the sweep was stopped: {done} of {} are done; the same command goes on with what is missing",
@@ -118,7 +118,7 @@ fn stopped(done: usize, wanted: usize) -> StudyError {
     ))
 }
 
-/// The error of a sweep some of whose runs stopped early.
+/// Error of a sweep if some of its runs stopped early.
 fn failures(rows: &[SweepRow], variants: &[String], axes: &[SweepAxis]) -> Result<(), StudyError> {
     let failed = rows.iter().filter_map(|row| {
         let name = format!("\"{}\" at {}", variants[row.variant], point(axes, &row.at));
@@ -146,14 +146,15 @@ fn forget(folder: &Folder) -> Result<(), StudyError> {
     Ok(())
 }
 
-/// The result of a run that an earlier start has left.
+/// Result of a run that an earlier start has left.
 fn stored(folder: &Folder, identity: &str) -> Option<SweepRun> {
     let bytes = std::fs::read(folder.path().join(file(identity))).ok()?;
     let run: SweepRun = serde_json::from_slice(&bytes).ok()?;
     (run.identity == identity).then_some(run)
 }
 
-/// Gives a run to every row that it belongs to. Averages are taken in the order of the replicas, whichever ends first.
+/// Gives the result of a run to every row that it belongs to. Averages are taken in the order of the replicas, in
+/// whatever order they end.
 fn give(rows: &mut [SweepRow], run: &SweepRun) {
     for row in rows {
         let times = row.identities.iter().filter(|identity| **identity == run.identity).count();
@@ -162,13 +163,13 @@ fn give(rows: &mut [SweepRow], run: &SweepRun) {
     }
 }
 
-/// What a sweep consists of.
+/// Plan of a sweep.
 struct SweepPlan {
     variants: Vec<String>,
     rows: Vec<SweepRow>,
     /// The experiments of all rows and replicas, in the order of `rows`.
     experiments: Vec<Vec<Experiment>>,
-    /// The variants of all points, with what there is to warn of.
+    /// Variants of all points, with their warnings.
     checked: Vec<Checked>,
     /// Names of the runs, for messages, in the order of `rows`.
     names: Vec<String>,
@@ -233,13 +234,13 @@ impl SweepPlan {
         checksum(identities.concat().as_bytes())
     }
 
-    /// The variant that the others are compared with: the first hard one.
+    /// Reference variant with which the others are compared: the first hard one.
     fn reference(&self) -> Option<usize> {
         let mut rows = self.rows.iter().zip(&self.checked);
         rows.find(|(_, (experiment, _))| experiment.model() == Model::Hard).map(|(row, _)| row.variant)
     }
 
-    /// Takes the runs that an earlier start has left in the folder.
+    /// Takes over the results that an earlier start has left in the folder.
     fn take_over(&mut self, folder: &Folder) {
         let mut known = HashSet::new();
         let identities: Vec<String> = self.rows.iter().flat_map(|row| row.identities.clone()).collect();
@@ -252,7 +253,7 @@ impl SweepPlan {
         }
     }
 
-    /// Whether the result of that run is there.
+    /// True if the result of that run exists.
     fn has(&self, identity: &str) -> bool {
         self.rows.iter().flat_map(|row| &row.runs).any(|run| run.identity == identity)
     }
@@ -275,7 +276,7 @@ impl SweepPlan {
     }
 }
 
-/// Which value of each axis the point of that index has; the last axis changes fastest.
+/// Index of the value on each axis for the point of that index; the last axis changes fastest.
 fn at(axes: &[SweepAxis], mut index: usize) -> Vec<usize> {
     let mut at: Vec<usize> = Vec::new();
     for axis in axes.iter().rev() {

@@ -1,4 +1,4 @@
-//! Runs of a sweep, several at once or one after the other.
+//! Runs of a sweep, several concurrently or one after the other.
 
 use crate::engine::Failure;
 use crate::experiment::Experiment;
@@ -14,26 +14,27 @@ use crate::study::signals::Signals;
 
 /// A run of the sweep.
 pub struct SweepJob {
-    /// By which its result is known.
+    /// Hash by which the result of the run is known.
     pub identity: String,
-    /// What messages call it.
+    /// Name of the run in messages.
     pub name: String,
-    /// What is run.
+    /// Experiment that is run.
     pub experiment: Experiment,
 }
 
-/// How the runs of a sweep share the machine.
+/// Resources that the runs of a sweep share.
 pub struct SweepResources<'a> {
-    /// Threads, and how many runs at once.
+    /// Number of threads, and of concurrent runs.
     pub share: ThreadBudget,
     /// The processes.
     pub ranks: &'a Ranks,
-    /// No progress.
+    /// True to show no progress.
     pub quiet: bool,
 }
 
-/// Runs the jobs that are missing, by their places among all, and hands each result to `finished`, in the order in which they end. When `signals` say so, the runs under way are left
-/// at the ends of their windows without a result, and no other one is begun.
+/// Runs the missing jobs, given by their indices among all. Each result is handed to `finished`, in the order in which
+/// runs end. When `signals` say so, the present runs are left at the ends of their windows without a result, and no
+/// other run begins.
 ///
 /// # Errors
 /// The first error of `finished`; no thread can be started.
@@ -47,7 +48,7 @@ pub fn run_all(
     beside(&runs, missing, (effort.share, effort.ranks), |place, run| finished(&jobs[place], run))
 }
 
-/// Does what the process that leads the sweep asks for, until it is over.
+/// Does the work that the lead process of a sweep asks for, until the sweep is over.
 ///
 /// # Errors
 /// No thread can be started.
@@ -56,7 +57,7 @@ pub fn help_with(jobs: &[SweepJob], share: ThreadBudget, ranks: &Ranks) -> Resul
     help(&SweepRuns::new(jobs, &signals, true), share, ranks, &signals)
 }
 
-/// Jobs that are watched and may be stopped.
+/// Jobs of a sweep that are watched and may be stopped.
 struct SweepRuns<'a> {
     jobs: &'a [SweepJob],
     signals: &'a Signals,
@@ -101,7 +102,7 @@ impl RunList for SweepRuns<'_> {
     }
 }
 
-/// Runs one job in the pool it is in; nothing if it is stopped.
+/// Runs one job in the present thread pool; `None` if it is stopped.
 fn run(job: &SweepJob, mut watch: Watch, stop: &(dyn Fn() -> bool + Sync)) -> Option<SweepRun> {
     let mut result = SweepRun {
         identity: job.identity.clone(),
@@ -124,7 +125,7 @@ fn run(job: &SweepJob, mut watch: Watch, stop: &(dyn Fn() -> bool + Sync)) -> Op
     result.wall_seconds = outcome.timing.wall_seconds;
     result.failure = outcome.failure.as_ref().map(ToString::to_string);
     if result.failure.is_none() {
-        // of other runs the scatter within one tells only where it is steady and mixes
+        // the scatter within one run tells of other runs only if the run is steady and mixes
         let tells = outcome.steadiness.steady && outcome.places_kept.is_none_or(|kept| kept <= FROZEN);
         let measured = OBSERVABLES.iter().filter_map(|one| {
             let found = (one.of)(&outcome)?;
