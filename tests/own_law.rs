@@ -140,6 +140,17 @@ fn laws_that_break_a_contract_are_refused_with_the_contract() {
     assert!(matches!(refused(ContactLaw::other(Flat)), BrokenContract::Bottomless { .. }));
 }
 
+/// Sticking spheres at a speed whose deepest overlap stores next to nothing keep the contracts as at any other.
+#[test]
+fn a_law_that_attracts_keeps_its_contracts_at_every_speed() {
+    let law = ContactLaw::other(Sticky { stiffness: 300.0, range: 2e-6, dashpot: 1e-4 });
+    let spring = law.between(&Bodies::alike(&small(), &surface(1.0, 0.0)));
+    for k in 0..60 {
+        let speed = 1e-4 * 1.15f64.powi(k);
+        assert_eq!(law.check(&spring, speed), Ok(()), "{speed} m/s");
+    }
+}
+
 /// A case whose contacts never end has no number of steps per contact: the run is refused, not left without a guard.
 #[test]
 fn a_law_whose_contacts_do_not_end_needs_a_time_step() {

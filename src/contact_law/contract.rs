@@ -9,7 +9,7 @@ use std::fmt;
 pub enum BrokenContract {
     /// The force at touch is not zero: a contact that is first seen a part of a step after touch would gain or lose energy.
     ForceAtTouch {
-        /// [-] of the force at the largest overlap.
+        /// [-] of the largest force in an impact.
         share: f64,
     },
     /// The stored energy is not the work of the elastic force.
@@ -39,7 +39,7 @@ impl fmt::Display for BrokenContract {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::ForceAtTouch { share } => {
-                write!(f, "its elastic force at touch is {share:.3} of that at the largest overlap, but must be zero")
+                write!(f, "its elastic force at touch is {share:.3} of the largest in an impact, but must be zero")
             }
             Self::Energy { overlap, stored, work } => {
                 write!(
@@ -72,12 +72,15 @@ impl ContactLaw {
             return Err(BrokenContract::Bottomless { speed });
         }
         let force = |overlap: f64| law.force(spring, overlap, 0.0).0;
-        let share = (force(0.0) / force(deepest)).abs();
+        let step = deepest / f64::from(POINTS);
+        let largest =
+            |value: &dyn Fn(f64) -> f64| (1..=POINTS).map(|k| value(f64::from(k) * step).abs()).fold(0.0, f64::max);
+        let share = (force(0.0) / largest(&force)).abs();
         if share.is_nan() || share > TOLERANCE {
             return Err(BrokenContract::ForceAtTouch { share });
         }
-        let step = deepest / f64::from(POINTS);
-        let whole = law.stored_energy(spring, deepest).abs();
+        // where a law attracts, the energy passes through zero
+        let whole = largest(&|overlap| law.stored_energy(spring, overlap));
         let mut work = 0.0;
         for k in 0..POINTS {
             work += force((f64::from(k) + 0.5) * step) * step;

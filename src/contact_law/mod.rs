@@ -203,12 +203,17 @@ pub enum ContactLaw {
 macro_rules! with_law {
     ($chosen:expr, $law:ident => $value:expr) => {
         match $chosen {
-            ContactLaw::LinearSpringDashpot($law) => $value,
-            ContactLaw::Hertz($law) => $value,
-            ContactLaw::Other($law) => $value,
+            $crate::contact_law::ContactLaw::LinearSpringDashpot($law) => $value,
+            $crate::contact_law::ContactLaw::Hertz($law) => $value,
+            $crate::contact_law::ContactLaw::Other($law) => {
+                let $law: &dyn $crate::contact_law::Law = *$law;
+                $value
+            }
         }
     };
 }
+
+pub(crate) use with_law;
 
 impl ContactLaw {
     /// A linear spring of stiffness k_n [N/m] beside a linear dashpot.

@@ -6,7 +6,7 @@
 //! tenth of the cost.
 
 use super::{RungeKuttaStage, crossing};
-use crate::contact_law::ContactLaw;
+use crate::contact_law::{ContactLaw, Law, with_law};
 use crate::engine::soft::contact::{AlongNormal, Rates, TouchingPair};
 use nalgebra::Vector3;
 
@@ -50,6 +50,13 @@ impl IsolatedContact<'_> {
     /// One step of `dt` [s]; its forces and powers go to `sums`.
     #[inline(always)]
     fn step(&self, from: &OrbitState, dt: f64, sums: &mut AlongNormal) -> OrbitState {
+        // the law is told apart once a step, not at every stage
+        with_law!(self.law, law => self.step_by(law, from, dt, sums))
+    }
+
+    /// [`step`](Self::step) by a law that is known.
+    #[inline(always)]
+    fn step_by(&self, law: &(impl Law + ?Sized), from: &OrbitState, dt: f64, sums: &mut AlongNormal) -> OrbitState {
         let (mut moved, mut kicked, mut turned) = (0.0, 0.0, 0.0);
         let (mut now, mut acceleration) = (*from, 0.0);
         for stage in self.stages {
@@ -58,7 +65,7 @@ impl IsolatedContact<'_> {
                 now.distance = from.distance + now.rate * h;
                 now.rate = from.rate + acceleration * h;
             }
-            let (elastic, viscous) = self.law.force(&self.touch.spring, self.reach - now.distance, now.rate);
+            let (elastic, viscous) = law.force(&self.touch.spring, self.reach - now.distance, now.rate);
             let (force, turn) = (elastic + viscous, self.spin / now.distance);
             acceleration = force / self.touch.spring.effective_mass + turn * turn / now.distance + self.gravity;
             sums.restitution_power -= stage.weight * (viscous * now.rate);
