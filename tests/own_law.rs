@@ -140,6 +140,21 @@ fn laws_that_break_a_contract_are_refused_with_the_contract() {
     assert!(matches!(refused(ContactLaw::other(Flat)), BrokenContract::Bottomless { .. }));
 }
 
+/// The well is k δ_0²/6 deep, and no contact can give back less than nothing.
+#[test]
+fn energy_that_a_contact_may_give_back_counts_from_the_bottom_of_the_well() {
+    let law = ContactLaw::other(Sticky { stiffness: 300.0, range: 2e-6, dashpot: 0.0 });
+    let spring = law.between(&Bodies::alike(&small(), &surface(1.0, 0.0)));
+    let depth = 300.0 * 2e-6f64.powi(2) / 6.0;
+    // the bottom lies between two of 64 samples
+    assert!((law.well_depth(&spring) / depth - 1.0).abs() < 1e-3, "{}", law.well_depth(&spring));
+    for k in 0..100 {
+        let overlap = 5e-8 * f64::from(k);
+        assert!(law.available_energy(&spring, overlap) >= -1e-3 * depth, "{overlap} m");
+    }
+    assert_eq!(ContactLaw::linear(300.0).available_energy(&spring, 1e-6), 0.5 * 300.0 * 1e-12);
+}
+
 /// Sticking spheres at a speed whose deepest overlap stores next to nothing keep the contracts as at any other.
 #[test]
 fn a_law_that_attracts_keeps_its_contracts_at_every_speed() {
