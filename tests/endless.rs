@@ -135,6 +135,29 @@ fn a_path_over_the_side_is_that_within_the_box() {
     }
 }
 
+/// A roof whose valley lies at the side: a bead in it is held by the flanks of two periods, each of which is only there as a copy for the other.
+#[test]
+fn a_bead_rests_in_a_valley_at_the_side() {
+    let slope = 0.6;
+    let roof = floor(|x, _| 2.0 + slope * (0.5 * PERIOD - (x - 0.5 * PERIOD).abs()));
+    // each flank carries m g/(2 cos α) at 20 N/m; cos α = 1/sqrt(1 + slope²), lengths in mm
+    let lean = (1.0 + slope * slope).sqrt();
+    let weight = 2500.0 * std::f64::consts::PI / 6.0 * 8e-9 * 9.81;
+    let rests = 2.0 + lean - 0.5e3 * weight * lean * lean / 20.0;
+    let place = |x: f64| format!("at = [{{ position = [\"{x} mm\", \"{} mm\", \"10 mm\"] }}]", 2.0 + lean);
+    for model in ["run.model=soft", "run.model=hybrid"] {
+        for x in [0.0, 19.9999, 0.0001] {
+            let sets = [model, "soft.linear_spring_dashpot.stiffness=20 N/m", "run.duration=0.2 s"];
+            let (outcome, all) = run(&roof, &case(MESH, &place(x), ""), &sets);
+            assert!(outcome.failure.is_none(), "{model}: {:?}", outcome.failure);
+            let at = all.position[0] * 1e3;
+            let aside = at.x - PERIOD * (at.x / PERIOD).round();
+            // by one flank alone it would lie 3.5 µm deeper
+            assert!(aside.abs() < 2e-4 && (at.y - rests).abs() < 2e-4, "{model} from {x} mm: {at:?}, not {rests}");
+        }
+    }
+}
+
 #[test]
 fn beads_stay_above_a_floor_and_in_a_pipe_without_end() {
     let beads = "count = 100\nvelocity_fluctuation = \"0.2 m/s\"\nin = { box = { center = [\"10 mm\", \"12 mm\", \"10 mm\"], half_extents = [\"10 mm\", \"7 mm\", \"10 mm\"] } }";
