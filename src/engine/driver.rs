@@ -1,7 +1,8 @@
-//! One driver of windows for both engines: islands for as long as they pay, then everyone at once by the classical algorithm.
+//! Driver of the windows of all engines: islands as long as they pay, then all particles at once by the classical
+//! algorithm.
 //!
-//! An engine is a [`Solver`]: it solves an island, and everyone as one more island. What lasts from one window to
-//! the next (contacts in progress, instants of recent collisions) belongs to the driver, which hands it to whichever way is taken.
+//! An engine is a [`Solver`]: it solves single islands, and all particles at once. State carried from one window to the
+//! next (contacts in progress, times of recent collisions) belongs to the driver, which passes it to the method in use.
 
 use super::islands::{Domains, GatheredPart, IslandCost, IslandCounters, Islands, Solve, SpeedSummary, packed_part};
 use super::population::PopulationSummary;
@@ -18,63 +19,63 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// What an engine works on in a window.
+/// Data that an engine works on in a window.
 pub struct Work<'a, C> {
     /// The particles.
     pub particles: &'a mut Particles,
     /// The scene.
     pub scene: &'a Scene,
-    /// What lasts from one window to the next, by place in the store.
+    /// State carried from one window to the next, by index in the store.
     pub lasting: &'a mut Vec<C>,
-    /// What lasts between a particle of this process and one of another.
+    /// State carried between a particle of this process and one of another process.
     pub abroad: &'a mut Vec<CrossRankContact<C>>,
-    /// The record of what happens in the window.
+    /// Log of the events in the window.
     pub log: &'a mut Log,
-    /// Where that goes in the end; a solver that fills its log within a window may hand it over.
+    /// Record that receives the log in the end; a solver that fills the log within a window may pass it on earlier.
     pub record: &'a mut Record,
 }
 
-/// What lasts between a particle of this process and one of another.
+/// State carried between a particle of this process and one of another process.
 #[derive(Clone)]
 pub struct CrossRankContact<C> {
-    /// It, its places being ids.
+    /// The carried state, in which ids stand for the particles.
     pub carried: C,
-    /// Place of the particle that is here.
+    /// Index of the particle of this process.
     pub own: u32,
-    /// How far the two overlapped at the end of the last part of a window; `None` if it is no contact.
+    /// Overlap of the two particles at the end of the last part of a window; `None` if they are not in contact.
     pub overlap: Option<Overlap>,
 }
 
-/// What lasts between windows, in the terms of a solver.
+/// State carried between windows, of the type of a solver.
 pub type Lasting<S> = <<S as Solver>::Islands as Solve>::Carried;
 
-/// What islands did in a window.
+/// Result of trying islands in a window.
 #[derive(Clone, Copy)]
 pub struct Trial {
-    /// [s] for how long they were the cheaper way.
+    /// Time [s] covered by islands.
     pub done: f64,
-    /// Their counts before.
+    /// Counts before the trial.
     pub before: IslandCounters,
-    /// Their counts after.
+    /// Counts after the trial.
     pub after: IslandCounters,
 }
 
-/// How an engine solves islands and everyone.
+/// Solver of single islands and of all particles at once.
 pub trait Solver {
-    /// The part that solves one island; several threads share it.
+    /// Type that solves one island; several threads share it.
     type Islands: Solve;
 
-    /// What it keeps from one window to the next besides what the driver keeps for it.
+    /// State that the solver keeps from one window to the next besides that of the driver.
     type State: Serialize + DeserializeOwned;
 
-    /// The part that solves islands.
+    /// The solver of islands.
     fn islands(&self) -> &Self::Islands;
 
-    /// What is under way at the start of a run, such as contacts in progress.
+    /// Sets up the state at the start of a run, such as contacts in progress.
     fn begin(&mut self, _work: &mut Work<Lasting<Self>>, _window: Window) {}
 
-    /// [ns/s] what islands must cost less than, per particle and simulated time, to be taken in this window; `None`: they are
-    /// not tried. Infinite: they are taken wherever they can be.
+    /// Largest cost of islands in this window, per particle and simulated time [ns/s]. `None`: islands are not tried.
+    /// Infinite: they are taken whenever possible.
     fn fallback_cost(
         &mut self,
         population: &PopulationSummary,
@@ -83,39 +84,40 @@ pub trait Solver {
         window: Window,
     ) -> Option<f64>;
 
-    /// [ns/s] what one island may cost, where that changes from window to window: of the lead, it holds in all processes.
+    /// Largest cost of one island [ns/s], if it changes from window to window; the value of the lead process holds in
+    /// all processes.
     fn allowance(&mut self) -> Option<&mut f64> {
         None
     }
 
-    /// Learns from what islands did.
+    /// Adapts to the result of trying islands.
     fn judge(&mut self, _population: &PopulationSummary, _scene: &Scene, _trial: &Trial) {}
 
-    /// Hands over what lasts, if the classical algorithm has kept it to itself at the end of a window: where nobody else asks for it, it stays where it is,
-    /// for all of it once more would be as much memory again.
+    /// Hands over carried state that the classical algorithm has kept at the end of a window. State that is not asked
+    /// for stays where it is: a copy of all would need as much memory again.
     fn hand_over(&mut self, lasting: &mut Vec<Lasting<Self>>);
 
-    /// Shows what [`hand_over`](Self::hand_over) would hand over.
+    /// Calls `visit` with the state that [`hand_over`](Self::hand_over) would hand over.
     fn for_each_kept(&self, visit: &mut dyn FnMut(Lasting<Self>));
 
-    /// Islands have moved the particles, or have tried to: what is kept of the store is out of date.
+    /// Invalidates data kept about the store: islands have moved the particles, or tried to.
     fn disturb(&mut self);
 
-    /// Everyone through the window by the classical algorithm.
+    /// Moves all particles through the window by the classical algorithm.
     ///
     /// # Errors
-    /// What makes the engine fail; the store then holds the state at which it was seen.
+    /// The engine fails; the store then holds the state at that time.
     fn everyone(&mut self, work: &mut Work<Lasting<Self>>, window: Window) -> Result<(), Failure>;
 
-    /// Whether several processes can share the classical algorithm.
+    /// True if several processes can share the classical algorithm.
     fn shares_steps(&self) -> bool {
         false
     }
 
-    /// The same by all processes that share the run.
+    /// Moves all particles through the window by the classical algorithm, shared by all processes of the run.
     ///
     /// # Errors
-    /// As for [`everyone`](Self::everyone), the same in all processes.
+    /// Errors of the classical algorithm, equal in all processes.
     fn everyone_together(
         &mut self,
         work: &mut Work<Lasting<Self>>,
@@ -125,51 +127,52 @@ pub trait Solver {
         self.everyone(work, window)
     }
 
-    /// Whether processes have taken the last steps together, and go on with them.
+    /// True if processes have taken the last steps together, and continue with them.
     fn steps_together(&self) -> bool {
         false
     }
 
-    /// The lead has been shown all particles: it is told what they go on with.
+    /// Gives the lead process, which has been shown all particles, the state that the processes continue with.
     fn show(&mut self, _work: &mut Work<Lasting<Self>>, _domains: &Domains) {}
 
-    /// Each process goes on with its own part.
+    /// Ends the showing of all particles: each process continues with its own.
     fn hide(&mut self) {}
 
-    /// Counts of what the classical algorithm did and, added to them, what islands did.
+    /// Counts of the work of the classical algorithm, plus those of islands.
     fn counters(&self, islands: &IslandCounters) -> Counters;
 
-    /// The run is over: gives back memory that nothing but a further window would need.
+    /// Frees memory that only a further window would need, at the end of the run.
     fn forget(&mut self) {}
 
-    /// [J] energy stored in contacts, if everyone was moved last; `None` if islands were, and then it is that of what lasts.
+    /// Energy [J] stored in contacts, if all particles were moved at once last. `None` after islands; then it is the
+    /// energy of the carried state.
     fn elastic_energy(&self) -> Option<f64>;
 
     /// Times the classical algorithm with this clock from now on.
     fn use_clock(&mut self, clock: Clock);
 
-    /// `spent` with what the classical algorithm took.
+    /// Returns `spent` plus the time of the classical algorithm.
     fn spent(&self, spent: EngineTimes) -> EngineTimes;
 
-    /// What it keeps from one window to the next.
+    /// State that the solver keeps from one window to the next.
     fn state(&self) -> Self::State;
 
-    /// Goes on from what it kept.
+    /// Continues from a stored state.
     fn resume(&mut self, state: Self::State);
 }
 
-/// What lasts from one window to the next in all of an engine.
+/// State of an engine between windows.
 #[derive(Serialize, Deserialize)]
 struct DriverState<C, S> {
-    /// Contacts in progress, or instants of recent collisions.
+    /// Contacts in progress, or times of recent collisions.
     lasting: Vec<C>,
-    /// Whether there has been a window.
+    /// True if there has been a window.
     begun: bool,
-    /// What islands have done.
+    /// Counts of the work in islands.
     islands: IslandCounters,
-    /// Time spent on them.
+    /// Time spent on islands.
     spent: EngineTimes,
-    /// What the solver keeps by itself.
+    /// State that the solver keeps itself.
     solver: S,
 }
 
@@ -179,16 +182,16 @@ pub struct Driver<S: Solver> {
     islands: Islands,
     lasting: Vec<Lasting<S>>,
     abroad: Vec<CrossRankContact<Lasting<S>>>,
-    /// The particles of this process, the lead, while it is shown those of all.
+    /// Own particles of the lead process, while it is shown those of all.
     kept: Option<GatheredPart<Lasting<S>>>,
     begun: bool,
-    /// Whether the last window ended with everyone moved at once.
+    /// True if the last window ended with all particles moved at once.
     everyone_last: bool,
     log: Log,
 }
 
 impl<S: Solver> Driver<S> {
-    /// An engine that has done nothing yet.
+    /// An engine before its first window.
     pub(super) fn with(solver: S) -> Self {
         Self {
             solver,
@@ -202,7 +205,7 @@ impl<S: Solver> Driver<S> {
         }
     }
 
-    /// Islands for as long as they are the cheaper way; returns how long that was [s].
+    /// Moves particles by islands as long as these are cheaper. Returns the time covered [s].
     fn by_islands(&mut self, work: &mut Work<Lasting<S>>, window: Window) -> Result<f64, Failure> {
         let population = self.islands.population(work);
         let speeds = self.islands.speeds(work, &population);
@@ -228,7 +231,7 @@ impl<S: Solver> Driver<S> {
         done
     }
 
-    /// Shows what lasts, whoever keeps it.
+    /// Calls `visit` with all carried state, of the driver and of the solver.
     fn for_each_lasting(&self, visit: &mut dyn FnMut(Lasting<S>)) {
         self.lasting.iter().copied().for_each(&mut *visit);
         self.solver.for_each_kept(visit);
@@ -311,7 +314,7 @@ impl<S: Solver> Engine for Driver<S> {
     }
 
     fn gives_parts(&self) -> bool {
-        // the list of steps that are shared is stored whole
+        // the list of shared steps is stored as a whole
         self.is_cut() && !self.solver.steps_together()
     }
 
@@ -390,7 +393,7 @@ impl<S: Solver> Engine for Driver<S> {
 
     fn stored(&self) -> Result<Stored, StoreError> {
         let mut lasting = Vec::new();
-        // parts are packed with it
+        // if the run is cut, carried state is packed with the parts
         if !self.is_cut() {
             self.for_each_lasting(&mut |carried| lasting.push(carried));
         }

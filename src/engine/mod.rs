@@ -1,7 +1,7 @@
-//! How do spheres answer a touch?
+//! Collision models: engines that move spheres and compute their collisions.
 //!
 //! An [`Engine`] moves every particle through one window under gravity and impacts. It knows nothing of drag (the
-//! simulation kicks before and after), of sampling, or of the other engine.
+//! simulation kicks before and after the window), of sampling, or of other engines.
 
 pub mod driver;
 pub mod hard;
@@ -26,12 +26,12 @@ use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use std::time::Duration;
 
-/// A stretch of time to be moved through.
+/// An interval of simulated time to be moved through.
 #[derive(Clone, Copy, Debug)]
 pub struct Window {
-    /// [s] simulated time at its start.
+    /// Simulated time [s] at its start.
     pub start: f64,
-    /// [s] length h.
+    /// Length h [s].
     pub duration: f64,
 }
 
@@ -57,10 +57,10 @@ pub struct Window {
 /// # Ok::<(), diptych::Failure>(())
 /// ```
 pub trait Engine {
-    /// Moves every particle through the window: gravity and impacts, nothing else. What happened is told to `record`.
+    /// Moves every particle through the window, under gravity and impacts only. Events go to `record`.
     ///
     /// # Errors
-    /// A [`Failure`] with numbers; the store then holds the state at which it was seen, at [`Failure::time`].
+    /// A [`Failure`] with numbers. The store then holds the state at that time, [`Failure::time`].
     fn advance(
         &mut self,
         particles: &mut Particles,
@@ -69,36 +69,42 @@ pub trait Engine {
         record: &mut Record,
     ) -> Result<(), Failure>;
 
-    /// Shares the run with other processes, whose engines are called in the same way: while it pays, each then has the particles of a domain
-    /// of its own, and the lead has all of them otherwise. An engine that cannot leaves all of the work to the lead. The particles are those of the blocks
-    /// of each process among [blocks of one size](crate::domain::blocks::Blocks::of_one_size) if others have a part of the sample; otherwise the
-    /// lead has all, and only what it has matters until they are first cut into domains.
+    /// Shares the run with other processes, whose engines are called in the same way. As long as it pays, each process
+    /// has the particles of a domain of its own; otherwise the lead process has all. An engine that cannot share leaves
+    /// all work to the lead process.
+    ///
+    /// If other processes have a part of the sample, each process has the particles of its block, among
+    /// [blocks of one size](crate::domain::blocks::Blocks::of_one_size). Otherwise the lead process has all particles,
+    /// and only these matter until they are first cut into domains.
     fn share(&mut self, _communicator: Arc<dyn Communicator>, _sample: &Sample, _scene: &Scene) {}
 
-    /// Whether each process has the particles of a domain of its own, and nothing else.
+    /// True if each process has only the particles of a domain of its own.
     fn is_cut(&self) -> bool {
         false
     }
 
-    /// Cuts the run anew, from the next window on, if a process has many more of the particles than others; all processes must call it, between two windows.
+    /// Cuts the run into new domains, from the next window on, if a process has many more particles than others. All
+    /// processes must call it, between two windows.
     fn balance(&mut self, _particles: &Particles, _scene: &Scene) {}
 
-    /// Shows the lead copies of every so manieth particle by id (1: all) and of those in contact with them, in place of its own; all processes must call it, between two
-    /// windows.
+    /// Shows the lead process, in place of its own particles, copies of those with an id divisible by `every` (1: all)
+    /// and of those in contact with them. All processes must call it, between two windows.
     fn show(&mut self, _particles: &mut Particles, _scene: &Scene, _every: u32) {}
 
-    /// Whether all that lasts can be [`packed`](Self::packed) in parts now; otherwise the lead has to be shown all particles for it.
+    /// True if the state carried between windows can be [`packed`](Self::packed) in parts now. Otherwise the lead
+    /// process has to be shown all particles for it.
     fn gives_parts(&self) -> bool {
         self.is_cut()
     }
 
-    /// While the run is cut: the particles of this process and what lasts of them as bytes, for [`take_parts`](Self::take_parts).
+    /// Packs the particles of this process and their carried state into bytes for [`take_parts`](Self::take_parts),
+    /// while the run is cut.
     fn packed(&self, _particles: &Particles) -> Vec<u8> {
         Vec::new()
     }
 
-    /// Takes the place of all particles and of what lasts: so many parts that processes have [`packed`](Self::packed), of which `next` gives one after the
-    /// other to the lead, or to whoever is alone. All processes must call it.
+    /// Replaces all particles and carried state by `count` parts that processes have [`packed`](Self::packed). `next`
+    /// gives the lead process, or the only process, one part after the other. All processes must call it.
     fn take_parts(
         &mut self,
         _particles: &mut Particles,
@@ -108,71 +114,74 @@ pub trait Engine {
     ) {
     }
 
-    /// Gives the lead its own particles back, to go on with.
+    /// Gives the lead process its own particles back, to continue with.
     fn hide(&mut self, _particles: &mut Particles) {}
 
-    /// The run is over: gives back memory that nothing but a further window would need, which then begins anew. Counts and times stay.
+    /// Frees memory that only a further window would need, at the end of the run; such a window then begins from
+    /// scratch. Counts and times stay.
     fn forget(&mut self) {}
 
-    /// What has been done so far: the same on every machine.
+    /// Counts of the work done so far, equal on every machine.
     fn counters(&self) -> Counters;
 
-    /// [J] energy stored in contacts now (soft: springs); 0 where contacts do not last. While the run is cut, that of all processes, which must all ask.
+    /// Energy [J] stored in contacts now (soft: springs); 0 if contacts are instantaneous. While the run is cut, this
+    /// is the energy of all processes, which must all call it.
     fn elastic_energy(&self) -> f64;
 
-    /// Shows who is in contact now, by place in the store (soft: contacts in progress, as last looked at); nobody where contacts do
-    /// not last.
+    /// Calls `visit` with the pairs in contact now, by index in the store (soft: contacts in progress at the last
+    /// check). There are none if contacts are instantaneous.
     fn for_each_touching(&self, visit: &mut dyn FnMut(Couple));
 
-    /// Contacts in progress between a particle of this process, at that place in the store, and one of another: each of the two has it.
+    /// Contacts in progress between a particle of this process, given by index in the store, and one of another
+    /// process. Each of the two processes has them.
     fn touching_abroad(&self) -> Vec<(u32, Overlap)> {
         Vec::new()
     }
 
-    /// Places of the particles that islands moved last; `None` where all were moved at once by the classical algorithm.
+    /// Indices of the particles that islands moved last; `None` if all were moved at once by the classical algorithm.
     fn in_islands(&self) -> Option<&[u32]>;
 
-    /// Lends the engine a clock for [`spent`](Self::spent), to be told within long windows where the engine is; without one it
-    /// measures no time.
+    /// Gives the engine a clock for [`spent`](Self::spent). Within long windows the engine tells the clock its
+    /// simulated time. Without a clock it measures no time.
     fn use_clock(&mut self, clock: Clock);
 
-    /// Time so far, by the clock lent, of the parts that are common to engines; the rest is contacts and collisions.
+    /// Wall-clock time so far of the parts common to engines; the rest is contacts and collisions.
     fn spent(&self) -> EngineTimes;
 
-    /// What lasts from one window to the next: all that an engine with the same settings needs to go on with the same bits. Between
-    /// windows only.
+    /// State between windows: all that an engine with equal settings needs to continue with the same bits. It may be
+    /// called between windows only.
     ///
     /// # Errors
-    /// What lasts cannot be stored.
+    /// The state cannot be stored.
     fn stored(&self) -> Result<Stored, StoreError>;
 
-    /// Goes on from what an engine with the same settings has stored.
+    /// Continues from the stored state of an engine with equal settings.
     ///
     /// # Errors
-    /// The bytes are not of such an engine; it is then as it was.
+    /// The bytes are not of such an engine; this engine then stays as it was.
     fn restore(&mut self, stored: &Stored) -> Result<(), StoreError>;
 }
 
-/// How far two particles overlap.
+/// Overlap of two bodies.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Overlap {
-    /// [m] depth δ.
+    /// Depth δ [m].
     pub depth: f64,
-    /// [m] the smaller of the two diameters.
+    /// Smaller of the two diameters [m].
     pub diameter: f64,
 }
 
 /// Wall-clock time by part of an engine's work.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct EngineTimes {
-    /// Looking for who may meet whom.
+    /// Search for pairs that may touch.
     pub neighbours: Duration,
-    /// Straight flight of all, where it is a part of its own.
+    /// Straight flight of all particles, if it is a separate part of the work.
     pub flight: Duration,
 }
 
 impl EngineTimes {
-    /// The same with what a neighbour list took.
+    /// Adds the time for builds of a neighbour list.
     fn with_list(self, list: &NeighbourList) -> Self {
         Self { neighbours: self.neighbours + list.building(), ..self }
     }
@@ -183,29 +192,30 @@ impl EngineTimes {
 pub struct Counters {
     /// Time steps of all particles (soft uniform, stepped hard) or of islands in contact (soft local).
     pub steps: u64,
-    /// Those of them that were steps of all particles (soft): local stepping comes to them where too many touch.
+    /// Steps of all particles among `steps` (soft); local stepping takes them if too many particles touch.
     pub uniform_steps: u64,
-    /// Pairs and wall candidates whose gap or touch time was computed (soft uniform: those in the list, though most are known to be too far apart).
+    /// Pairs and wall candidates with computed gap or touch time (soft uniform: those in the list, though most are
+    /// known to be too far apart).
     pub pair_checks: u64,
     /// Contact forces computed (soft).
     pub force_evaluations: u64,
     /// Impulses applied (hard).
     pub events: u64,
-    /// Collisions whose spheres were separating again at the next look (stepped hard): no impulse.
+    /// Collisions without impulse, because the spheres were separating again at the next check (stepped hard).
     pub missed_collisions: u64,
     /// Neighbour lists and cell grids built.
     pub neighbour_builds: u64,
     /// Islands solved.
     pub islands: u64,
-    /// Particles in them, summed.
+    /// Particles in all islands solved, summed.
     pub island_members: u64,
-    /// Particles of the largest.
+    /// Particles of the largest island.
     pub largest_island: u64,
-    /// Islands done again because something in them met what was not expected.
+    /// Islands solved again because something in them met an unexpected particle or speed.
     pub islands_redone: u64,
 }
 
-/// Why an engine could not go on. Times are simulated times.
+/// Reason why an engine could not continue. Times are simulated times.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, thiserror::Error)]
 #[serde(rename_all = "snake_case")]
 pub enum Failure {
@@ -226,20 +236,21 @@ pub enum Failure {
         time = nine(time)
     )]
     OverlapTooLarge {
-        /// [s] when.
+        /// Time [s].
         time: f64,
-        /// Id.
+        /// Id of the particle.
         particle: u32,
         /// The particle or wall that it overlaps.
         partner: Partner,
         /// [-] overlap over the (smaller) diameter.
         ratio: f64,
-        /// [-] the limit it passed.
+        /// [-] limit of this ratio.
         limit: f64,
-        /// [-] way of the centre within the step over the diameter, where it passed through the surface of a wall between two looks.
+        /// [-] path of the centre within the step over the diameter, if it passed through the surface of a wall between
+        /// two checks.
         way: Option<f64>,
     },
-    /// The soft time step is beyond the scheme's stability: any contact that lasts would swing ever wider.
+    /// The soft time step is beyond the scheme's stability limit: the oscillation of any long contact would grow.
     #[error(
         "at t = {time} s the time step {step:.4e} s is too long for the contact {}: ω_0 Δt = {reduced:.3}, {}",
         wall.map_or("of two particles".to_string(), |wall| format!("with wall {wall}")),
@@ -250,18 +261,18 @@ pub enum Failure {
         time = nine(time)
     )]
     StepTooLong {
-        /// [s] when.
+        /// Time [s].
         time: f64,
-        /// The wall whose contact is meant; `None`: that of two particles of the lightest kind.
+        /// Wall of the contact; `None` for a contact of two particles of the lightest kind.
         wall: Option<u32>,
-        /// [s] time step Δt.
+        /// Time step Δt [s].
         step: f64,
         /// [-] ω_0 Δt.
         reduced: f64,
-        /// [-] the largest that is stable at the restitution of that contact; `None`: none is.
+        /// [-] largest stable ω_0 Δt at the restitution of that contact; `None` if none is stable.
         limit: Option<f64>,
     },
-    /// A contact law of the caller's breaks a contract that engines rely on.
+    /// A contact law supplied by the caller breaks a contract that engines rely on.
     #[error("at t = 0 s the contact law cannot be used ({law}): {broken}")]
     BrokenContract {
         /// The law in words.
@@ -269,23 +280,22 @@ pub enum Failure {
         /// The contract.
         broken: BrokenContract,
     },
-    /// Kinetic and elastic energy grew by more than drag and gravity put in and the time integrator may add.
+    /// Kinetic and elastic energy grew by more than the work of drag and gravity and the error of the time integrator.
     #[error(
         "at t = {time} s the energy has grown by {grown:.3e} J beyond what drag and gravity put in; the time integrator explains {explained:.3e} J: lower the time step ({remedy})",
         time = nine(time)
     )]
     EnergyGrew {
-        /// [s] when.
+        /// Time [s].
         time: f64,
-        /// [J] growth beyond the work of drag and gravity.
+        /// Growth [J] beyond the work of drag and gravity.
         grown: f64,
-        /// [J] the part of it that the scheme explains.
+        /// Part of the growth [J] that the scheme explains.
         explained: f64,
         /// Settings that lower the step of this case.
         remedy: String,
     },
-    /// Impacts pile up (a Zeno series, or coming to rest): each comes sooner after the one before, at last sooner than the
-    /// clock can tell.
+    /// Impacts pile up (a Zeno series, or coming to rest): the intervals between them become too short to resolve.
     #[error(
         "inelastic collapse at t = {time} s: particle {particle}, which now meets {partner}, met others {impacts} times within one window, the last time after {interval:.1e} s, at ({x:.6e}, {y:.6e}, {z:.6e}) m; {}: {}, or use the hybrid or the soft model",
         sliding.map_or(
@@ -299,75 +309,75 @@ pub enum Failure {
         time = nine(time)
     )]
     InelasticCollapse {
-        /// [s] when.
+        /// Time [s].
         time: f64,
-        /// Id.
+        /// Id of the particle.
         particle: u32,
         /// The particle or wall that it keeps meeting.
         partner: Partner,
         /// Impacts of that particle within the window.
         impacts: u64,
-        /// [s] between the last two.
+        /// Time [s] between the last two impacts.
         interval: f64,
-        /// [s] t_c of the TC model, if it was asked for.
+        /// Contact time t_c [s] of the TC model, if it was requested.
         contact_time: Option<f64>,
-        /// [m/s] at which it slides along a curved wall, if that is why its impacts pile up.
+        /// Speed [m/s] of sliding along a curved wall, if that is why its impacts pile up.
         sliding: Option<f64>,
-        /// [m] where, x.
+        /// Position x [m].
         x: f64,
-        /// [m] where, y.
+        /// Position y [m].
         y: f64,
-        /// [m] where, z.
+        /// Position z [m].
         z: f64,
     },
     /// A particle left the domain through a side that is not periodic.
     #[error("at t = {time} s particle {particle} is outside the domain, at ({x:.6e}, {y:.6e}, {z:.6e}) m", time = nine(time))]
     Escaped {
-        /// [s] when.
+        /// Time [s].
         time: f64,
-        /// Id.
+        /// Id of the particle.
         particle: u32,
-        /// [m] where, x.
+        /// Position x [m].
         x: f64,
-        /// [m] where, y.
+        /// Position y [m].
         y: f64,
-        /// [m] where, z.
+        /// Position z [m].
         z: f64,
     },
     /// The run was told to stop; nothing is wrong with it.
     #[error("at t = {time} s it was stopped from outside (Ctrl-C or a signal to end); this is a part of the run", time = nine(time))]
     Stopped {
-        /// [s] when.
+        /// Time [s].
         time: f64,
     },
-    /// What a run writes on its way could not be written.
+    /// Output of the run could not be written.
     #[error("at t = {time} s the run was stopped: {why}", time = nine(time))]
     Unwritten {
-        /// [s] when.
+        /// Time [s].
         time: f64,
-        /// What could not be written, where, and what the system says.
+        /// The output that failed, its location, and the system's message.
         why: String,
     },
-    /// A position or velocity is no longer a number, or its square is not.
+    /// A position or velocity is no longer a finite number, or its square is not.
     #[error(
         "at t = {time} s the position or velocity of particle {particle} is not a number, or too large to compute with",
         time = nine(time)
     )]
     NotANumber {
-        /// [s] when.
+        /// Time [s].
         time: f64,
-        /// Id.
+        /// Id of the particle.
         particle: u32,
     },
 }
 
-/// [s] a time for messages, without the digits that adding up windows leaves at its end.
+/// Time [s] for messages, rounded to nine digits: the last digits come from summing windows.
 fn nine(time: &f64) -> f64 {
     format!("{time:.8e}").parse().unwrap_or(*time)
 }
 
 impl Failure {
-    /// Its type as one word, as it stands in tables and JSON.
+    /// Type of the failure as one word, as used in tables and JSON.
     pub fn kind(&self) -> &'static str {
         match self {
             Self::OverlapTooLarge { .. } => "overlap_too_large",
@@ -382,10 +392,10 @@ impl Failure {
         }
     }
 
-    /// [s] simulated time at which it was seen.
+    /// Simulated time [s] of the failure.
     pub fn time(&self) -> f64 {
         match self {
-            // seen when the simulation is made
+            // found when the simulation is set up
             Self::BrokenContract { .. } => 0.0,
             Self::OverlapTooLarge { time, .. }
             | Self::StepTooLong { time, .. }
@@ -399,20 +409,20 @@ impl Failure {
     }
 }
 
-/// [m/s] the largest component of a velocity, which can be squared or not.
+/// Largest component [m/s] of a velocity, whether or not it can be squared.
 fn speed(particles: &Particles, place: usize) -> f64 {
     particles.velocity.get(place).map_or(0.0, |velocity| velocity.amax())
 }
 
-/// The failure for the first particle, in the store's order, whose position or velocity is not a number, or else for the
-/// fastest.
+/// Failure for the first particle, in the order of the store, with a position or velocity that is not a number. If
+/// there is none, it names the fastest particle.
 fn not_a_number(particles: &Particles, time: f64) -> Failure {
     let bad = particles
         .position
         .iter()
         .zip(&particles.velocity)
         .position(|(x, v)| !(x.iter().chain(v.iter()).all(|value| value.is_finite())));
-    // where all are numbers the square of a speed is not: that of the fastest
+    // if all are numbers, the square of a speed is not: that of the fastest particle
     let fastest = || (0..particles.len()).max_by(|a, b| speed(particles, *a).total_cmp(&speed(particles, *b)));
     let place = bad.or_else(fastest).unwrap_or_default();
     Failure::NotANumber { time, particle: particles.id.get(place).copied().unwrap_or_default() }

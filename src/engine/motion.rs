@@ -1,17 +1,18 @@
 //! Motion shared by engines that move all particles at once.
 //!
-//! Within a window an engine works in the frame that falls freely with gravity from rest: there particles without
-//! contact fly straight at constant velocity, gravity costs nothing per particle, and it is exact.
+//! Within a window an engine works in the frame that falls freely with gravity from rest. In this frame particles
+//! without contact fly straight at constant velocity. Gravity costs nothing per particle there, and it is exact.
 
 use crate::particles::{CHUNK, Particles};
 use crate::work_sharing;
 
 use nalgebra::Vector3;
 
-/// Particles that a thread moves at a time: four parts of a chunk, for with few chunks a thread would wait for the last.
+/// Particles that a thread moves at a time: a quarter of a chunk, because with few chunks a thread would wait for the
+/// last.
 const PART: usize = CHUNK / 4;
 
-/// x += v dt + shift for every particle: `shift` [m] is the fall of the frame meanwhile.
+/// x += v dt + shift for every particle; `shift` [m] is the fall of the frame in this time.
 pub fn drift(particles: &mut Particles, dt: f64, shift: Vector3<f64>) {
     let each = |positions: &mut [Vector3<f64>], velocities: &[Vector3<f64>]| {
         for (x, v) in positions.iter_mut().zip(velocities) {
@@ -26,7 +27,7 @@ pub fn drift(particles: &mut Particles, dt: f64, shift: Vector3<f64>) {
     }
 }
 
-/// v += change for every particle [m/s]: leaves the falling frame.
+/// v += change [m/s] for every particle: leaves the falling frame.
 pub fn accelerate(particles: &mut Particles, change: Vector3<f64>) {
     if change != Vector3::zeros() {
         work_sharing::for_each(particles.velocity.chunks_mut(CHUNK), |part| part.iter_mut().for_each(|v| *v += change));

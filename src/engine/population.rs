@@ -1,5 +1,5 @@
-//! What choices between ways of moving particles must know of their sizes. It is the same for every order of the store, and on every
-//! process that shares a run.
+//! Summary of the particle sizes, for choices between methods of moving particles. It does not depend on the order of
+//! the store, and is equal on all processes that share a run.
 
 use crate::neighbours::levels::Census;
 use crate::particles::{CHUNK, Sample};
@@ -11,30 +11,30 @@ use std::f64::consts::PI;
 /// All particles of a run in a few numbers.
 #[derive(Clone, Serialize, Deserialize)]
 pub struct PopulationSummary {
-    /// How many.
+    /// Number of particles.
     pub count: usize,
-    /// [m] the largest radius.
+    /// Largest radius [m].
     pub largest: f64,
-    /// [kg] the mass of the lightest.
+    /// Mass [kg] of the lightest particle.
     pub lightest: f64,
-    /// [m], [m²] means of the radius and of its square.
+    /// Means of the radius [m] and of its square [m²].
     pub mean_radius: [f64; 2],
-    /// [-] volume fraction of the room that the particles have.
+    /// Volume fraction of the space open to particles that they fill.
     pub filled: f64,
-    /// Whether there are radii that differ.
+    /// True if there are different radii.
     pub mixed: bool,
-    /// Where sizes are very different: how many of each.
+    /// Numbers of particles by size, if sizes are very different.
     pub census: Option<Census>,
     /// [1/m³] number density.
     pub density: f64,
 }
 
 impl PopulationSummary {
-    /// Of all particles of a run, of which others may have a part.
+    /// Summary of all particles of a run, of which other processes may have a part.
     pub fn of(sample: &Sample, scene: &Scene) -> Self {
         let (radius, mass, volume) = (&sample.particles.radius, &sample.particles.mass, scene.room());
         let ([mean, square, cube], count) = (sample.mean_radii(1.0), sample.count());
-        // of the negative of a number the largest is that of the least
+        // maximum of negative values: the least is the largest with its sign changed
         let wider = |[a, b, c]: [f64; 3], [d, e, f]: [f64; 3]| [a.max(d), b.max(e), c.max(f)];
         let none = [0.0, f64::NEG_INFINITY, f64::NEG_INFINITY];
         let of_some = |(radius, mass): (&[f64], &[f64])| {

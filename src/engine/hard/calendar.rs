@@ -1,26 +1,27 @@
-//! The event calendar: which slot of the neighbour list touches next.
+//! Event queue of an island: next touch among the slots of the neighbour list.
 
 use ordered_float::OrderedFloat;
 use priority_queue::PriorityQueue;
 use rustc_hash::FxBuildHasher;
 use std::cmp::Reverse;
 
-/// When a slot touches [s since the start of the window]; equal times go by slot, so that runs repeat.
+/// Time of a touch [s since the start of the window] and its slot; the slot decides between equal times, so that runs
+/// are reproducible.
 type DueEvent = Reverse<(OrderedFloat<f64>, u32)>;
 
-/// At most one event per slot, never a stale one.
+/// Event queue with at most one event per slot, which is always up to date.
 #[derive(Clone, Default)]
 pub struct Calendar {
     queue: PriorityQueue<u32, DueEvent, FxBuildHasher>,
 }
 
 impl Calendar {
-    /// Forgets everything.
+    /// Removes all events.
     pub fn clear(&mut self) {
         self.queue.clear();
     }
 
-    /// Slot `slot` touches at `time` [s], or not within the window.
+    /// Sets the next touch of slot `slot` to `time` [s]; `None` if there is none within the window.
     pub fn set(&mut self, slot: u32, time: Option<f64>) {
         match time {
             Some(time) => {
@@ -32,7 +33,7 @@ impl Calendar {
         }
     }
 
-    /// Takes out the next event: its slot and time.
+    /// Removes the next event, and returns its slot and time.
     pub fn pop(&mut self) -> Option<(u32, f64)> {
         self.queue.pop().map(|(slot, Reverse((time, _)))| (slot, time.0))
     }

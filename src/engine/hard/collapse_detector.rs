@@ -1,4 +1,4 @@
-//! What has come to each particle: when it last collided, and whether its impacts pile up to a collapse.
+//! Collision history of each particle: time of the last collision, and signs that its impacts pile up to a collapse.
 
 use super::impulse::Collision;
 use crate::encounter::Partner;
@@ -7,46 +7,46 @@ use crate::scene::Scene;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Impacts of one particle in a row, each after a flight too short to be told from none, before this is called a
-/// collapse. A chain of n touching spheres passes a blow on in fewer than n²/2 collisions, so scenes that are not
-/// collapsing stay below.
+/// Number of successive impacts of one particle, each after an unresolvably short flight, from which this is called a
+/// collapse. A chain of n touching spheres passes a blow on in fewer than n²/2 collisions, so scenes that do not
+/// collapse stay below.
 const COLLAPSE_STREAK: u8 = 200;
 
-/// A flight is too short to be told from none if it is below this fraction of the box: coordinates are rounded to
-/// 2e-16 of it at every collision, so what a sphere meets next after less is decided by rounding.
+/// Length of a flight, relative to the box, below which it is unresolvably short. Coordinates are rounded to 2e-16 of
+/// the box at every collision, so after a shorter flight rounding decides which body a sphere meets next.
 const COLLAPSE_FLIGHT: f64 = 64.0 * f64::EPSILON;
 
-/// Flights of one particle, each shorter than the one before, after which one too short to be told from none is the end of
-/// a Zeno series. The relative speeds of a group that collapses fall below rounding within some dozen impacts, and then
-/// nothing meets any more: the streak above would not be reached. Three flights in a row fall by chance in one of six
-/// times, and then to 10⁻¹⁴ of the box with about that probability.
+/// Number of successive flights, each shorter than the one before, after which an unresolvably short one ends a Zeno
+/// series. The relative speeds of a collapsing group fall below rounding within some dozen impacts. Then nothing meets
+/// any more, and the streak above would not be reached. Three flights become shorter in a row by chance once in six
+/// times, and then fall to 10⁻¹⁴ of the box with about that probability.
 const ZENO_FLIGHTS: u8 = 3;
 
-/// Impacts of one particle within one window before this is called a collapse, however far apart in time. Not with a
-/// contact time: spheres at rest then collide about once in it, for ever.
+/// Number of impacts of one particle within one window from which this is called a collapse, however far apart in time.
+/// Not with a contact time: spheres at rest then collide about once per contact time, without end.
 const COLLAPSE_IMPACTS: u32 = 1_000_000;
 
-/// When a particle last collided, by place: what the TC model must know from one window to the next.
+/// Time of the last collision of a particle, as the TC model needs it from one window to the next.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Recent {
-    /// Place in the store.
+    /// Index in the store.
     pub place: u32,
-    /// [s] simulated time.
+    /// Simulated time [s] of the collision.
     pub time: f64,
 }
 
-/// What has come to one particle.
+/// Collision history of one particle.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct LastCollision {
     /// Impacts since the count was last cleared.
     pub impacts: u32,
-    /// Impacts in a row after flights too short to be told from none, across windows.
+    /// Successive impacts after unresolvably short flights, across windows.
     streak: u8,
-    /// Impacts in a row, each after a shorter flight than the one before, across windows; or 255, if there are more.
+    /// Successive impacts, each after a shorter flight than the one before, across windows; at most 255.
     shrinking: u8,
-    /// [m] the last flight: time since the impact before, times the speed of approach.
+    /// Length of the last flight [m]: time since the impact before, times the speed of approach.
     flown: f64,
-    /// [s] simulated time of the last.
+    /// Simulated time [s] of the last collision.
     pub last: f64,
 }
 
@@ -57,12 +57,12 @@ impl Default for LastCollision {
 }
 
 impl LastCollision {
-    /// Nothing but that it collided at that simulated time [s].
+    /// A history with nothing but a collision at simulated time `last` [s].
     pub fn at(last: f64) -> Self {
         Self { last, ..Self::default() }
     }
 
-    /// Notes a collision at simulated `time` [s]. Returns the time since the one before [s] if it shows a collapse.
+    /// Records a collision at simulated `time` [s]. Returns the time [s] since the previous one if it shows a collapse.
     pub fn note(&mut self, collision: &Collision, scene: &Scene, time: f64, contact_time: Option<f64>) -> Option<f64> {
         let interval = time - self.last;
         let flown = collision.approach().abs() * interval;
@@ -78,31 +78,31 @@ impl LastCollision {
     }
 }
 
-/// [m/s] the speed at which a particle slides along a curved wall that it hits ever more flatly: such impacts pile up without anything coming to rest. `None` of
-/// other collisions.
+/// Speed [m/s] of sliding along a curved wall that a particle hits at ever smaller angles. Such impacts pile up without
+/// anything coming to rest. `None` for other collisions.
 pub fn sliding(collision: &Collision, scene: &Scene) -> Option<f64> {
-    /// [-] slip over the speed of approach from which it slides.
+    /// [-] ratio of slip to speed of approach from which the particle slides.
     const FLAT: f64 = 1e3;
     let slip = collision.met.slip().norm();
     let is_curved = collision.couple.is_wall() && !collision.couple.is_flat(scene);
     (is_curved && slip > FLAT * collision.approach().abs()).then_some(slip)
 }
 
-/// What shows that the impacts of a particle pile up.
+/// Data that show how the impacts of a particle pile up.
 #[derive(Clone, Copy, Debug)]
 pub struct Collapsed {
-    /// Its impacts since the count was last cleared.
+    /// Impacts of the particle since the count was last cleared.
     pub impacts: u32,
-    /// [s] between the last two.
+    /// Time [s] between the last two impacts.
     pub interval: f64,
-    /// [s] that contacts last in the TC model.
+    /// Contact time [s] of the TC model.
     pub contact_time: Option<f64>,
-    /// [m/s] at which it slides along a curved wall, if that is why its impacts pile up.
+    /// Speed [m/s] of sliding along a curved wall, if that is why the impacts pile up.
     pub sliding: Option<f64>,
 }
 
 impl Collapsed {
-    /// The failure at simulated `time` [s]: of which particle, by id, on what, and where [m].
+    /// Failure at simulated `time` [s], with the id of the particle, its collision partner, and its position [m].
     pub fn failure(&self, time: f64, (particle, partner): (u32, Partner), place: Vector3<f64>) -> Failure {
         let Self { impacts, interval, contact_time, sliding } = *self;
         let (impacts, [x, y, z]) = (u64::from(impacts), place.into());
@@ -110,13 +110,13 @@ impl Collapsed {
     }
 }
 
-/// Whether a particle merely rests on a wall while there is a contact time t_c: gravity presses it there, and it would rise by
-/// less than what can be told from nothing. Then gives its normal speed away from the wall [m/s].
+/// Normal speed [m/s] away from the wall of a particle that merely rests on it, with a contact time t_c. Gravity
+/// presses the particle to the wall, and it would rise by less than can be resolved. `None` if it does not rest.
 ///
-/// Without t_c it would collide infinitely often at once. A contact that lasts carries the weight for its time; here the
-/// particle rebounds at a_n t_c/4, with a_n the acceleration into the wall, and comes back after t_c/2: sooner than t_c,
-/// hence always elastically. It rises by a_n t_c²/32, a third of what a spring with that time of contact gives way under
-/// the weight, a_n t_c²/π² (k = m π²/t_c²).
+/// Without t_c it would collide infinitely often at once. A contact of finite duration carries the weight during its
+/// contact time. Here the particle rebounds at a_n t_c/4, with a_n the acceleration into the wall, and comes back after
+/// t_c/2. That is sooner than t_c, hence always elastic. It rises by a_n t_c²/32. This is a third of a_n t_c²/π², the
+/// compression under the weight of a spring with that contact time (k = m π²/t_c²).
 pub fn rests(collision: &Collision, scene: &Scene, contact_time: Option<f64>) -> Option<f64> {
     if !collision.couple.is_wall() {
         return None;
@@ -128,7 +128,8 @@ pub fn rests(collision: &Collision, scene: &Scene, contact_time: Option<f64>) ->
     (approach * approach <= rise && speed > approach).then_some(speed)
 }
 
-/// Who, by place, has collided less than the contact time before `now` [s]; nobody without one.
+/// Recent collisions: particles that have collided less than the contact time before `now` [s]; none without a contact
+/// time.
 pub fn recent<'a>(
     met: impl Iterator<Item = &'a LastCollision>,
     contact_time: Option<f64>,

@@ -1,4 +1,4 @@
-//! What one calendar for all costs, in the measure of the islands: the two are weighed by counts.
+//! Estimated cost of one event queue for all particles, in the units of the islands, so that the two can be compared.
 
 use crate::engine::Window;
 use crate::engine::islands::SpeedSummary;
@@ -6,27 +6,28 @@ use crate::engine::population::PopulationSummary;
 use crate::scene::Scene;
 use std::f64::consts::{PI, SQRT_2};
 
-/// [ns] foretelling one touch and putting it in the calendar. Measured once, on one quiet core, among 1000 spheres of two sizes:
-/// 55 ns with the builds of the list, which are counted apart here.
+/// [ns] predicting one touch and inserting it into the queue. Measured once, on one quiet core, with 1000 spheres of
+/// two sizes: 55 ns including the builds of the neighbour list, which are counted apart here.
 const TOUCH: f64 = 40.0;
 
-/// [ns] building the neighbour list, per particle: cells, order and walls. As the islands' search, which does the same.
+/// [ns] building the neighbour list, per particle: cells, order and walls. Equal to that of the islands' search, which
+/// does equal work.
 const BUILD: f64 = 90.0;
 
-/// [ns] looking at one pair while the list is built: as in the islands' search, but in double precision.
+/// [ns] checking one pair while the list is built: like the islands' search, but in double precision.
 const PAIR: f64 = 3.0;
 
-/// [-] volume fraction from which on the calendar that lasts costs less than islands. Of 10⁴ elastic spheres in a periodic box it
-/// made, beside islands on one thread, 0.8 times as many collisions a second at 0.05, 1.1 at 0.1, 1.7 at 0.2, 2.3 at 0.3; islands
-/// gain by more threads, and the calendar does not.
+/// Volume fraction from which on the persistent event queue costs less than islands. Measured with 10⁴ elastic spheres
+/// in a periodic box, in collisions per second relative to islands on one thread: 0.8 times as many at 0.05, 1.1 at
+/// 0.1, 1.7 at 0.2, 2.3 at 0.3. Islands gain by more threads, the queue does not.
 const DENSE: f64 = 0.2;
 
-/// [ns/s] what the islands of this window must cost less than, per particle and simulated time; `None`: they are not tried.
+/// Largest cost of islands in this window, per particle and simulated time [ns/s]; `None`: islands are not tried.
 ///
-/// Without drag the calendar lasts from window to window and is taken where it is dense. Where drag kicks every window it foretells
-/// everything in each. Of mixtures the cost is weighed: in those the islands of the largest spheres run together first. Spheres of
-/// one size do not need it: in the cases of this project islands cost from seven tenths (dense gas, volume fraction 0.3) to
-/// a hundredth of one calendar that is made anew.
+/// Without drag the event queue persists from window to window, and is taken for dense systems. Drag kicks in every
+/// window, so that all events are predicted again in each. For mixtures the costs are compared, because the islands of
+/// the largest spheres run together first. Spheres of one size do not need this. In the cases of this project islands
+/// cost from seven tenths (dense gas, volume fraction 0.3) to a hundredth of an event queue that is rebuilt.
 pub fn fallback_cost(
     population: &PopulationSummary,
     speeds: &SpeedSummary,
@@ -39,18 +40,20 @@ pub fn fallback_cost(
     Some(if population.mixed { one_calendar(population, speeds, window) } else { f64::INFINITY })
 }
 
-/// Whether a calendar outlasts its window: drag kicks everyone at the end of each.
+/// True if an event queue outlasts its window. It does not with drag, which kicks all particles at the end of each
+/// window.
 pub fn lasts(scene: &Scene) -> bool {
     scene.fluid.as_ref().is_none_or(|fluid| fluid.drag.is_none())
 }
 
-/// [ns/s] what one calendar for all costs per particle and simulated time.
+/// Cost of one event queue for all, per particle and simulated time [ns/s].
 ///
-/// Every touch on the list is foretold at the start of a window, and those of both partners after a collision; the list is
-/// built whenever the fastest particle has gone half its skin. Of all skins the cheapest counts.
+/// Every touch on the neighbour list is predicted at the start of a window, and those of both partners after a
+/// collision. The list is rebuilt whenever the fastest particle has moved half the skin. The cheapest of all skins
+/// counts.
 fn one_calendar(population: &PopulationSummary, speeds: &SpeedSummary, window: Window) -> f64 {
     let &PopulationSummary { density, mean_radius: [mean, mean_square], largest, ref census, .. } = population;
-    // [m²] mean square of the distance at which two touch
+    // [m²] mean square of the distance at which two particles touch
     let reach_square = 2.0 * (mean_square + mean * mean);
     let rate = density * PI * reach_square * speeds.mean * SQRT_2;
     let largest = 2.0 * largest;

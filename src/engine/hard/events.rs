@@ -1,4 +1,4 @@
-//! The event loop of an island: collisions in the order of their exact instants.
+//! Event loop of an island: collisions in the order of their exact times.
 
 use super::calendar::Calendar;
 use super::collapse_detector::{Collapsed, LastCollision, Recent, recent, rests, sliding};
@@ -13,59 +13,60 @@ use crate::scene::Scene;
 use crate::walls::Touch;
 use nalgebra::Vector3;
 
-/// A flight that an impulse has turned.
+/// A flight after a velocity change by an impulse.
 #[derive(Clone, Copy, Debug)]
 pub struct DeflectedFlight {
-    /// Place of the particle.
+    /// Index of the particle.
     pub place: u32,
-    /// [s] when, since the start of the window.
+    /// Time of the impulse [s] since the start of the window.
     pub time: f64,
-    /// [m] where its flight from then on would have been at the start of the window.
+    /// Position [m] at the start of the window, extrapolated back along the new flight.
     pub origin: Vector3<f64>,
-    /// [m/s] its velocity from then on.
+    /// Velocity [m/s] after the impulse.
     pub velocity: Vector3<f64>,
 }
 
-/// The beginning of a window, up to which its events are run.
+/// The beginning of a window, up to which its events are processed.
 #[derive(Clone, Copy)]
 pub struct WindowPart {
     /// The whole window.
     pub window: Window,
-    /// [s] length of the part.
+    /// Length of the part [s].
     pub end: f64,
 }
 
-/// Events among the candidates of an island's neighbour list.
+/// Events among the candidate pairs and walls of an island's neighbour list.
 ///
-/// Positions are kept as the origin each straight flight would have had at the start of the window, so x(t) = origin +
-/// v t for every particle, whatever it has met: no particle needs a clock, and the rest of the store is not touched.
+/// A position is stored as the origin of the straight flight, extrapolated to the start of the window. So
+/// `x(t) = origin + v t` for every particle, whatever its collisions. No particle needs a time of its own, and the rest
+/// of the store is not touched.
 #[derive(Clone, Default)]
 pub struct EventLoop {
-    /// The candidates. After changing them, call [`adopt`](Self::adopt).
+    /// The candidate pairs and walls. After changing them, call [`adopt`](Self::adopt).
     pub list: NeighbourList,
     /// Impulses applied so far.
     pub events: u64,
     /// Touch times computed so far.
     pub pair_checks: u64,
-    /// Filled anew in every window.
+    /// Event queue, filled again in every window.
     calendar: Calendar,
     /// Slots of each particle: `adjacent[first[i] .. first[i + 1]]`.
     first: Vec<u32>,
     adjacent: Vec<u32>,
-    /// Where the next slot of each particle goes, while they are filled in; kept for its memory.
+    /// Next free entry of each particle while slots are filled in; kept for its memory.
     next: Vec<u32>,
-    /// What of its wall each slot of a wall touches next.
+    /// Part of the wall that each wall slot touches next.
     places: Vec<u32>,
-    /// Flights that were turned in the last run, in the order of time.
+    /// Flights that were changed in the last run, in the order of time.
     pub turned: Vec<DeflectedFlight>,
-    /// What has come to each particle.
+    /// Collision history of each particle.
     met: Vec<LastCollision>,
-    /// [s] t_c of the TC model: a collision sooner than this after another of either particle is elastic.
+    /// Contact time t_c [s] of the TC model: a collision sooner than this after another of either particle is elastic.
     pub contact_time: Option<f64>,
 }
 
 impl EventLoop {
-    /// Takes note of new candidates among `particles` particles of which nothing is known but who collided `recently`.
+    /// Prepares for new candidates among `particles` particles, of which only the `recently` collided have a history.
     pub fn adopt(&mut self, particles: usize, recently: &[Recent]) {
         self.met.clear();
         self.met.resize(particles, LastCollision::default());
@@ -75,7 +76,8 @@ impl EventLoop {
         self.connect(particles);
     }
 
-    /// Who of the first `particles` has collided less than the contact time before `now` [s]; nobody without one.
+    /// Recent collisions of the first `particles` particles, less than the contact time before `now` [s]; none without
+    /// a contact time.
     pub fn recent(&self, particles: usize, now: f64) -> impl Iterator<Item = Recent> {
         recent(self.met.iter().take(particles), self.contact_time, now)
     }
@@ -107,8 +109,8 @@ impl EventLoop {
         }
     }
 
-    /// Runs all events of a part of a window, until one made a particle faster than `bounds` allow, or until one shows a
-    /// collapse. Returns the time reached, and the place of the particle that stopped it.
+    /// Processes all events of a part of a window, until a particle gets faster than `bounds` allow or a collapse is
+    /// found. Returns the time reached, and the index of the particle that stopped it.
     pub fn run(
         &mut self,
         particles: &mut Particles,
@@ -135,7 +137,7 @@ impl EventLoop {
             };
             self.events += 1;
             self.list.clock.tell(window.start + now);
-            // the new flight through the present place starts from another origin
+            // the new flight through the present position starts from another origin
             particles.position[couple.i as usize] -= change_i * now;
             if let Some(j) = couple.j() {
                 particles.position[j as usize] -= change_j * now;
@@ -157,13 +159,13 @@ impl EventLoop {
         (end, Ok(None))
     }
 
-    /// What of a wall the next touch of a slot is with.
+    /// Part of the wall that the next touch of a slot is with.
     fn place(&self, slot: usize) -> u32 {
         let near = slot.checked_sub(self.list.pairs.len());
         near.and_then(|near| self.places.get(near)).copied().unwrap_or_default()
     }
 
-    /// Notes the next touch of a slot, [s since the start of the window].
+    /// Stores the next touch of a slot; its time is in s since the start of the window.
     fn predict_events(&mut self, slot: usize, touch: Option<Touch>) {
         if let (Some(near), Some(touch)) = (slot.checked_sub(self.list.pairs.len()), touch) {
             self.places[near] = touch.place;
@@ -171,7 +173,7 @@ impl EventLoop {
         self.calendar.set(slot as u32, touch.map(|touch| touch.time));
     }
 
-    /// When a slot touches [s since the start of the window], at `now` or later and before `end`, and what.
+    /// Next touch of a slot, at `now` or later and before `end`; times are in s since the start of the window.
     fn touch(&self, slot: usize, particles: &Particles, scene: &Scene, now: f64, end: f64) -> Option<Touch> {
         let couple = self.list.couple(slot);
         let touch = couple.touch(particles, scene, FrameTime::ahead(now), end - now);
@@ -179,7 +181,7 @@ impl EventLoop {
         touch.filter(|touch| couple.is_wall() || touch.time < end)
     }
 
-    /// Fills the calendar for the window [0, end).
+    /// Fills the event queue for the window [0, end).
     fn predict_all(&mut self, particles: &Particles, scene: &Scene, end: f64) {
         self.calendar.clear();
         self.places.clear();
@@ -203,7 +205,7 @@ impl EventLoop {
         }
     }
 
-    /// Whether one of the partners has collided less than the contact time ago, at simulated `time` [s].
+    /// True if one of the partners has collided less than the contact time before simulated `time` [s].
     fn in_contact(&self, couple: &Couple, time: f64) -> bool {
         let Some(contact_time) = self.contact_time else { return false };
         let last = |place: u32| self.met[place as usize].last;

@@ -6,11 +6,11 @@ use crate::record::{Between, Impact, Log};
 use crate::scene::{Kind, Scene, Surface};
 use nalgebra::Vector3;
 
-/// Impulse on body i [kg m/s] from a body it approaches, without rotation:
-/// J_n = (1+e) M |u_n| along the normal, J_t = min(μ J_n, M |u_t|) against the slip (design of the paper's rule, Eq. 4
-/// and the Coulomb law below it).
+/// Impulse on body i [kg m/s] from a body that it approaches, without rotation. The normal part is J_n = (1+e) M |u_n|.
+/// The tangential part against the slip is J_t = min(μ J_n, M |u_t|) (Eq. 4 of the paper and the Coulomb law below it).
 ///
-/// `velocity` is u_i - u_j [m/s], `normal` points from j to i, `effective_mass` M [kg] (a wall's partner: its own mass).
+/// `velocity` is u_i - u_j [m/s], `normal` points from j to i. `effective_mass` is M [kg]; at a wall it is the mass of
+/// the particle.
 pub fn impulse(surface: &Surface, effective_mass: f64, velocity: &Vector3<f64>, normal: &Vector3<f64>) -> Vector3<f64> {
     let normal_velocity = velocity.dot(normal);
     let along = -(1.0 + surface.restitution) * effective_mass * normal_velocity;
@@ -29,30 +29,32 @@ pub fn impulse(surface: &Surface, effective_mass: f64, velocity: &Vector3<f64>, 
 pub struct Collision {
     /// The two bodies that collide.
     pub couple: Couple,
-    /// How they stand to one another. An overlap is rounding for events, and what a step left for the stepped engine.
+    /// Relative position and velocity of the two. An overlap comes from rounding, or from a finite step in the stepped
+    /// engine.
     pub met: Encounter,
-    /// Whether it takes no energy along the normal, whatever the surfaces say: the TC model (Luding and McNamara 1998,
-    /// Granular Matter 1, 113) makes a collision so that comes sooner than a contact lasts after another of its partners.
+    /// True if the collision loses no energy along the normal, whatever the surfaces. The TC model (Luding and McNamara
+    /// 1998, Granular Matter 1, 113) makes a collision elastic if it comes sooner than the contact time after another
+    /// of its partners.
     pub elastic: bool,
-    /// Of which kinds the two are.
+    /// Species of particle `i` and kind of the other body.
     pub kinds: (u16, Kind),
 }
 
-/// What a collision must know of its bodies besides their motion.
+/// Properties of the bodies that a collision needs besides their motion.
 #[derive(Clone, Copy, Debug)]
 pub struct CollisionMasses {
-    /// [kg] mass of particle `i`.
+    /// Mass [kg] of particle `i`.
     pub mass: f64,
-    /// [kg] mass of the other particle; `None`: it is a wall.
+    /// Mass [kg] of the other particle; `None` for a wall.
     pub other: Option<f64>,
-    /// [m] the smaller diameter: overlaps are counted in it.
+    /// Smaller diameter [m], by which overlaps are divided.
     pub diameter: f64,
-    /// [m] distance of the centres at which they touch; at a wall the radius.
+    /// Distance of the centres at touch [m]; at a wall the radius.
     pub reach: f64,
 }
 
 impl CollisionMasses {
-    /// Those of two bodies.
+    /// Masses and lengths of two bodies.
     pub fn of(couple: &Couple, particles: &Particles) -> Self {
         Self {
             mass: particles.mass[couple.i as usize],
@@ -62,25 +64,26 @@ impl CollisionMasses {
         }
     }
 
-    /// [kg] effective mass M; at a wall the particle's own.
+    /// Effective mass M [kg]; at a wall the mass of the particle.
     fn effective(&self) -> f64 {
         self.other.map_or(self.mass, |other| 1.0 / (1.0 / self.mass + 1.0 / other))
     }
 }
 
 impl Collision {
-    /// [m/s] speed at which the two approach along the normal.
+    /// Speed of approach along the normal [m/s].
     pub fn approach(&self) -> f64 {
         -self.met.normal_velocity
     }
 
-    /// Whether it takes energy along the normal: what does not can go on for ever without a collapse.
+    /// True if the collision loses energy along the normal. Collisions without loss can go on for ever without a
+    /// collapse.
     pub fn loses(&self, scene: &Scene) -> bool {
         !self.elastic && scene.surface(self.kinds.0, self.kinds.1).restitution < 1.0
     }
 
-    /// Applies the impulse and books it; `remaining` [s] of the window are left. Returns the velocity changes of `i` and
-    /// of the other particle (zero for a wall) [m/s].
+    /// Applies the impulse and records it; `remaining` [s] of the window are left. Returns the velocity changes [m/s]
+    /// of `i` and of the other particle (zero for a wall).
     pub fn resolve(
         &self,
         particles: &mut Particles,
@@ -96,8 +99,8 @@ impl Collision {
         changes
     }
 
-    /// The velocity changes of `i` and of the other particle (zero for a wall) [m/s] by the impulse, which is booked; `remaining` [s]
-    /// of the window are left.
+    /// Records the impulse and returns the velocity changes [m/s] of `i` and of the other particle (zero for a wall).
+    /// `remaining` [s] of the window are left.
     pub fn apply_impulse(
         &self,
         weights: &CollisionMasses,
@@ -150,15 +153,16 @@ impl Collision {
                 ledger.wall_work += self.couple.driven(&impulse, scene);
                 ledger.wall_impulse += impulse;
                 ledger.wall_normal_impulse += impulse.dot(&normal);
-                // what walls add to the momentum, gravity works on for the rest of the window
+                // gravity does work on the momentum from walls for the rest of the window
                 ledger.gravity_work += scene.gravity.dot(&impulse) * remaining;
                 (change_i, Vector3::zeros())
             }
         }
     }
 
-    /// The velocity change [m/s] that gives a particle of `mass` [kg] the normal `speed` [m/s] away from a wall that it rests on. It is
-    /// booked: the energy as a loss below zero. It is no impact, as nothing approaches. `remaining` [s] of the window are left.
+    /// Velocity change [m/s] that gives a particle of `mass` [kg], resting on a wall, the normal `speed` [m/s] away
+    /// from it. The energy is recorded as a negative loss. It is not recorded as an impact, since nothing approaches.
+    /// `remaining` [s] of the window are left.
     pub fn hold_at_rest(&self, speed: f64, mass: f64, scene: &Scene, remaining: f64, log: &mut Log) -> Vector3<f64> {
         let before = self.met.normal_velocity;
         let change = self.met.normal * (speed - before);
@@ -167,7 +171,7 @@ impl Collision {
         ledger.wall_restitution_loss -= 0.5 * mass * (speed * speed - before * before);
         ledger.wall_impulse += impulse;
         ledger.wall_normal_impulse += impulse.dot(&self.met.normal);
-        // as at an impact
+        // gravity work as at an impact
         ledger.gravity_work += scene.gravity.dot(&impulse) * remaining;
         change
     }

@@ -1,4 +1,4 @@
-//! A small calendar for each island.
+//! A small event queue for each island.
 
 use super::collapse_detector::Recent;
 use super::events::{EventLoop, WindowPart};
@@ -7,10 +7,10 @@ use crate::engine::Window;
 use crate::engine::islands::{GivenUp, Island, Solve};
 use crate::scene::Scene;
 
-/// Solves islands by events; nothing lasts but, for the TC model, the memory of recent collisions.
+/// Solver of islands by events. The only carried state are recent collisions, for the TC model.
 #[derive(Default)]
 pub struct HardIslands {
-    /// [s] t_c of the TC model.
+    /// Contact time t_c [s] of the TC model.
     pub contact_time: Option<f64>,
 }
 

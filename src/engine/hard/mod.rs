@@ -1,4 +1,4 @@
-//! Hard spheres: collisions are instants.
+//! Hard spheres: collisions are instantaneous.
 
 mod calendar;
 mod collapse_detector;
@@ -23,24 +23,24 @@ use global_calendar::GlobalCalendar;
 use islands::HardIslands;
 use serde::{Deserialize, Serialize};
 
-/// Event-driven hard spheres: within a window, collisions in the order of their exact instants.
+/// Event-driven hard spheres: within a window, collisions are processed in the order of their exact times.
 ///
-/// Where few particles meet within a window each island has a small calendar of its own; where most do, one calendar
-/// serves them all. Both give the same collisions.
+/// If few particles collide within a window, each island has a small event queue of its own. If most collide, one event
+/// queue serves all particles. Both give equal collisions.
 pub type Hard = Driver<HardSolver>;
 
-/// Which way windows are moved.
+/// Method by which windows are computed.
 #[derive(Clone, Copy, PartialEq)]
 enum WindowMethod {
-    /// The one that costs less.
+    /// The cheaper method.
     Cheaper,
-    /// Islands wherever they can be.
+    /// Islands whenever possible.
     Islands,
-    /// One calendar for all.
+    /// One event queue for all particles.
     OneCalendar,
 }
 
-/// Solves islands by small calendars, and everyone by one calendar.
+/// Solver of islands by small event queues, and of all particles by one event queue.
 pub struct HardSolver {
     together: GlobalCalendar,
     islands: HardIslands,
@@ -48,21 +48,24 @@ pub struct HardSolver {
     memory: Memory,
 }
 
-/// What the choice between islands and calendar remembers.
+/// Memory of the choice between islands and the global event queue.
 #[derive(Clone, Copy, Default, Serialize, Deserialize)]
 struct Memory {
-    /// Whether islands have moved the particles, or have tried to, since the calendar last did, so that what it knows of them is out of date.
+    /// True if islands have moved the particles, or tried to, since the global queue last did: its data are then out of
+    /// date.
     outdated: bool,
-    /// Windows that the calendar that lasts has to itself after islands ran together: one, then two, four, up to [`LONGEST_STAY`].
+    /// Number of windows for the global queue alone after islands have failed: one, then two, four, up to
+    /// [`LONGEST_STAY`].
     stay: u32,
-    /// How many of them are left.
+    /// Number of those windows that are left.
     left: u32,
 }
 
-/// Longest stay away from islands, in windows: a trial that fails costs the calendar its lists and events, which are made anew.
+/// Largest number of windows without islands. A failed trial costs the global queue its neighbour lists and events,
+/// which must be made again.
 const LONGEST_STAY: u32 = 64;
 
-/// What the solver keeps from one window to the next.
+/// State that the solver keeps from one window to the next.
 #[derive(Serialize, Deserialize)]
 pub struct HardState {
     together: GlobalCalendar,
@@ -76,7 +79,7 @@ impl Default for Hard {
 }
 
 impl Hard {
-    /// An engine without settings: restitution and friction are the scene's.
+    /// An engine without settings of its own: restitution and friction are those of the scene.
     pub fn new() -> Self {
         Self::with(HardSolver {
             together: GlobalCalendar::default(),
@@ -86,23 +89,23 @@ impl Hard {
         })
     }
 
-    /// As `new`, but always with one calendar for all: the reference that islands are tested against.
+    /// Like `new`, but always with one event queue for all particles: the reference for tests of islands.
     pub fn with_one_calendar() -> Self {
         let mut engine = Self::new();
         engine.solver.way = WindowMethod::OneCalendar;
         engine
     }
 
-    /// As `new`, but with islands wherever they can be.
+    /// Like `new`, but with islands whenever possible.
     pub fn with_islands() -> Self {
         let mut engine = Self::new();
         engine.solver.way = WindowMethod::Islands;
         engine
     }
 
-    /// With the TC model (Luding and McNamara 1998, Granular Matter 1, 113): a collision that comes sooner than
-    /// `contact_time` [s] after the one before of either particle is elastic, so that spheres may come to rest on one
-    /// another without colliding infinitely often. Friction acts as ever. `None`: every collision has its restitution.
+    /// Uses the TC model (Luding and McNamara 1998, Granular Matter 1, 113). A collision is elastic if it comes sooner
+    /// than `contact_time` [s] after the previous one of either particle. So spheres may come to rest on one another
+    /// without infinitely many collisions. Friction acts as usual. `None`: every collision has its restitution.
     pub fn with_contact_time(mut self, contact_time: Option<f64>) -> Self {
         self.solver.together.contact_time = contact_time;
         self.solver.islands.contact_time = contact_time;
@@ -149,7 +152,7 @@ impl Solver for HardSolver {
         self.memory.outdated = true;
     }
 
-    /// Nothing is kept: recent collisions are told at the end of each window.
+    /// Hands over nothing: recent collisions are returned at the end of each window.
     fn hand_over(&mut self, _lasting: &mut Vec<Recent>) {}
 
     fn for_each_kept(&self, _visit: &mut dyn FnMut(Recent)) {}

@@ -14,11 +14,13 @@ use nalgebra::Vector3;
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
-/// Particles fly for Δt, then every pair that overlaps and approaches gets the hard-sphere impulse; positions stay.
+/// Hard spheres with time steps. Particles fly for Δt, then every pair that overlaps and approaches gets the
+/// hard-sphere impulse; positions stay.
 ///
-/// Δt < θ d/u_r (the paper's section 3.4), u_r = sqrt(8 q²/(3π)) (Eq. 8 with its root) from the agitation of all particles
-/// in each window, relative to one another and to the walls. It misses grazing collisions that begin and end within a step, acts up to Δt late, and
-/// leaves overlaps: that is what it is kept to show. What it misses is counted, and the overlaps are those of its impacts.
+/// The step is Δt < θ d/u_r (section 3.4 of the paper), with u_r = sqrt(8 q²/(3π)) (Eq. 8 with its root). It follows
+/// from the agitation of all particles in each window, relative to one another and to the walls. The scheme misses
+/// grazing collisions that begin and end within a step, acts up to Δt late, and leaves overlaps. It is kept to show
+/// these errors. Missed collisions are counted, and the overlaps are those of its impacts.
 pub struct SteppedHard {
     theta: f64,
     list: NeighbourList,
@@ -32,10 +34,12 @@ impl SteppedHard {
         Self { theta, list: NeighbourList::default(), slots: Vec::new(), counters: Counters::default() }
     }
 
-    /// [s] θ d/u_r for a window of `duration` [s]; infinite if nothing moves relative to the rest or to a wall.
+    /// Longest step θ d/u_r [s] for a window of `duration` [s]; infinite if nothing moves relative to the rest or to a
+    /// wall.
     ///
-    /// The agitation is that of the velocities relative to their mean along the walls: what the mean has across a wall, and what
-    /// gravity adds to it until the end of the window, brings particles to that wall. So a sphere that falls alone has a limit too.
+    /// The agitation is that of the velocities relative to their mean along the walls. The mean velocity across a wall,
+    /// and the velocity that gravity adds to it until the end of the window, bring particles to that wall. So a sphere
+    /// that falls alone has a limit too.
     pub fn longest_step(theta: f64, particles: &Particles, scene: &Scene, duration: f64) -> f64 {
         let mean = along_walls(scene, particles.mean_velocity());
         let fall = (scene.gravity - along_walls(scene, scene.gravity)) * duration;
@@ -46,8 +50,8 @@ impl SteppedHard {
         theta * diameter / (8.0 * agitation / (3.0 * PI)).sqrt()
     }
 
-    /// Pairs that met within the last step of `dt` [s] and are separating at its end, whether they still overlap or not: they
-    /// get no impulse.
+    /// Number of pairs that met within the last step of `dt` [s] and are separating at its end, whether they still
+    /// overlap or not. They get no impulse.
     fn missed(&self, particles: &Particles, scene: &Scene, dt: f64) -> u64 {
         let passed = |pair: &&Pair| {
             let (i, j) = (pair.i as usize, pair.j as usize);

@@ -1,17 +1,20 @@
-//! Hybrid spheres: a touch of two is an instant where nobody else comes meanwhile, and a contact that lasts where somebody does.
+//! Hybrid spheres: a touch of two bodies is an instantaneous impulse while no other body comes, and a lasting contact
+//! otherwise.
 //!
-//! The rule, asked at the exact instant of every touch: with T_c the time that an isolated contact of these two would last by the
-//! contact law, at this speed, the touch is over at once, by the impulse of hard spheres, if within θ T_c
+//! The rule is applied at the exact instant of every touch. T_c is the time that an isolated contact of the two bodies
+//! would last by the contact law, at their speed. The touch is instantaneous, with the impulse of hard spheres, if
+//! within θ T_c
 //!
-//! * nobody who may touch one of the two can come to it, whatever the impulse does to their velocities, and none of the two is in
-//!   contact now;
+//! * no other body that may touch one of the two can come to it, whatever the impulse does to their velocities, and
+//!   neither of the two is in contact now;
 //! * gravity does not bring the sphere back to the wall that it leaves: 2 e u_n/g_n > θ T_c.
 //!
-//! All other touches are the beginning of soft contacts, which are stepped through. θ is [`Clearance`]. So the two models
-//! meet only where a contact is over before it matters to anybody, and only soft contacts last from one window to the next: an impulse
-//! keeps momentum exactly, and books the energy that it takes.
+//! All other touches begin soft contacts, which are resolved by time steps. θ is [`Clearance`]. So the two models meet
+//! only where a contact is over before it matters to any other body. Only soft contacts last from one window to the
+//! next: an impulse conserves momentum exactly, and the energy that it takes is booked.
 //!
-//! Islands that are too large for local stepping (a bed) are stepped uniformly by themselves, while everyone else flies and collides.
+//! Islands that are too large for local stepping (a bed) are stepped uniformly by themselves, while all other particles
+//! fly and collide.
 
 use super::driver::{Driver, Solver, Trial, Work};
 use super::hard::Collision;
@@ -30,31 +33,32 @@ use crate::particles::Particles;
 use crate::record::{LeftOut, Log};
 use crate::scene::Scene;
 
-/// Instants where two meet alone, soft contacts elsewhere.
+/// Engine with impulses where two bodies meet alone, and soft contacts elsewhere.
 pub type Hybrid = Driver<HybridSolver>;
 
-/// Solves islands by impulses and local stepping, crowds by uniform stepping, and everyone as the soft engine does.
+/// Solver of hybrid spheres: impulses and local stepping for islands, uniform stepping for crowds, the soft engine for
+/// all particles at once.
 pub struct HybridSolver {
     soft: SoftSolver,
     islands: HybridIslands,
 }
 
-/// Solves islands of hybrid spheres.
+/// Solver of islands of hybrid spheres.
 pub struct HybridIslands {
     few: SoftIslands<Impulses>,
     many: Steps,
 }
 
-/// Which touches are over at once.
+/// Rule that decides which touches are instantaneous.
 pub struct Impulses {
     law: ContactLaw,
-    /// [-] θ.
+    /// [-] clearance θ.
     clearance: f64,
 }
 
 impl Hybrid {
-    /// An engine with the given law, integrator and longest time step [s] of contacts that last; a touch is over at once if nobody else
-    /// comes within `clearance` θ [-] contact times.
+    /// An engine with the given law, integrator and longest time step [s] of contacts that last. A touch is
+    /// instantaneous if no other body comes within `clearance` θ [-] contact times.
     pub fn new(law: ContactLaw, integrator: Integrator, longest_step: f64, clearance: f64) -> Self {
         let many = Steps { law, integrator, longest: longest_step };
         Self::with(HybridSolver {
@@ -64,7 +68,8 @@ impl Hybrid {
                     law,
                     integrator,
                     step: longest_step,
-                    // what has cost as much as the crowd that it might be is one: so it costs at most twice the cheaper of both
+                    // an island that has cost as much as a crowd of its size is made a crowd: so it costs at most twice
+                    // the cheaper way
                     allowance: Allowance { each: 0.0, per_particle: many.cost_in_a_bed() },
                     instants: Impulses { law, clearance },
                 },
@@ -79,7 +84,7 @@ impl InstantaneousRule for Impulses {
         let ReachedTouch { touch, met, scene, .. } = meeting;
         let approach = -met.normal_velocity;
         let clear = self.clearance * self.law.contact_time(&touch.spring, approach);
-        // what leaves a wall more slowly than this is back before that
+        // a sphere that leaves a wall more slowly than this is back before the clear time ends
         let weight = match touch.couple.other {
             Other::Wall(_) => -scene.gravity.dot(&met.normal),
             Other::Particle(_) => 0.0,
@@ -161,7 +166,8 @@ impl Solver for HybridSolver {
         scene: &Scene,
         window: Window,
     ) -> Option<f64> {
-        // crowds are stepped either way: what counts is what a step of everyone else costs, with about one pair on the list for each
+        // crowds are stepped either way, so the cost of a step of all other particles counts, with about one listed
+        // pair for each
         self.soft.fallback_cost(population, speeds, scene, window).map(|of_all| 2.0 * of_all)
     }
 

@@ -1,4 +1,4 @@
-//! Islands solved one after the other by one thread, with what came out close together in memory.
+//! Islands solved one after the other by one thread, with their results close together in memory.
 
 use super::cluster::{Clusters, Landing, PiecewiseTrajectory, VelocityChange};
 use super::island::Island;
@@ -16,29 +16,30 @@ use std::ops::Range;
 /// A hot particle at the end of the part, in the frame at rest.
 #[derive(Clone, Copy, Debug)]
 pub struct HotParticle {
-    /// Place of the particle in the store.
+    /// Index of the particle in the store.
     pub place: u32,
-    /// Its moving state.
+    /// Position and velocity of the particle.
     pub motion: Motion,
 }
 
 /// A particle that got out of the bounds of its island.
 #[derive(Clone, Copy, Debug)]
 pub struct Stop {
-    /// Place of the particle in the store.
+    /// Index of the particle in the store.
     pub place: u32,
-    /// Whether it only stood by.
+    /// True if the particle was a bystander.
     pub bystander: bool,
-    /// [m/s] speed relative to the frame of the search.
+    /// Speed [m/s] relative to the frame of the search.
     pub speed: f64,
 }
 
-/// An island that could not be solved, or not at a fair price.
+/// Reason why an island was not solved.
 #[derive(Clone, Copy, Debug)]
 pub enum GivenUp {
-    /// The engine failed. The other way takes the window, and meets the failure again at its instant.
+    /// The engine failed. The classical algorithm takes the window, and meets the failure again at its instant.
     Failed,
-    /// It costs too much: it is a crowd, or the other way takes the window where there are no crowds.
+    /// The island costs too much. It becomes a crowd; if the engine takes no crowds, the classical algorithm takes the
+    /// window.
     TooExpensive,
 }
 
@@ -48,29 +49,29 @@ impl From<Failure> for GivenUp {
     }
 }
 
-/// The result of an island that is done.
+/// Location of the result of a solved island.
 #[derive(Clone, Copy)]
 pub struct IslandResult {
-    /// Number of its batch.
+    /// Number of the batch with the result.
     pub batch: usize,
-    /// Its number in that.
+    /// Number of the island in that batch.
     pub number: usize,
-    /// Whether this process counts what happened in it.
+    /// True if this process counts the events of the island.
     pub counts: bool,
 }
 
-/// What an island that could not be ended teaches.
+/// Change to make to an unfinished island before it is solved again.
 pub enum Retry {
-    /// Particles got out of bounds.
+    /// Particles got out of bounds: bystanders become members, or speed limits rise.
     Stops(Vec<Stop>),
-    /// It is dear: it is a crowd.
+    /// The island is too expensive: it becomes a crowd.
     Crowd,
 }
 
-/// What came of one island; ranges are of the lists of its batch.
+/// Result of one island; the ranges refer to the lists of its batch.
 pub struct Solved {
     pub which: usize,
-    /// Who got out of bounds; nobody: it is done.
+    /// Particles that got out of bounds; an empty list means that the island is done.
     pub stopped: Result<Vec<Stop>, GivenUp>,
     pub states: Range<usize>,
     pub carried: Range<usize>,
@@ -81,57 +82,57 @@ pub struct Solved {
     pub events: u64,
     /// Impulses of an engine that also has contacts.
     pub impulses: u64,
-    /// Steps of all of a crowd.
+    /// Uniform steps of a crowd.
     pub crowd_steps: u64,
-    /// Contact forces computed in those.
+    /// Contact forces computed in steps of a crowd.
     pub crowd_forces: u64,
     /// Gaps or touch times computed.
     pub pair_checks: u64,
     /// Contact forces computed.
     pub force_evaluations: u64,
-    /// Particles moved by stages of steps, and gaps looked at after steps.
+    /// Particles moved by stages of steps, and gaps checked after steps.
     pub updates: u64,
 }
 
-/// What came of several islands.
+/// Results of several islands.
 pub struct Batch<C> {
     pub solved: Vec<Solved>,
     pub states: Vec<HotParticle>,
-    /// What lasts beyond the window, by place of the particle in the store.
+    /// State carried beyond the window, by index of the particle in the store.
     pub carried: Vec<C>,
     pub impacts: Vec<(Between, Impact)>,
-    /// The ways of the particles of `states`, of an engine that says where they turn.
+    /// Trajectories of the particles in `states`, if the engine reports velocity changes.
     pub ways: Vec<PiecewiseTrajectory>,
-    /// Where they turn.
+    /// Velocity changes of those trajectories.
     pub turns: Vec<VelocityChange>,
 }
 
-/// The results of all islands of a part that is done.
+/// Results of all islands of a part that is done.
 pub struct IslandResults<'a, C> {
-    /// Where they are.
+    /// Locations of the results.
     pub landing: &'a Landing,
-    /// What came of the islands.
+    /// Batches with the results of the islands.
     pub batches: &'a [Batch<C>],
-    /// [m/s] by which the frame of the store has fallen.
+    /// Velocity [m/s] that gravity has added to the frame of the store.
     pub fallen: Vector3<f64>,
 }
 
-/// What happened in some islands, and what lasts.
+/// Events of several islands, and the state that they carry on.
 pub struct Notes<C> {
-    /// Places of their members.
+    /// Indices of the members of the islands.
     pub members: Vec<u32>,
-    /// What lasts beyond the part, by place of the particle in the store.
+    /// State carried beyond the part, by index of the particle in the store.
     pub lasting: Vec<C>,
     /// Impacts that have ended.
     pub impacts: Vec<(Between, Impact)>,
-    /// Rows with the same exact sums as the ledgers of all.
+    /// Condensed rows with the same exact sums as the ledgers of all islands.
     pub ledger: Vec<[f64; ENTRIES]>,
-    /// How many they were, and of how many particles.
+    /// Number of the islands and of their particles.
     pub counts: IslandCounters,
 }
 
 impl<C: Copy + Send + Sync> IslandResults<'_, C> {
-    /// What happened in all islands, some of them after others.
+    /// Notes of all islands, in groups and in order.
     pub fn notes(&self) -> Vec<Notes<C>> {
         work_sharing::map(self.landing.kept.chunks(BLOCK), |some| self.notes_of(some))
     }
@@ -163,7 +164,8 @@ impl<C: Copy + Send + Sync> IslandResults<'_, C> {
         notes
     }
 
-    /// Puts the members of islands, which have labels, where they have come to, and moves everybody else by `fly`. Takes the labels.
+    /// Puts the members of islands, which have labels, at their new positions, and moves all other particles by `fly`.
+    /// All labels are removed.
     pub fn put(
         &self,
         particles: &mut Particles,
@@ -173,7 +175,7 @@ impl<C: Copy + Send + Sync> IslandResults<'_, C> {
         let parts = particles.motion_chunks(CHUNK).into_iter().zip(labels.chunks_mut(CHUNK));
         work_sharing::for_each(parts, |(mut chunk, labels)| {
             for (index, label) in labels.iter_mut().enumerate() {
-                // labels of the others are read only, so that each thread has a copy of them in its cache
+                // labels of the other particles are only read, so that each thread keeps a copy of them in its cache
                 let member = if label.is_some() { label.take() } else { None };
                 match member.and_then(|label| self.state(label)) {
                     Some(state) => {
@@ -186,7 +188,7 @@ impl<C: Copy + Send + Sync> IslandResults<'_, C> {
         });
     }
 
-    /// Where a member has come to; `None` if nothing came of its island.
+    /// State of a member at the end of the part; `None` if its island has no result.
     fn state(&self, label: Label) -> Option<&HotParticle> {
         let (kept, number) = self.landing.of_member[label.member()]?;
         let IslandResult { batch, number: which, .. } = self.landing.kept[kept as usize];
@@ -195,7 +197,7 @@ impl<C: Copy + Send + Sync> IslandResults<'_, C> {
     }
 }
 
-/// Memory that is used again from island to island.
+/// Working memory that is reused from island to island.
 pub struct Workbench<S: Solve> {
     island: Island<S::Carried>,
     scratch: S::Scratch,
@@ -207,24 +209,25 @@ impl<S: Solve> Default for Workbench<S> {
     }
 }
 
-/// What all islands of a part have in common.
+/// Data that all islands of a part have in common.
 pub struct Task<'a, S: Solve> {
-    /// The working memory of the engine.
+    /// The solver of the engine.
     pub solver: &'a S,
     pub scene: &'a Scene,
     pub window: Window,
-    /// [m/s] what gravity has added to the velocities of the store.
+    /// Velocity [m/s] that gravity has added to the velocities of the store.
     pub fallen: Vector3<f64>,
-    /// [s] length of the part.
+    /// Length of the part [s].
     pub part: f64,
-    /// What the engine carries from the part before.
+    /// State carried over from the part before.
     pub carried: &'a [S::Carried],
 }
 
 impl<S: Solve> Workbench<S> {
     /// Solves the islands `which`.
     pub fn solve(&mut self, task: &Task<S>, clusters: &Clusters, which: &[usize]) -> Batch<S::Carried> {
-        // lists that grow while another thread's do wait for one another, where the memory was that thread's before
+        // memory is reserved at once: threads wait for one another if a list grows in memory that was another thread's
+        // before
         let members: usize = which.iter().map(|&which| clusters.members(which)).sum();
         let traced = if task.solver.traces() { members } else { 0 };
         let mut batch = Batch {
@@ -254,7 +257,7 @@ impl<S: Solve> Workbench<S> {
                 batch.carried.extend(island.carried.iter().map(|c| S::moved(c, &|local| places[local as usize])));
                 batch.impacts.append(&mut island.log.impacts);
                 if task.solver.traces() {
-                    // those of one particle stay in the order of time
+                    // a stable sort: the velocity changes of one particle stay in the order of time
                     island.turns.sort_by_key(|(local, _)| *local);
                     let mut rest = island.turns.as_slice();
                     for local in 0..island.hot as u32 {
@@ -292,7 +295,7 @@ impl<S: Solve> Workbench<S> {
     }
 }
 
-/// Takes what is carried into an island that holds its particles; false, and nothing taken, if one of them is not there.
+/// Takes carried state into an island. Returns false, with nothing taken, if one of its particles is not in the island.
 fn take_in<S: Solve>(island: &mut Island<S::Carried>, carried: &S::Carried) -> bool {
     let known = S::places(carried).into_iter().flatten().all(|place| island.local(place).is_some());
     if known {
@@ -307,7 +310,7 @@ mod tests {
     use super::*;
     use crate::encounter::Couple;
 
-    /// An engine that carries the place of a particle and does nothing.
+    /// An engine that carries the index of a particle and does nothing.
     struct Idle;
 
     impl Solve for Idle {

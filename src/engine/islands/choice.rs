@@ -1,4 +1,4 @@
-//! Which part of a window to take: how long it is, and whether islands pay.
+//! Choice of the next part of a window: its length, and whether islands pay.
 
 use crate::domain::Domain;
 use crate::engine::population::PopulationSummary;
@@ -6,101 +6,105 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, SQRT_2};
 
-/// Velocities of all particles in a few numbers.
+/// Summary of the velocities of all particles in a few numbers.
 #[derive(Clone, Copy, Serialize, Deserialize)]
 pub struct SpeedSummary {
-    /// [m/s] the frame that they are seen from: the mean velocity along the walls.
+    /// Frame of reference [m/s] of the speeds: the mean velocity along the walls.
     pub frame: Vector3<f64>,
-    /// [m/s] root of their mean square.
+    /// Root of the mean square speed [m/s].
     pub mean: f64,
-    /// [m/s] the largest.
+    /// Largest speed [m/s].
     pub largest: f64,
 }
 
-/// What the choice between islands and the other way is made of.
+/// Data for the choice between islands and the classical algorithm.
 pub struct IslandCost<'a> {
-    /// All particles.
+    /// Summary of all particles.
     pub population: &'a PopulationSummary,
-    /// How fast they are.
+    /// Summary of their velocities.
     pub speeds: SpeedSummary,
-    /// [ns/s] what the other way costs per particle and time.
+    /// Cost of the classical algorithm per particle and simulated time [ns/s].
     pub fallback_cost: f64,
 }
 
 /// A part of a window.
 pub struct WindowPiece<'a> {
-    /// [s] from the beginning of the window: for so long its frame has fallen.
+    /// Time [s] from the beginning of the window, during which its frame has fallen.
     pub elapsed: f64,
-    /// [s] its length.
+    /// Length of the part [s].
     pub part: f64,
-    /// Pairs that the search is expected to look at.
+    /// Number of pairs that the search is expected to check.
     pub foreseen: u64,
-    /// All particles.
+    /// Summary of all particles.
     pub population: &'a PopulationSummary,
-    /// How fast they are.
+    /// Summary of their velocities.
     pub speeds: SpeedSummary,
-    /// Members beyond which an island is too large for a part of this length.
+    /// Number of members beyond which an island is too large for a part of this length.
     pub most: usize,
 }
 
 impl WindowPiece<'_> {
-    /// [m] the largest reach of any flight about its middle.
+    /// Largest reach [m] of any flight about its middle.
     pub fn flight(&self) -> f64 {
         self.population.largest + 0.5 * self.part * self.speeds.largest * (1.0 + 1e-9)
     }
 }
 
-/// What the choice of a part must know besides the particles.
+/// Data for the choice of a part, besides the particles.
 pub struct PartLimits {
-    /// [s] to the end of the window.
+    /// Time [s] to the end of the window.
     pub left: f64,
-    /// [ns/s] what the other way costs per particle and time.
+    /// Cost of the classical algorithm per particle and simulated time [ns/s].
     pub fallback_cost: f64,
-    /// Contacts that are taken into crowds and out again in every part.
+    /// Number of contacts that are taken into crowds and out again in every part.
     pub held: usize,
-    /// Whether the engine says where flights turn.
+    /// True if the engine reports velocity changes.
     pub traces: bool,
 }
 
-/// What a part costs, in ns on one core, and from where on it costs more. Measured once (docs/architecture.md, "Islands"); they choose, they do not time.
+/// Costs of a part, in ns on one core, and the density limit for islands. They were measured once
+/// (docs/architecture.md, "Islands"). They only serve to choose, not to predict the run time.
 struct PartCosts {
-    /// [ns] flight, cells, ranges of cells: per particle.
+    /// [ns] flight, cells and ranges of cells, per particle.
     search: f64,
-    /// [ns] looking at one pair.
+    /// [ns] check of one pair.
     pair: f64,
     /// [ns] making and solving an island, per hot particle.
     island: f64,
-    /// [-] how far a hot particle reaches, in mean flights.
+    /// [-] reach of a hot particle, in mean flights.
     reach: f64,
-    /// [-] islands in reach of one another unite, and then reach further: where each has so many others in reach they run together.
+    /// [-] number of other hot particles in reach above which nearly all islands unite: islands in reach of one another
+    /// unite, and the united island reaches further.
     crowded: f64,
 }
 
-/// Islands that reach as far as their particles might fly (case D: islands of 20 at parts of 0.5 ms, of 200 at 0.7 ms).
+/// Costs of islands that reach as far as their particles might fly. Case D: islands of 20 at parts of 0.5 ms, of 200 at
+/// 0.7 ms.
 const ANYWHERE: PartCosts = PartCosts { search: 90.0, pair: 1.2, island: 1400.0, reach: 1.5, crowded: 0.25 };
 
-/// Islands that reach as far as their particles do fly (scene S1: 1.1 µs per hot particle at parts of 0.375 ms, 1.2 at 0.5 ms, 1.6 at 0.75 ms).
+/// Costs of islands that reach as far as their particles do fly. Scene S1: 1.1 µs per hot particle at parts of 0.375
+/// ms, 1.2 at 0.5 ms, 1.6 at 0.75 ms.
 const TRACED: PartCosts = PartCosts { search: 80.0, pair: 1.2, island: 1000.0, reach: 0.5, crowded: 0.15 };
 
 /// The part of a window that costs least.
 #[derive(Clone, Copy)]
 pub struct Cheapest {
-    /// [s] its length.
+    /// Length of the part [s].
     pub part: f64,
-    /// [-] pairs that its search looks at, per particle, as expected.
+    /// Expected number of pairs that the search checks, per particle.
     pub pairs: f64,
 }
 
-/// The part of what is left that costs least per time, or `None` where islands do not pay.
+/// Returns the part of the remaining window that costs least per simulated time, or `None` if islands do not pay.
 ///
-/// A longer part spreads the search of all particles over more time but looks at more pairs, and makes more islands.
+/// A longer part spreads the search over more time, but checks more pairs and makes more islands.
 pub fn cheapest_part(
     population: &PopulationSummary,
     domain: &Domain,
     speeds: &SpeedSummary,
     limits: &PartLimits,
 ) -> Option<Cheapest> {
-    /// Taking a contact of a crowd along: its particles into the crowd and back, and their list.
+    /// [ns] cost per contact of a crowd: copying its particles into the crowd and back, and their neighbour list.
     const HELD: f64 = 500.0;
     let PartLimits { left, fallback_cost, held, traces } = *limits;
     let weights = if traces { &TRACED } else { &ANYWHERE };
@@ -108,15 +112,16 @@ pub fn cheapest_part(
     let count = population.count as f64;
     let search = weights.search + HELD * held as f64 / count;
     let diameter = 2.0 * largest;
-    // distances at which two touch, over the largest diameter: mean square of all pairs, and mean of a largest particle, whose islands run
-    // together first
+    // distances at which two particles touch, over the largest diameter: mean square of all pairs, and mean for a
+    // largest particle; islands of the largest run together first
     let square = 0.5 * (mean_square + mean * mean) / (largest * largest);
     let of_largest = 0.5 * (1.0 + mean / largest);
-    // hot: what a sphere of radius d sweeps at the mean relative speed, and at the walls
+    // rate at which a particle becomes hot: density times the cross-section times the mean relative speed; touches of
+    // walls are left out
     let rate = density * PI * diameter * diameter * square * speeds.mean * SQRT_2;
     let periods = (0..3).filter(|axis| domain.periodic[*axis]).map(|axis| domain.size[axis]);
     let period = periods.fold(f64::INFINITY, f64::min);
-    // two that approach each other from both sides must not meet a further image than the nearest, which is at most half a
+    // two particles that approach each other from both sides must meet only the nearest image, which is at most half a
     // period away
     let room = (0.5 * period - diameter) / (2.0 * speeds.largest);
     if room <= 0.0 {
@@ -128,7 +133,7 @@ pub fn cheapest_part(
         let part = left / pieces;
         let edge = diameter + speeds.largest * part;
         let hot = rate * part;
-        // few particles always fit into islands; a crowd must stay sparse
+        // few particles always fit into islands; many must be sparse
         let reach = diameter * of_largest + weights.reach * speeds.mean * part;
         let others = if count > 8.0 { density * hot * 4.0 / 3.0 * PI * reach.powi(3) } else { 0.0 };
         if others < weights.crowded {
@@ -142,6 +147,7 @@ pub fn cheapest_part(
         }
         pieces = (pieces * 1.3).ceil();
     }
-    // one collision costs less than the search for it: then everybody is busy, and one calendar or step serves all
+    // if a collision costs less than the search for it, nearly all particles collide, and one event queue or time step
+    // for all is cheaper
     best.map(|(_, cheapest)| cheapest)
 }

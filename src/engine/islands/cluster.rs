@@ -1,4 +1,4 @@
-//! Hot particles gathered into islands, with bounds on how far each may get.
+//! Hot particles gathered into islands, with bounds on the reach of each.
 
 mod bed;
 mod course;
@@ -25,62 +25,63 @@ use nalgebra::Vector3;
 use smallvec::SmallVec;
 use std::ops::Range;
 
-/// Contacts in progress from which all of them are one crowd: each of them takes a step of an island four times the force of a uniform step,
-/// and with so many something always touches.
+/// Number of contacts in progress beyond which all of them form one crowd. A contact costs four times as much per step
+/// of an island as per uniform step, and with so many contacts something always touches.
 const MANY_CONTACTS: usize = 16;
 
-/// Islands, or members, that a thread takes at once: below that a second thread is not worth it.
+/// Islands, or members, that a thread takes at once; for fewer, a second thread is not worth it.
 const BATCH: usize = 64;
 
 /// A hot particle.
 struct Member {
     place: u32,
     cluster: u32,
-    /// Its straight flight.
+    /// The straight flight of the particle.
     flight: BoundingSphere,
-    /// The ball that holds it from the first touch of its island on; until then it is on its straight flight.
+    /// The ball that holds the particle from the first touch of its island on; until then the flight is straight.
     ball: BoundingSphere,
-    /// [m] reach about the middle of the flight that holds both.
+    /// Reach [m] about the middle of the flight that holds both the flight and the ball.
     around: f64,
-    /// [m] the reach of its ball when it last took in what lies beside it; 0: it never did.
+    /// Reach [m] of the ball when the particles beside it were last taken in; 0 if they never were.
     took_in: f64,
-    /// Where its flight turns, of all turns, once its island is solved by an engine that says so; its ball then holds its way from the first turn on.
+    /// Range of the velocity changes of this particle, among those of all. It is known once the island is solved by an
+    /// engine that reports velocity changes. The ball then holds the trajectory from the first change on.
     turns: Option<Range<usize>>,
 }
 
-/// Numbers of which there are rarely more than four: so many are kept in place, and most islands ask for no memory of their own.
+/// A list that rarely has more than four entries: these are stored in place, and most islands allocate no memory.
 type Few = SmallVec<[u32; 4]>;
 
 /// One island in the making.
 struct Cluster {
     /// Hot members, once settled in the order of their ids.
     hot: Few,
-    /// Cold particles that they might hit, by place, in the order of their ids.
+    /// Cold particles that the hot ones might hit, by index in the store, in the order of their ids.
     bystanders: Few,
-    /// What is carried into it, once settled in the order in which it lasts.
+    /// State carried into the island, by number; once settled, in the order of all carried state.
     carried: Few,
-    /// [J] the two largest kinetic energies of its hot particles, relative to the frame.
+    /// The two largest kinetic energies [J] of the hot particles, relative to the frame.
     energies: [f64; 2],
-    /// [m/s] their two largest speeds, relative to the frame.
+    /// The two largest speeds [m/s] of the hot particles, relative to the frame.
     speeds: [f64; 2],
-    /// [J] energy of what is carried.
+    /// Energy [J] of the carried state.
     stored: f64,
-    /// [J] the largest energy of one thing carried.
+    /// Largest energy [J] of one item of carried state.
     deepest: f64,
-    /// [m/s] at least this is allowed for, whatever the energy.
+    /// Smallest speed limit [m/s], whatever the energy.
     floor: f64,
-    /// [s] its first touch: until then all of it fly straight.
+    /// Time of the first touch [s]: until then all members fly straight.
     first: f64,
-    /// Whether it is a crowd however small it is: many contacts last in it.
+    /// True if the island is a crowd however small it is, because it holds many contacts in progress.
     lasts: bool,
     alive: bool,
-    /// Where its result is.
+    /// Location of the result.
     solved: Option<IslandResult>,
-    /// Counts its changes: what an earlier version saw around it is out of date.
+    /// Counts the changes of the island. A search of the surroundings for an earlier version is out of date.
     version: u32,
-    /// The version of which it is known how far its members reach.
+    /// The version for which the reach of the members is known.
     settled: Option<u32>,
-    /// The version that has seen all around it: nothing is to be found there until it changes.
+    /// The version for which the surroundings were searched: nothing new is found there until the island changes.
     seen: Option<u32>,
 }
 
@@ -90,29 +91,29 @@ impl Cluster {
     }
 }
 
-/// Where the results of islands are.
+/// Locations of the results of islands.
 pub struct Landing {
-    /// Of each island.
+    /// Location of the result of each solved island.
     pub kept: Vec<IslandResult>,
-    /// Of each member the number of its island among these, and its own among the members.
+    /// For each member: number of its island in `kept`, and its own number in that island.
     pub of_member: Vec<Option<(u32, u32)>>,
 }
 
-/// Where islands are made, and of what size.
+/// Settings with which islands are made.
 pub struct Space<'a> {
     /// Walls, domain and gravity.
     pub scene: &'a Scene,
-    /// [m/s] velocity of the frame that speeds are taken in.
+    /// Velocity [m/s] of the frame in which speeds are measured.
     pub frame: Vector3<f64>,
-    /// [s] length of the part.
+    /// Length of the part [s].
     pub part: f64,
-    /// Whether islands may be crowds.
+    /// True if islands may be crowds.
     pub crowds: bool,
-    /// Whether the engine says where flights turn.
+    /// True if the engine reports velocity changes.
     pub traces: bool,
-    /// [kg] the mass of the lightest particle.
+    /// Mass [kg] of the lightest particle.
     pub lightest: f64,
-    /// Members beyond which an island that is no crowd is too large.
+    /// Number of members beyond which an island that is no crowd is too large.
     pub most: usize,
 }
 
@@ -123,28 +124,29 @@ pub struct Clusters<'a> {
     domain: &'a Domain,
     frame: Vector3<f64>,
     part: f64,
-    /// Whether islands may be crowds.
+    /// True if islands may be crowds.
     crowds: bool,
-    /// Whether the engine says where flights turn: who meets whom is then asked of islands that are solved.
+    /// True if the engine reports velocity changes: encounters of islands are then found after they are solved.
     traces: bool,
-    /// [kg] the mass of the lightest particle.
+    /// Mass [kg] of the lightest particle.
     lightest: f64,
-    /// Members beyond which an island that is no crowd is too large.
+    /// Number of members beyond which an island that is no crowd is too large.
     most: usize,
     clusters: Vec<Cluster>,
-    /// Where flights of members turn; of each member in the order of time.
+    /// Velocity changes of all members; those of one member are in the order of time.
     turns: Vec<VelocityChange>,
-    /// The balls of the members of an engine that says where flights turn, in cells; and those of islands that were solved anew since.
+    /// Balls of the members in cells, for an engine that reports velocity changes: first of all members, second of
+    /// islands that were solved again since.
     turned: [DeflectedFlights; 2],
-    /// [J] energy of each thing carried.
+    /// Energy [J] of each item of carried state.
     energy: Vec<f64>,
-    /// [m/s] what gravity adds towards walls: in the falling frame they come nearer.
+    /// Speed [m/s] that gravity adds towards walls: seen from the falling frame, walls come nearer.
     fall: f64,
     members: Vec<Member>,
-    /// The members in cells, as they were last sorted: those that became hot since stand behind them in `members`.
+    /// The members in cells, as they were last sorted. Members that became hot later stand at the end of `members`.
     grid: CellGrid,
     sorted: Vec<u32>,
-    /// [m] the largest reach of a member.
+    /// Largest reach [m] of a member.
     widest: f64,
     half_period: f64,
 }
@@ -179,11 +181,11 @@ impl<'a> Clusters<'a> {
         }
     }
 
-    /// Makes islands of all touches and of what is carried; false if one grows too large.
+    /// Makes islands of all touches and of the carried state. Returns false if one grows too large.
     pub fn gather(&mut self, touches: &[FirstTouch], carried: &[[Option<u32>; 2]], energy: Vec<f64>) -> bool {
         self.energy = energy;
-        // many contacts that last are one crowd from the start, whether they touch one another or not: as islands of their own they would
-        // meet one by one, and be stepped at several times the cost
+        // many contacts in progress form one crowd from the start, even if they do not touch one another: as separate
+        // islands they would meet one by one, and be stepped at several times the cost
         let many = self.crowds && carried.len() > MANY_CONTACTS;
         let mut crowd: Option<usize> = None;
         for (k, places) in carried.iter().enumerate() {
@@ -212,12 +214,14 @@ impl<'a> Clusters<'a> {
     /// Sorts the members into cells.
     fn sort(&mut self) {
         let spacing = (self.search.region.volume() / self.members.len().max(1) as f64).cbrt();
-        // a bed fills a part of the domain only: cells of a third of the spacing are at most 27 for each member
+        // a bed fills only a part of the domain: with cells of a third of the spacing there are at most 27 for each
+        // member
         let edge = self.widest.max(if self.crowds { spacing / 3.0 } else { spacing });
         self.grid.sort(&self.members, |member| member.flight.middle, &self.search.region, edge, &mut self.sorted);
     }
 
-    /// The cluster of a particle that touches at `time` [s], made if there is none, united with that of the other. How fast they are is not yet known.
+    /// Returns the cluster of particle `i`, united with that of its partner `j`; their first touch is at `time` [s]. A
+    /// new cluster is made if neither has one. The speeds of the particles are not yet known.
     fn join(&mut self, i: u32, j: Option<u32>, time: f64) -> usize {
         let known = self.found(i).or_else(|| self.found(j?));
         let mut which = known.unwrap_or_else(|| self.open());
@@ -232,7 +236,7 @@ impl<'a> Clusters<'a> {
         which
     }
 
-    /// The cluster of a particle, made if there is none.
+    /// Returns the cluster of a particle, made if there is none, with the energy and speed of the particle.
     fn cluster_of(&mut self, place: u32) -> usize {
         let is_new = self.search.label[place as usize].is_none();
         let which = self.named(place);
@@ -244,7 +248,8 @@ impl<'a> Clusters<'a> {
         which
     }
 
-    /// The same, but nothing is fetched of the particle: what is known of all is worked out in parallel later.
+    /// Returns the cluster of a particle, made if there is none. Energy and speed of the particle are not read: those
+    /// of all particles are computed in parallel later.
     fn named(&mut self, place: u32) -> usize {
         self.found(place).unwrap_or_else(|| {
             let which = self.open();
@@ -259,7 +264,7 @@ impl<'a> Clusters<'a> {
         Some(self.members[label.member()].cluster as usize)
     }
 
-    /// A particle without a cluster becomes a member of one.
+    /// Makes a particle without a cluster a member of a given one.
     fn enlist(&mut self, place: u32, which: usize) {
         let (cluster, member) = (which as u32, self.members.len());
         self.search.label[place as usize] = Some(Label::of(member));
@@ -268,7 +273,7 @@ impl<'a> Clusters<'a> {
         self.members.push(Member { place, cluster, flight, ball: flight, around: 0.0, took_in: 0.0, turns: None });
     }
 
-    /// A cluster without members.
+    /// Makes a cluster without members.
     fn open(&mut self) -> usize {
         self.clusters.push(Cluster {
             hot: Few::new(),
@@ -290,7 +295,7 @@ impl<'a> Clusters<'a> {
         self.clusters.len() - 1
     }
 
-    /// The smaller goes into the larger.
+    /// Unites two clusters: the smaller goes into the larger.
     fn unite(&mut self, a: usize, b: usize) -> usize {
         if a == b {
             return a;
@@ -318,7 +323,7 @@ impl<'a> Clusters<'a> {
         into
     }
 
-    /// Islands that are still to be solved: those of which all is seen that they may have to do with.
+    /// Islands that are still to be solved and whose whole surroundings are seen by this process.
     pub fn unsolved(&self) -> Vec<usize> {
         let sees_all = self.search.region.is_all();
         let sight = if sees_all { 0.0 } else { self.reach().sight() };
@@ -326,29 +331,30 @@ impl<'a> Clusters<'a> {
         unsolved.map(|(which, _)| which).filter(|&which| sees_all || self.room(which) >= sight).collect()
     }
 
-    /// How many members an island has.
+    /// Number of members of an island.
     pub fn members(&self, which: usize) -> usize {
         self.clusters[which].hot.len()
     }
 
-    /// What is carried into an island.
+    /// State carried into an island, by number.
     pub fn carried(&self, which: usize) -> &[u32] {
         &self.clusters[which].carried
     }
 
-    /// Notes where its result is.
+    /// Stores the location of the result of an island.
     pub fn keep(&mut self, which: usize, result: IslandResult) {
         self.clusters[which].solved = Some(result);
     }
 
-    /// Forgets the labels: nothing has come of it.
+    /// Removes the labels when the islands have no result.
     pub fn release(self) {
         for member in &self.members {
             self.search.label[member.place as usize] = None;
         }
     }
 
-    /// Says where the results are, in order, and of each member which one of its island's is its own; the labels are left to whoever puts them into the store.
+    /// Returns the locations of all results, in order, and for each member the number of its island and its own number
+    /// in it. The labels stay until the results are put into the store.
     pub fn land(self) -> Landing {
         let mut of_member = vec![None; self.members.len()];
         let mut kept = Vec::with_capacity(self.clusters.len());

@@ -1,40 +1,40 @@
-//! What islands came to, in counts.
+//! Counts of the work done in islands.
 
 use super::batch::Solved;
 use super::domains::Domains;
 use crate::engine::Counters;
 use serde::{Deserialize, Serialize};
 
-/// Counts of what islands came to.
+/// Counts of the work done in islands.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct IslandCounters {
     /// Impulses (hard) or contact steps (soft).
     pub events: u64,
     /// Impulses (hybrid).
     pub impulses: u64,
-    /// Steps of all of an island that is too large for local stepping (hybrid).
+    /// Uniform steps of islands that are too large for local stepping (hybrid).
     pub crowd_steps: u64,
-    /// Contact forces computed in those.
+    /// Contact forces computed in uniform steps of such islands.
     pub crowd_forces: u64,
     /// Touch times and gaps computed in islands.
     pub pair_checks: u64,
-    /// Pairs and walls looked at in searches.
+    /// Pairs and walls checked in searches.
     pub searched: u64,
     /// Contact forces computed.
     pub force_evaluations: u64,
-    /// Particles moved by stages of steps, and gaps looked at after steps.
+    /// Particles moved by stages of steps, and gaps checked after steps.
     pub updates: u64,
-    /// Pairs that searches were expected to look at: the same however many processes share the run.
+    /// Pairs that searches were expected to check; independent of the number of processes that share the run.
     pub foreseen: u64,
     /// Cell grids built.
     pub neighbour_builds: u64,
     /// Islands solved.
     pub islands: u64,
-    /// Particles in them.
+    /// Particles in all islands solved.
     pub members: u64,
-    /// Particles of the largest.
+    /// Particles in the largest island.
     pub largest: u64,
-    /// Islands done again with what they met.
+    /// Islands solved again after they met something unexpected.
     pub redone: u64,
 }
 
@@ -48,7 +48,7 @@ impl IslandCounters {
         self.largest = largest;
     }
 
-    /// All that are sums, of which each process has counted its own.
+    /// All counts that are sums, of which each process counts its own contribution.
     fn sums(&mut self) -> [&mut u64; 11] {
         let Self { events, impulses, crowd_steps, crowd_forces, pair_checks, searched, .. } = self;
         let Self { force_evaluations, updates, islands, members, redone, .. } = self;
@@ -67,7 +67,7 @@ impl IslandCounters {
         ]
     }
 
-    /// Adds up what all processes have counted since `before`.
+    /// Sums the counts of all processes since `before`.
     pub fn add_up(&mut self, before: &Self, domains: &Domains) {
         let mut past = *before;
         let mut since: Vec<i64> =
@@ -81,7 +81,7 @@ impl IslandCounters {
         self.largest = largest[0] as u64;
     }
 
-    /// Adds what solving an island took.
+    /// Adds the cost of solving one island.
     pub fn count(&mut self, solved: &Solved) {
         self.events += solved.events;
         self.impulses += solved.impulses;
@@ -92,7 +92,7 @@ impl IslandCounters {
         self.updates += solved.updates;
     }
 
-    /// What is counted the same in every engine.
+    /// Counts that have one meaning in all engines.
     pub fn of_all_engines(&self) -> Counters {
         Counters {
             islands: self.islands,

@@ -1,10 +1,10 @@
-//! One run cut into domains: each process has the particles of a block of the box, and borrows for each part of a window those of the
-//! others that its own may have to do with.
+//! One run cut into domains. Each process has the particles of a block of the box. For each part of a window it borrows
+//! the particles of other processes that its own may interact with (ghost particles).
 //!
-//! A process looks at its particles and the borrowed ones as if there were nobody else, and solves all islands that it sees whole,
-//! also those that others own: so nothing has to be sent back. What it found out about particles that others have borrowed from it, it
-//! tells them; where two processes do not agree on who belongs to an island, or where an island reaches beyond what its owner has borrowed,
-//! all borrow from farther away and do the part again.
+//! A process treats its own and the borrowed particles as if there were no others, and solves all islands that it sees
+//! whole. These include islands that other processes own, so no result has to be sent back. It sends its results to the
+//! processes that have borrowed its particles. Two processes may disagree on the members of an island, or an island may
+//! reach beyond what its owner has borrowed. Then all processes borrow from farther away and repeat the part.
 
 mod parts;
 mod whole;
@@ -31,144 +31,146 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::sync::Arc;
 
-/// [-] borrowed from farther away than was needed in the part before by this factor: a part that has to be done again costs more than what is borrowed in
-/// vain.
+/// Safety factor of the distance from which particles are borrowed, over the distance needed in the part before. A
+/// repeated part costs more than particles borrowed in vain.
 const SPARE: f64 = 1.25;
 
-/// [-] largest reaches of a flight that a process sees beyond its block, at least.
+/// Least distance that a process sees beyond its block, in largest reaches of a flight.
 const SEEN: f64 = 4.0;
 
-/// [-] the same in the first part of a run: case D with 10⁶ particles needs 8, and a part that has to be done again costs as much as a window.
+/// Least distance that a process sees beyond its block in the first part of a run, in largest reaches of a flight. Case
+/// D with 10⁶ particles needs 8, and a repeated part costs as much as a window.
 const SEEN_AT_FIRST: f64 = 10.0;
 
-/// Particles per process below which steps of all are not shared: most would be lent to others.
+/// Particles per process below which steps of all particles are not shared: most would be ghost particles of others.
 const FEWEST: usize = 200;
 
-/// [bytes] that the length of something takes.
+/// [bytes] of a stored length.
 const LENGTH: usize = 8;
 
 /// One run cut into domains.
 pub struct Domains {
     communicator: Arc<dyn Communicator>,
-    /// Which block is whose.
+    /// Assignment of blocks to processes.
     blocks: Blocks,
-    /// [m] from how far away particles are borrowed.
+    /// Distance [m] from which particles are borrowed.
     width: f64,
-    /// Whether the store holds the particles of one block only.
+    /// True if the store holds the particles of one block only.
     pub is_cut: bool,
-    /// All particles of the run in a few numbers.
+    /// Summary of all particles of the run in a few numbers.
     pub population: Arc<PopulationSummary>,
 }
 
-/// The particles that a process sees in a part of a window: its own and those that it has borrowed.
+/// The particles that a process sees in a part of a window: its own and the borrowed ones.
 pub struct LocalParticles<C> {
-    /// Whether each, by place, is its own.
+    /// Flags by index: true for own particles.
     mine: Vec<bool>,
-    /// How many it had when the part began.
+    /// Number of particles in the store when the part began.
     count: usize,
-    /// What lasted then, among its own and between one of them and another's.
+    /// State carried when the part began: among own particles, and between an own particle and one of another process.
     lasting: (Vec<C>, Vec<CrossRankContact<C>>),
-    /// Places of those that are not its own, by id.
+    /// Indices of the particles of other processes, by id.
     strangers: FxHashMap<u32, u32>,
-    /// Whether everybody came whom something lasts with.
+    /// True if all partners in carried state are here.
     pub complete: bool,
-    /// Where they all are.
+    /// Region that holds all these particles.
     pub region: Region,
 }
 
-/// What all processes make of a part that they have tried.
+/// Decision of all processes about a part that they have tried.
 pub enum PartDecision {
-    /// It is done.
+    /// The part is done.
     Done,
-    /// It is to be done again, with what is farther away.
+    /// The part is to be repeated with particles from farther away.
     Again,
     /// Islands grow too large, or an engine failed.
     Failed,
 }
 
-/// What one process makes of it.
+/// Result of one process for a part.
 pub struct LocalStatus {
-    /// [m] how far flights and islands reach.
+    /// Largest reach [m] of flights and islands.
     pub reach: Reach,
-    /// [m] from the islands of its own particles to the end of what it sees, at least.
+    /// Least distance [m] from the islands of the own particles to the end of the region seen.
     pub room: f64,
-    /// Whether islands grow too large, or the engine failed.
+    /// True if islands grow too large, or the engine failed.
     pub failed: bool,
-    /// Whether others have found the same.
+    /// True if other processes have the same result.
     pub agrees: bool,
 }
 
-/// How far flights and islands reach [m].
+/// Largest reach [m] of flights and islands.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Reach {
-    /// The largest reach of a flight.
+    /// Largest reach of a flight.
     pub flight: f64,
-    /// The largest reach of a hot particle about the middle of its flight.
+    /// Largest reach of a hot particle about the middle of its flight.
     pub around: f64,
-    /// The largest radius of the ball of a hot particle.
+    /// Largest radius of the ball of a hot particle.
     pub ball: f64,
 }
 
 impl Reach {
-    /// [m] how far around an island one must see to know what it has to do with: whose flights or balls may meet it, and whether
-    /// those are hot.
+    /// Distance [m] that must be seen around an island to know its surroundings: all flights or balls that may meet it,
+    /// and whether those particles are hot.
     pub fn sight(&self) -> f64 {
         self.around.max(self.flight) + 2.0 * self.flight
     }
 }
 
 impl Domains {
-    /// Of a box shared by those processes. What the lead knows of all particles holds.
+    /// Domains of a box shared by the given processes. The summary of all particles is that of the lead process.
     pub fn new(communicator: Arc<dyn Communicator>, population: PopulationSummary) -> Self {
         let population = unpacked(&communicator.broadcast(packed(&population))).unwrap_or(population);
         Self { communicator, blocks: Blocks::default(), width: 0.0, is_cut: false, population: Arc::new(population) }
     }
 
-    /// What the lead knows.
+    /// Value of the lead process, sent to all processes.
     pub fn of_lead<T: Serialize + DeserializeOwned>(&self, value: T) -> T {
         unpacked(&self.communicator.broadcast(packed(&value))).unwrap_or(value)
     }
 
-    /// Whether this process is the lead.
+    /// True if this process is the lead.
     pub fn is_lead(&self) -> bool {
         self.communicator.is_lead()
     }
 
-    /// Adds up over all processes, if each has particles of its own.
+    /// Sums over all processes, if each has particles of its own.
     pub fn total(&self, sums: &mut [&mut ExactSum]) {
         if self.is_cut {
             self.communicator.total(sums);
         }
     }
 
-    /// Adds up counts over all processes.
+    /// Sums counts over all processes.
     pub fn count(&self, counts: &mut [i64]) {
         self.communicator.sum(counts);
     }
 
-    /// The largest of all processes, if each has particles of its own.
+    /// Largest values over all processes, if each has particles of its own.
     pub fn largest(&self, values: &mut [f64]) {
         if self.is_cut {
             self.communicator.largest(values);
         }
     }
 
-    /// Gives particles that have left the block to those whose they are, and borrows those whose flights of `part` [s], seen from `frame`
-    /// [m/s], come near. `flight` [m] is the largest reach of a flight.
+    /// Sends particles that have left the block to their owners, and borrows those whose flights come near. A flight
+    /// takes `part` [s] and is seen from `frame` [m/s]; `flight` [m] is the largest reach of a flight.
     pub fn trade<S: Solve>(
         &mut self,
         work: &mut Work<S::Carried>,
         (frame, part): (Vector3<f64>, f64),
         flight: f64,
     ) -> LocalParticles<S::Carried> {
-        // partners of one's own and theirs must be seen; what islands need besides is known after the first part
+        // partners of own particles and the partners of those must be seen; further needs of islands are known after
+        // the first part
         let least = if self.width > 0.0 { SEEN } else { SEEN_AT_FIRST };
         self.width = self.width.max(least * flight);
         let (domain, size) = (&work.scene.domain, self.communicator.size());
         let block = self.block(domain);
         let mut places: Vec<Vec<u32>> = vec![Vec::new(); size];
         let mut mine = Vec::with_capacity(work.particles.len());
-        // whoever is so deep inside does not leave, and is nobody's neighbour
+        // a particle so deep inside does not leave, and no other process needs it
         let deep = (self.width + flight) * (1.0 + 1e-9);
         for place in 0..work.particles.len() {
             if self.blocks.is_deep(&work.particles.position[place], &block, deep) {
@@ -215,11 +217,11 @@ impl Domains {
         for CrossRankContact { carried, own, .. } in work.abroad.drain(..) {
             let id = work.particles.id[own as usize];
             let place = |other: u32| if other == id { Some(own) } else { strangers.get(&other).copied() };
-            // whoever touches it comes within reach of it
+            // any particle in contact with it comes within reach of it
             agrees &= S::places(&carried).iter().flatten().all(|id| place(*id).is_some());
             work.lasting.push(S::moved(&carried, &|id| place(id).unwrap_or(own)));
         }
-        // what lasts of one's own particles is known already
+        // the carried state of own particles is known already
         for carried in lasting {
             if S::places(&carried).iter().flatten().all(|id| strangers.contains_key(id)) {
                 work.lasting.push(S::moved(&carried, &|id| strangers.get(&id).copied().unwrap_or(id)));
@@ -230,8 +232,9 @@ impl Domains {
         LocalParticles { mine, count, lasting: before, strangers, complete: agrees, region }
     }
 
-    /// Gives particles that have left the block to those whose they are, and borrows all that are within `width` [m] of it. Says whether each, by place, is its own, and
-    /// the places of those that each process has borrowed, some of which may have been here before.
+    /// Sends particles that have left the block to their owners, and borrows all within `width` [m] of it. Returns
+    /// flags by index, true for own particles. Also returns the indices of the particles that each process has
+    /// borrowed; some of these may have been there before.
     pub fn borrow<S: Solve>(&mut self, work: &mut Work<S::Carried>, width: f64) -> (Vec<bool>, Vec<Vec<u32>>) {
         let before = std::mem::replace(&mut self.width, width);
         let LocalParticles { mine, .. } = self.trade::<S>(work, (Vector3::zeros(), 0.0), 0.0);
@@ -244,29 +247,29 @@ impl Domains {
         (mine, lent)
     }
 
-    /// Keeps those particles that are its own, by place, and what lasts between one of them and another.
+    /// Keeps only the own particles, by flags in order of index, and carried state that involves them.
     pub fn keep_own<S: Solve>(&self, solver: &S, work: &mut Work<S::Carried>, mine: &[bool]) {
         drop(keep(solver, work, mine));
     }
 
-    /// Whether there are so many particles that steps of all are shared.
+    /// True if there are enough particles to share the steps of all of them.
     pub fn is_worth_it(&self) -> bool {
         let size = self.communicator.size();
         size > 1 && self.population.count >= FEWEST * size
     }
 
-    /// What joins the processes.
+    /// Communicator of the processes.
     pub fn communicator(&self) -> Arc<dyn Communicator> {
         self.communicator.clone()
     }
 
-    /// Gives back what was borrowed: everything is as it was before.
+    /// Returns borrowed particles: the store is as it was before.
     pub fn give_back<C>(&self, work: &mut Work<C>, view: LocalParticles<C>) {
         work.particles.truncate(view.count);
         (*work.lasting, *work.abroad) = view.lasting;
     }
 
-    /// Keeps what is its own after a part that is done.
+    /// Keeps only the own particles and their carried state after a part that is done.
     pub fn keep<S: Solve>(
         &self,
         solver: &S,
@@ -278,7 +281,8 @@ impl Domains {
         *members = members.iter().filter_map(|&place| stay.place(place)).collect();
     }
 
-    /// Whether the others have found the same about the islands of this process. All must call it; who has `failed` has nothing to tell.
+    /// True if other processes have the same result for the islands of this process. All processes must call it; one
+    /// that has `failed` sends nothing.
     pub fn compare<C>(&self, clusters: &Clusters, view: &LocalParticles<C>, failed: bool) -> bool {
         let mut told: Vec<Vec<HotParticleDigest>> = vec![Vec::new(); self.communicator.size()];
         if !failed {
@@ -296,7 +300,7 @@ impl Domains {
         !failed && clusters.agree_with(|place| view.is_mine(place), heard)
     }
 
-    /// What all make of a part, in a box whose longest edge is `size` [m].
+    /// Joint decision of all processes about a part, in a box whose longest edge is `size` [m].
     pub fn vote(&mut self, opinion: &LocalStatus, half_period: f64, size: f64) -> PartDecision {
         let LocalStatus { reach, room, failed, agrees } = *opinion;
         let flag = |set: bool| if set { 1.0 } else { 0.0 };
@@ -314,7 +318,7 @@ impl Domains {
             return PartDecision::Again;
         }
         if differs > 0.0 {
-            // everybody has seen everything: no two may differ, and a shorter part is another try
+            // every process has seen all particles, so results cannot differ; a shorter part is another try
             if self.width > size {
                 return PartDecision::Failed;
             }
@@ -325,7 +329,7 @@ impl Domains {
         PartDecision::Done
     }
 
-    /// Where the particles of this process are.
+    /// Region with the particles of this process.
     pub fn region(&self, domain: &Domain) -> Region {
         Region::around(domain, self.block(domain), 0.0)
     }
@@ -334,17 +338,18 @@ impl Domains {
         self.blocks.owner(x) == self.communicator.rank()
     }
 
-    /// [m] the corners of the block of this process.
+    /// Corners [m] of the block of this process.
     fn block(&self, domain: &Domain) -> [Vector3<f64>; 2] {
         self.blocks.corners(self.communicator.rank(), domain)
     }
 
-    /// [m] how far from another block particles are lent: a little farther than others count on.
+    /// Distance [m] from another block within which particles are lent: a little more than the other process relies on.
     fn lent(&self) -> f64 {
         self.width * (1.0 + 1e-9)
     }
 
-    /// Calls `visit` with every other process that borrows what flies about `x`; `block` are the corners of the own one.
+    /// Calls `visit` with every other process that borrows a particle whose flight has its middle at `x`; `block` are
+    /// the corners of the own block.
     fn for_each_borrower(
         &self,
         x: &Vector3<f64>,
@@ -364,26 +369,27 @@ impl Domains {
 }
 
 impl Reach {
-    /// Whether nobody can meet a further image of somebody than the nearest, which is at most half a period [m] away.
+    /// True if no particle can meet an image of another other than the nearest, which is at most half a period [m]
+    /// away.
     pub fn fits(&self, half_period: f64) -> bool {
         self.ball + self.around.max(self.flight) <= half_period
     }
 }
 
 impl<C> LocalParticles<C> {
-    /// Whether the particle at a place is of the block of this process.
+    /// True if the particle at an index is in the block of this process.
     pub fn is_mine(&self, place: u32) -> bool {
         self.mine[place as usize]
     }
 }
 
-/// Where particles stand after others have been taken out.
+/// New indices of particles after others have been removed.
 struct Stay<'a> {
-    /// Who stays, by the place before.
+    /// Flags by old index: true for particles that stay.
     mine: &'a [bool],
-    /// How many.
+    /// Number of particles that stay.
     count: u32,
-    /// From where to where the last ones move, into the places of those who go; in order.
+    /// Old and new index of the last particles, which move into the gaps, in ascending order.
     moves: Vec<(u32, u32)>,
 }
 
@@ -396,7 +402,7 @@ impl<'a> Stay<'a> {
         Self { mine, count: count as u32, moves: movers.zip(holes).collect() }
     }
 
-    /// The place of a particle now, by that before, if it stays.
+    /// New index of a particle, by its old one, if it stays.
     fn place(&self, before: u32) -> Option<u32> {
         if !self.mine[before as usize] {
             return None;
@@ -409,7 +415,7 @@ impl<'a> Stay<'a> {
     }
 }
 
-/// Keeps some of the particles, and what lasts between one of them and another.
+/// Keeps some of the particles, and carried state that involves them.
 fn keep<'a, S: Solve>(solver: &S, work: &mut Work<S::Carried>, mine: &'a [bool]) -> Stay<'a> {
     let stay = Stay::of(mine);
     let (particles, id) = (&*work.particles, &work.particles.id);
@@ -441,7 +447,8 @@ fn keep<'a, S: Solve>(solver: &S, work: &mut Work<S::Carried>, mine: &'a [bool])
     stay
 }
 
-/// Particles at those places and what lasts, as they travel between processes: bytes of the particles behind their length, and of what lasts.
+/// Packs particles and carried state for sending: the length of the particle bytes, these bytes, then the carried
+/// state.
 fn pack<C: Serialize>(particles: &Particles, places: &[u32], lasting: &[C]) -> Vec<u8> {
     let mut bytes = vec![0; LENGTH];
     particles.pack(places, &mut bytes);
@@ -453,7 +460,8 @@ fn pack<C: Serialize>(particles: &Particles, places: &[u32], lasting: &[C]) -> V
     bytes
 }
 
-/// Appends the particles that have travelled so, and gives what lasts; `None`, and nothing, of other bytes.
+/// Appends packed particles, and returns the carried state; `None`, with nothing appended, if the bytes are not of that
+/// form.
 pub fn take_aboard<C: DeserializeOwned>(bytes: &[u8], particles: &mut Particles) -> Option<Vec<C>> {
     let (length, rest) = bytes.split_first_chunk::<LENGTH>()?;
     let (of_particles, rest) = rest.split_at_checked(u64::from_le_bytes(*length) as usize)?;
@@ -464,7 +472,7 @@ pub fn take_aboard<C: DeserializeOwned>(bytes: &[u8], particles: &mut Particles)
     Some(lasting)
 }
 
-/// What lasts, its places being ids.
+/// Carried state with ids in place of indices.
 fn ids_of<'a, S: Solve>(particles: &Particles, lasting: impl Iterator<Item = &'a S::Carried>) -> Vec<S::Carried>
 where
     S::Carried: 'a,

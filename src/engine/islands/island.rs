@@ -6,63 +6,65 @@ use crate::particles::Particles;
 use crate::record::{Ledger, Log};
 use nalgebra::Vector3;
 
-/// Particles up to which one of them is found fastest by looking at all.
+/// Number of particles up to which a linear search finds one of them fastest.
 const FEW: usize = 32;
 
-/// A small scene of its own, handed to an engine. Places are local: the hot particles first, then the bystanders.
+/// A small scene of its own, handed to an engine. Local indices count the hot particles first, then the bystanders.
 pub struct Island<C> {
     /// Copies of the particles, in the frame at rest, positions as in the store.
     pub particles: Particles,
-    /// Place in the store of each.
+    /// Index in the store of each particle.
     pub places: Vec<u32>,
-    /// How many are hot.
+    /// Number of hot particles.
     pub hot: usize,
-    /// Whether it is a crowd, for uniform steps.
+    /// True if the island is a crowd, for uniform steps.
     pub crowd: bool,
-    /// Local places in the order of the places in the store, of an island that is large enough for it.
+    /// Local indices in the order of the indices in the store; empty for a small island.
     by_place: Vec<u32>,
     /// Pairs and walls that may touch.
     pub list: NeighbourList,
-    /// What the engine carries from the window before; what it leaves here is carried to the next. By local place.
+    /// State carried over from the window before, by local index. The state that the engine leaves here is carried to
+    /// the next window.
     pub carried: Vec<C>,
-    /// What happened.
+    /// Log of the events in the island.
     pub log: Log,
-    /// Where flights turn, of an engine that says so: local place of the particle and what comes then, in the order of time.
+    /// Velocity changes, if the engine reports them: local index of the particle and the change, in the order of time.
     pub turns: Vec<(u32, VelocityChange)>,
     /// Impulses or contact steps.
     pub events: u64,
     /// Impulses of an engine that also has contacts.
     pub impulses: u64,
-    /// Steps of all of a crowd.
+    /// Uniform steps of a crowd.
     pub crowd_steps: u64,
-    /// Contact forces computed in those.
+    /// Contact forces computed in steps of a crowd.
     pub crowd_forces: u64,
     /// Gaps or touch times computed.
     pub pair_checks: u64,
     /// Contact forces computed.
     pub force_evaluations: u64,
-    /// Particles moved by stages of steps, and gaps looked at after steps.
+    /// Particles moved by stages of steps, and gaps checked after steps.
     pub updates: u64,
-    /// Further particles that got out of bounds, besides the one that the solver names; by local place.
+    /// Local indices of further particles that got out of bounds, besides the one that the solver returns.
     pub also: Vec<usize>,
-    /// [m/s] the largest speed on the way, relative to the frame of the search, of a solver that cannot stop at it; 0 of others.
+    /// Largest speed [m/s] so far, relative to the frame of the search, for a solver that cannot stop at it; otherwise
+    /// 0.
     pub fastest: f64,
-    /// [m/s] speed limit of each hot particle, relative to `frame`.
+    /// Speed limit [m/s] of each hot particle, relative to `frame`.
     pub(super) limits: Vec<f64>,
-    /// [m/s] velocity of the moving frame, seen from the frame at rest.
+    /// Velocity [m/s] of the moving frame, seen from the frame at rest.
     frame: Vector3<f64>,
 }
 
-/// How fast the hot particles of an island may be.
+/// Speed limits of the hot particles of an island.
 pub struct Bounds<'a> {
-    /// [m/s] of each, relative to the frame.
+    /// Speed limit [m/s] of each hot particle, relative to the frame.
     limits: &'a [f64],
-    /// [m/s] velocity of the moving frame, seen from the frame at rest.
+    /// Velocity [m/s] of the moving frame, seen from the frame at rest.
     frame: Vector3<f64>,
 }
 
 impl Bounds<'_> {
-    /// As [`Island::allows`].
+    /// True if the particle at a local index may have that velocity [m/s], like [`Island::allows`].
     pub fn allows(&self, place: usize, velocity: &Vector3<f64>) -> bool {
         self.limits.get(place).is_some_and(|limit| (velocity - self.frame).norm() <= *limit)
     }
@@ -95,8 +97,8 @@ impl<C> Island<C> {
         }
     }
 
-    /// Begins anew with copies of the hot particles, each with its speed limit [m/s], and of the bystanders, by place in the store;
-    /// `fallen` [m/s] is what gravity has added to the velocities there.
+    /// Starts over with copies of the hot particles, each with its speed limit [m/s], and of the bystanders. Particles
+    /// are given by index in the store. `fallen` [m/s] is the velocity that gravity has added to those of the store.
     pub(super) fn begin(
         &mut self,
         store: &Particles,
@@ -136,7 +138,7 @@ impl<C> Island<C> {
         (self.also, self.fastest) = (Vec::new(), 0.0);
     }
 
-    /// The local place of the particle at a place in the store, if it is here.
+    /// Local index of a particle given by index in the store, if it is in the island.
     pub(super) fn local(&self, place: u32) -> Option<u32> {
         if self.by_place.is_empty() {
             return self.places.iter().position(|&other| other == place).map(|local| local as u32);
@@ -145,35 +147,36 @@ impl<C> Island<C> {
         found.ok().map(|k| self.by_place[k])
     }
 
-    /// Whether the particle at local `place` may have that velocity [m/s, falling frame of this window]. A bystander may
-    /// not be touched at all.
+    /// True if the particle at local index `place` may have that velocity [m/s, falling frame of this window]. A
+    /// bystander may not be touched at all.
     pub fn allows(&self, place: usize, velocity: &Vector3<f64>) -> bool {
         Bounds { limits: &self.limits, frame: self.frame }.allows(place, velocity)
     }
 
-    /// What an engine moves, where it writes down what happens, and how fast who may be.
+    /// Parts of the island that an engine needs at once: particles, log and speed limits.
     pub fn open(&mut self) -> (&mut Particles, &mut Log, Bounds<'_>) {
         (&mut self.particles, &mut self.log, Bounds { limits: &self.limits, frame: self.frame })
     }
 
-    /// Notes that the flight of the particle at local `place` turns at `time` [s since the start of the part], with the origin that the flight from then on would
-    /// have had at the start [m] and its velocity [m/s, falling frame of this window].
+    /// Records that the flight of the particle at local index `place` turns at `time` [s since the start of the part].
+    /// `origin` [m] is the position at the start of the part, extrapolated back along the new flight. `velocity` is the
+    /// new velocity [m/s, falling frame of this window].
     pub fn turn(&mut self, place: u32, time: f64, origin: Vector3<f64>, velocity: Vector3<f64>) {
         self.turns.push((place, VelocityChange { time, origin, velocity: velocity - self.frame }));
     }
 
-    /// [m/s] of the particle at local `place`, relative to the frame of the search.
+    /// Speed [m/s] of the particle at local index `place`, relative to the frame of the search.
     pub fn speed(&self, place: usize) -> f64 {
         (self.particles.velocity[place] - self.frame).norm().max(self.fastest)
     }
 
-    /// [m/s] how much faster than that, seen from `frame` [m/s, falling frame of this window], a particle may be seen from the
-    /// frame of the search.
+    /// Difference [m/s] between `frame` [m/s, falling frame of this window] and the frame of the search. By that much a
+    /// speed relative to the two may differ.
     pub fn apart_from(&self, frame: &Vector3<f64>) -> f64 {
         (frame - self.frame).norm()
     }
 
-    /// [m/s] the speed that every hot particle is allowed relative to the frame of the search.
+    /// Smallest speed limit [m/s] of the hot particles, relative to the frame of the search.
     pub fn least_limit(&self) -> f64 {
         self.limits.iter().copied().fold(f64::INFINITY, f64::min)
     }

@@ -1,15 +1,17 @@
-//! Islands: pay only for the particles that touch.
+//! Islands: computing work only for the particles that touch.
 //!
-//! In a short window nearly every particle of a dilute gas is alone and flies straight. Those that will touch something
-//! on their straight flight are *hot*; hot particles that meet, or might meet after a collision, make an *island*, and an
-//! engine solves each island on its own. Particles near enough to be hit by a hot one stand by: should it happen, the
-//! island is done again with the bystander in it, and likewise if a hot particle gets faster than was allowed for. So no
-//! contact is missed, whatever happens within the window.
+//! In a short window nearly every particle of a dilute gas is alone and flies straight. Particles that touch something
+//! on their straight flight are *hot*. Hot particles that meet, or might meet after a collision, form an *island*, and
+//! an engine solves each island on its own. Cold particles that a hot one might hit are *bystanders*. If a bystander is
+//! hit, the island is solved again with the bystander as a member. The island is also solved again if a hot particle
+//! gets faster than its speed limit. So no contact is missed, whatever happens within the window.
 //!
-//! Where an engine says where flights turn, as that of hard spheres does, it is the other way round (`cluster/course.rs`): islands are solved as if there were nobody
-//! else, and whose ways come to one another then are united and solved anew. Nobody stands by, and islands reach as far as their particles do fly, not as far as they might.
+//! Some engines, such as that for hard spheres, report every velocity change of a flight. Their islands are found the
+//! other way round (`cluster/course.rs`): each island is first solved as if it were alone. Islands whose trajectories
+//! then meet are united and solved again. There are no bystanders, and an island reaches only as far as its particles
+//! do fly, not as far as they might.
 //!
-//! Islands share nothing, so they are solved in parallel and in any order with the same bits.
+//! Islands share no data. They are solved in parallel and in any order, with the same results to the last bit.
 
 mod batch;
 mod choice;
@@ -51,39 +53,41 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::sync::Arc;
 
-/// What an engine does with an island.
+/// Solver of an island, as an engine provides it.
 pub trait Solve: Sync {
-    /// What lasts from one window to the next; by place in the store.
+    /// State carried from one window to the next, such as a contact in progress; particles are named by index in the
+    /// store.
     type Carried: Copy + Send + Sync + Serialize + DeserializeOwned;
     /// Working memory, one per thread.
     type Scratch: Default + Send;
 
-    /// Places of the particles something carried belongs to.
+    /// Indices of the particles that carried state belongs to.
     fn places(carried: &Self::Carried) -> [Option<u32>; 2];
 
-    /// The carried value with the places that its particles have after a sort of the store.
+    /// Returns the carried state with the new indices of its particles, for instance after a sort of the store.
     fn moved(carried: &Self::Carried, place_of: &dyn Fn(u32) -> u32) -> Self::Carried;
 
-    /// [J] energy it may give back to its particles.
+    /// Energy [J] that carried state may give back to its particles.
     fn energy(&self, carried: &Self::Carried) -> f64;
 
-    /// The two bodies that it holds in contact, if it is a contact.
+    /// The two bodies in contact, if the carried state is a contact.
     fn touching(&self, carried: &Self::Carried) -> Option<Couple>;
 
-    /// Whether it takes crowds: islands without a list of who may touch, of more than [`LARGEST_ISLAND`] particles or of all contacts that
-    /// last, if these are many.
+    /// True if the engine takes crowds. A crowd is an island without a neighbour list. It has more than
+    /// [`LARGEST_ISLAND`] particles, or it holds all contacts in progress if these are many.
     fn takes_crowds(&self) -> bool {
         false
     }
 
-    /// Whether particles fly straight from one instant to the next, and [`Island::turn`] is told of each: where everybody flies is then known
-    /// exactly once islands are solved, and nobody stands by.
+    /// True if particles fly straight between collisions and every velocity change is reported to [`Island::turn`]. All
+    /// trajectories are then known exactly once islands are solved, and there are no bystanders.
     fn traces(&self) -> bool {
         false
     }
 
-    /// Takes the island's particles, in the frame at rest, through [0, end) [s]; stops early if one gets out of bounds
-    /// ([`Island::allows`]), and gives its local place (of several one, the others in [`Island::also`]).
+    /// Moves the particles of the island, in the frame at rest, through [0, end) [s]. It stops early if a particle gets
+    /// out of bounds ([`Island::allows`]), and returns the local index of that particle. If there are several, the
+    /// others are in [`Island::also`].
     ///
     /// # Errors
     /// The engine fails, or the island costs more than it is worth.
@@ -100,52 +104,55 @@ pub trait Solve: Sync {
 /// Search windows between two sorts of the store: particles move a small part of a cell in each.
 const WINDOWS_PER_SORT: u64 = 32;
 
-/// Islands larger than this are not worth their pairwise bookkeeping.
+/// Largest number of particles of an island that is worth its pairwise bookkeeping.
 pub const LARGEST_ISLAND: usize = 200;
 
-/// Each step of an island looks at all of its pairs, so its cost grows with the square of its members. Where one would have more than so many the part is halved, as
-/// long as it may be.
+/// Number of members beyond which an island is too large for a long part of a window. Each step of an island checks all
+/// of its pairs, so the cost grows with the square of the number of members. The part is therefore halved, as long as
+/// it may be.
 const LARGE_ISLAND: usize = 48;
 
-/// How often a part in which islands grow too large is halved before they are given up for this window.
+/// Number of times that a part with too large islands is halved before islands are given up for this window.
 const SHORTER: i32 = 3;
 
-/// Islands per parallel task: a fixed number, so that results do not depend on the threads.
+/// Islands per parallel task: a fixed number, so that results do not depend on the number of threads.
 const BATCH: usize = 64;
 
 /// Moves particles window by window, with a solver for the islands.
 #[derive(Default)]
 pub struct Islands {
-    /// Times the search and the flight.
+    /// Clock that times the search and the flight.
     pub clock: Clock,
     /// Time spent.
     pub spent: EngineTimes,
     counters: IslandCounters,
-    /// Places of the particles in islands of the last part.
+    /// Indices of the particles in islands of the last part.
     members: Vec<u32>,
     search: Search,
     frame: Vector3<f64>,
-    /// How the run is cut over processes, if it is.
+    /// Domain decomposition of the run, if several processes share it.
     domains: Option<Domains>,
 }
 
 impl Islands {
-    /// What has been done so far.
+    /// Counts of the work done so far.
     pub fn counters(&self) -> IslandCounters {
         self.counters
     }
 
-    /// Goes on from those counts: when the store is sorted next depends on them, nothing else lasts here.
+    /// Continues from the given counts. The time of the next sort of the store depends on them; islands keep no other
+    /// state.
     pub fn resume(&mut self, counters: IslandCounters, spent: EngineTimes) {
         (self.counters, self.spent) = (counters, spent);
     }
 
-    /// Places of the particles that were in islands in the last part.
+    /// Indices of the particles that were in islands in the last part.
     pub fn members(&self) -> &[u32] {
         &self.members
     }
 
-    /// Shares the run with other processes: it is cut into domains when islands are next tried, if others do not have a part of the sample already.
+    /// Shares the run with other processes. If the sample is not yet divided, it is cut into domains when islands are
+    /// next tried.
     pub fn share(&mut self, communicator: Arc<dyn Communicator>, sample: &Sample, scene: &Scene) {
         let mut domains = Domains::new(communicator, PopulationSummary::of(sample, scene));
         if sample.is_part() {
@@ -154,8 +161,9 @@ impl Islands {
         self.domains = Some(domains);
     }
 
-    /// Takes the place of all particles and of what lasts: so many parts that processes have packed, of which `next` gives one after the other to the lead. Each
-    /// process keeps what is in its block among blocks of one size; one alone keeps all.
+    /// Replaces all particles and all carried state by `count` parts that processes have packed; `next` gives the lead
+    /// process one part after the other. Each process keeps the particles in its block, among blocks of equal size. A
+    /// single process keeps all.
     pub fn take_parts<S: Solve>(
         &mut self,
         solver: &S,
@@ -180,27 +188,28 @@ impl Islands {
         in_order(solver, work);
     }
 
-    /// Whether the store holds the particles of one domain only.
+    /// True if the store holds the particles of one domain only.
     pub fn is_cut(&self) -> bool {
         self.domains.as_ref().is_some_and(|domains| domains.is_cut)
     }
 
-    /// Cuts the run anew if a process has many more of the particles than others.
+    /// Cuts the run into new domains if one process has many more particles than others.
     pub fn balance(&mut self, particles: &Particles, scene: &Scene) {
         if let Some(domains) = &mut self.domains {
             domains.balance(particles, &scene.domain);
         }
     }
 
-    /// Gives the lead of all processes all particles.
+    /// Gives all particles to the lead process.
     pub fn assemble<S: Solve>(&mut self, solver: &S, work: &mut Work<S::Carried>) {
         if let Some(domains) = self.domains.as_mut().filter(|domains| domains.is_cut) {
             domains.assemble(solver, work, &mut self.members);
         }
     }
 
-    /// Gives the lead of all processes copies of every so manieth particle by id, and of those that something lasts with. The lead gets its own
-    /// part, to [`put_back`](Self::put_back), if all processes go on with theirs.
+    /// Gives the lead process copies of the particles with an id divisible by `every`, and of those with carried state
+    /// that involves such a particle. Returns the lead's own part, to be [`put_back`](Self::put_back) if all processes
+    /// continue with their own.
     pub fn show<S: Solve>(
         &mut self,
         solver: &S,
@@ -210,12 +219,12 @@ impl Islands {
         self.domains.as_mut()?.show(solver, work, &mut self.members, every)
     }
 
-    /// How the run is cut over processes, if several share it.
+    /// Domain decomposition of the run, if several processes share it.
     pub fn domains(&mut self) -> Option<&mut Domains> {
         self.domains.as_mut()
     }
 
-    /// Goes on with the own part of the lead.
+    /// Restores the own part of the lead process.
     pub fn put_back<C>(
         &mut self,
         part: GatheredPart<C>,
@@ -225,19 +234,19 @@ impl Islands {
         (*particles, *lasting, *abroad, self.members) = (part.particles, part.lasting, part.abroad, part.members);
     }
 
-    /// Adds up over all processes, if each has particles of its own.
+    /// Sums over all processes, if each has particles of its own.
     pub fn total(&self, sums: &mut [&mut ExactSum]) {
         self.domains.iter().for_each(|domains| domains.total(sums));
     }
 
-    /// All particles of the run in a few numbers.
+    /// Summary of all particles of the run in a few numbers.
     pub fn population<C>(&self, work: &Work<C>) -> Arc<PopulationSummary> {
-        // sizes do not change while others have some of the particles
+        // sizes do not change while other processes have some of the particles
         let known = self.domains.as_ref().map(|domains| domains.population.clone());
         known.unwrap_or_else(|| Arc::new(PopulationSummary::of(&Sample::from(&*work.particles), work.scene)))
     }
 
-    /// What the lead of the processes that share the run knows, in each of them.
+    /// Value of the lead process, sent to all processes that share the run.
     pub fn of_lead<T: Serialize + DeserializeOwned>(&self, value: T) -> T {
         match &self.domains {
             Some(domains) => domains.of_lead(value),
@@ -245,12 +254,12 @@ impl Islands {
         }
     }
 
-    /// Whether this process is the lead, or alone.
+    /// True if this process is the lead, or the only one.
     pub fn is_lead(&self) -> bool {
         self.domains.as_ref().is_none_or(Domains::is_lead)
     }
 
-    /// Velocities of all particles in a few numbers.
+    /// Summary of the velocities of all particles in a few numbers.
     pub fn speeds<C>(&self, work: &Work<C>, population: &PopulationSummary) -> SpeedSummary {
         let mut sums = work.particles.velocity_sums();
         self.total(&mut sums.each_mut());
@@ -258,7 +267,7 @@ impl Islands {
         self.speeds_seen_from(along_walls(work.scene, mean), work, population)
     }
 
-    /// The same, seen from a frame [m/s].
+    /// Summary of the velocities of all particles, relative to a frame [m/s].
     fn speeds_seen_from<C>(&self, frame: Vector3<f64>, work: &Work<C>, population: &PopulationSummary) -> SpeedSummary {
         let (mut squares, largest) = work.particles.square_speeds_and_largest(frame);
         let mut largest = [largest];
@@ -268,12 +277,12 @@ impl Islands {
         SpeedSummary { frame, mean, largest: largest[0] }
     }
 
-    /// Moves all particles for as long as islands are the cheaper way; returns how long that was [s], the whole window in a
-    /// dilute scene.
+    /// Moves all particles for as long as islands are cheaper than the classical algorithm. Returns the time covered
+    /// [s]; in a dilute scene this is the whole window.
     ///
     /// # Errors
-    /// A velocity that is not a number. An island whose engine fails ends the advance: the other way meets the failure again,
-    /// and stops at its instant.
+    /// A velocity is not a number. An island whose engine fails only ends the advance: the classical algorithm then
+    /// meets the failure again, and stops at its instant.
     pub fn advance<S: Solve>(
         &mut self,
         solver: &S,
@@ -287,7 +296,7 @@ impl Islands {
         done
     }
 
-    /// Adds up what all processes have counted since `before`.
+    /// Sums the counts of all processes since `before`.
     fn share_counts(&mut self, before: &IslandCounters) {
         if let Some(domains) = self.domains.as_ref().filter(|domains| domains.is_cut) {
             self.counters.add_up(before, domains);
@@ -315,14 +324,14 @@ impl Islands {
                 self.assemble(solver, work);
                 return Err(super::not_a_number(work.particles, window.start + done));
             }
-            // contacts are carried into a crowd and out of it again, which only a solver of crowds has many of
+            // contacts are carried into a crowd and out of it again; only an engine that takes crowds has many of them
             let held = if solver.takes_crowds() { self.held(work) } else { 0 };
             let limits = PartLimits { left, fallback_cost, held, traces: solver.traces() };
             let Some(cheapest) = cheapest_part(population, &work.scene.domain, &speeds, &limits) else { break };
             if let Some(domains) = self.domains.as_mut().filter(|domains| !domains.is_cut) {
                 domains.cut(solver, work);
             }
-            // no shorter than that: islands of contacts that last do not become smaller
+            // no shorter part is tried: islands of contacts in progress do not become smaller
             let shortest = cheapest.part * 0.5f64.powi(SHORTER);
             let mut part = longest.clamp(shortest, cheapest.part);
             let stretch = Window { start: window.start + done, duration: left };
@@ -336,7 +345,8 @@ impl Islands {
                 }
                 part = (0.5 * part).max(shortest);
             };
-            // what was too long now will be so again; where flights are traced no island is too large, and the engine has failed
+            // a part that was too long now will be so again; if trajectories are reported, no island is too large, so
+            // the engine has failed
             longest = if solver.traces() { longest } else { part };
             if !moved {
                 break;
@@ -348,16 +358,17 @@ impl Islands {
         Ok(done)
     }
 
-    /// Contacts in progress, of all processes.
+    /// Number of contacts in progress, of all processes.
     fn held<C>(&self, work: &Work<C>) -> usize {
         let Some(domains) = self.domains.as_ref().filter(|domains| domains.is_cut) else { return work.lasting.len() };
-        // a contact with a particle of another process is known to both
+        // a contact with a particle of another process is known to both processes
         let mut twice = [(2 * work.lasting.len() + work.abroad.len()) as i64];
         domains.count(&mut twice);
         (twice[0] / 2) as usize
     }
 
-    /// Moves all particles by a part of a window; false, and nothing moved, if islands grow too large or the engine fails.
+    /// Moves all particles through a part of a window. Returns false, with nothing moved, if islands grow too large or
+    /// the engine fails.
     fn part<S: Solve>(&mut self, solver: &S, work: &mut Work<S::Carried>, window: Window, piece: &WindowPiece) -> bool {
         let began = self.clock.now();
         if self.counters.neighbour_builds.is_multiple_of(WINDOWS_PER_SORT) {
@@ -390,7 +401,7 @@ impl Islands {
         moved
     }
 
-    /// The same for the particles that a process sees, of all if it is alone.
+    /// Tries to move the particles that this process sees through a part of a window; a single process sees all.
     fn attempt<S: Solve>(
         &mut self,
         solver: &S,
@@ -441,7 +452,7 @@ impl Islands {
         verdict
     }
 
-    /// All touches on straight flights in the next part, of particles that are in `region`.
+    /// All touches on straight flights in the next part, for particles in `region`.
     fn find<C>(&mut self, work: &Work<C>, region: Region, piece: &WindowPiece) -> Vec<FirstTouch> {
         let began = self.clock.now();
         let span = SearchInterval::new(work.scene, piece.elapsed, piece.part);
@@ -453,7 +464,7 @@ impl Islands {
     }
 }
 
-/// What a part that was tried comes to: for one process by itself, or by the vote of all.
+/// Decision about a part that was tried, by a single process or by the vote of all.
 fn judge<C>(
     clusters: &Clusters,
     failed: bool,

@@ -1,4 +1,4 @@
-//! Orders of what the islands work on: of what lasts, and of the store.
+//! Order of the carried state, and order of the particles in the store.
 
 use super::domains::Domains;
 use super::{Solve, search};
@@ -6,7 +6,8 @@ use crate::encounter::Other;
 use crate::engine::driver::Work;
 use crate::neighbours::region::Region;
 
-/// Puts what lasts in an order that does not depend on that of the store: of the ids of its particles, and of walls.
+/// Sorts the carried state by the ids of its particles and by walls, so that its order does not depend on that of the
+/// store.
 pub fn in_order<S: Solve>(solver: &S, work: &mut Work<S::Carried>) {
     let id = &work.particles.id;
     work.lasting.sort_by_cached_key(|carried| {
@@ -16,11 +17,11 @@ pub fn in_order<S: Solve>(solver: &S, work: &mut Work<S::Carried>) {
         };
         (S::places(carried).map(|place| place.map(|place| id[place as usize])), wall)
     });
-    // what is among particles of others may have come from each of them
+    // state that involves only borrowed particles may have come from each of their processes
     work.lasting.dedup_by_key(|carried| (S::places(carried), solver.touching(carried)));
 }
 
-/// Puts the store in cell order, so that neighbours in space are neighbours in memory.
+/// Sorts the store by cells, so that neighbours in space are neighbours in memory.
 pub fn sort<S: Solve>(work: &mut Work<S::Carried>, domains: Option<&Domains>) {
     let domain = &work.scene.domain;
     work.particles.wrap(domain);

@@ -1,12 +1,12 @@
-//! The rounds in which islands are solved, until nobody has met what was not expected.
+//! Rounds in which islands are solved, until none has met an unexpected particle or speed.
 
 use super::batch::{Batch, GivenUp, IslandResult, Retry, Task, Workbench};
 use super::cluster::Clusters;
 use super::{BATCH, IslandCounters, Solve};
 use crate::work_sharing;
 
-/// Solves all islands, those that met what was not expected again; `None` if one grows too large or the engine fails in one. What is
-/// counted is of those that one of the particles chosen by `mine` leads.
+/// Solves all islands, and those again that met something unexpected. Returns `None` if one grows too large or the
+/// engine fails in one. The counts cover the islands whose leading particle is chosen by `mine`.
 pub fn solve_all<S: Solve>(
     clusters: &mut Clusters,
     task: &Task<S>,
@@ -35,7 +35,7 @@ pub fn solve_all<S: Solve>(
                     }
                     Ok(stops) => Retry::Stops(stops),
                     Err(GivenUp::TooExpensive) if task.solver.takes_crowds() => Retry::Crowd,
-                    // left to the other way, which stops at the instant of the failure
+                    // left to the classical algorithm, which stops at the instant of the failure
                     Err(_) => return None,
                 };
                 counts.redone += u64::from(counted);

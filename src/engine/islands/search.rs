@@ -1,4 +1,4 @@
-//! The search for hot particles: every pair that is near enough is looked at, once per window.
+//! Search for hot particles: every pair that is near enough is checked once per window.
 
 use crate::domain::Domain;
 use crate::encounter::{AtWall, Couple, FrameTime, may_meet};
@@ -17,20 +17,20 @@ use std::num::NonZeroU32;
 /// Rows of cells per parallel task.
 const ROWS: usize = 16;
 
-/// Pairs that are fetched from the store together.
+/// Pairs that are read from the store together.
 const BATCH: usize = 64;
 
 /// The ball that holds a particle throughout its straight flight, seen from the frame.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct BoundingSphere {
-    /// [m] middle of the flight, inside the box along periodic axes.
+    /// Middle of the flight [m], inside the box along periodic axes.
     pub middle: Vector3<f64>,
-    /// [m] radius plus half the flight.
+    /// Radius of the particle plus half the flight [m].
     pub reach: f64,
 }
 
 impl BoundingSphere {
-    /// Of particle `i` on a flight of `part` [s].
+    /// Ball of particle `i` on a flight of `part` [s].
     #[inline]
     pub fn of(particles: &Particles, i: usize, domain: &Domain, frame: Vector3<f64>, part: f64) -> Self {
         let half = (particles.velocity[i] - frame) * (0.5 * part);
@@ -39,7 +39,7 @@ impl BoundingSphere {
         Self { middle: domain.wrap(&(particles.position[i] + half)), reach }
     }
 
-    /// Whether the two balls overlap.
+    /// True if the two balls overlap.
     #[inline]
     pub fn meets(&self, other: &Self, domain: &Domain) -> bool {
         let reach = self.reach + other.reach;
@@ -51,34 +51,35 @@ impl BoundingSphere {
 #[derive(Clone, Copy, Debug)]
 pub struct FirstTouch {
     pub place: u32,
-    /// Another place, or a wall.
+    /// Index of the other particle; `None` for a wall.
     pub other: Option<u32>,
-    /// [s] when, since the start of the window.
+    /// Time of the touch [s] since the start of the part.
     pub time: f64,
 }
 
-/// What a search found.
+/// Result of a search.
 pub struct SearchResult {
-    /// In cell order of the first particle.
+    /// Touches in cell order of the first particle.
     pub touches: Vec<FirstTouch>,
-    /// Pairs and walls looked at.
+    /// Number of pairs and walls checked.
     pub checks: u64,
 }
 
-/// Flights in cells.
+/// Straight flights, sorted into cells.
 #[derive(Default)]
 pub struct Search {
     pub levels: SizeLevels,
-    /// Where the particles are.
+    /// Region that holds the particles.
     pub region: Region,
-    /// Flights by place.
+    /// Flights by index of the particle.
     pub flights: Vec<BoundingSphere>,
     packed: PackedBalls,
-    /// Number of each hot particle by place, `None` for the others; all `None` between windows.
+    /// Label of each hot particle by index, `None` for the others; all are `None` between windows.
     pub label: Vec<Option<Label>>,
     /// The walls of the scene of the last search.
     pub near_walls: NearWalls,
-    /// Places of the particles whose flights come near a wall, by the chunks that they are in; of all, where walls are not all flat.
+    /// Indices of the particles whose flights come near a wall, by chunks of the store; all particles if not all walls
+    /// are flat.
     beside_walls: Vec<Vec<u32>>,
 }
 
@@ -87,7 +88,7 @@ pub struct Search {
 pub struct Label(NonZeroU32);
 
 impl Label {
-    /// Of the member with that index.
+    /// Label of the member with that index.
     pub fn of(member: usize) -> Self {
         Self(NonZeroU32::MIN.saturating_add(member as u32))
     }
@@ -98,14 +99,15 @@ impl Label {
     }
 }
 
-/// Places in the order of cells that hold about one particle each, of particles that fill a region.
+/// Indices of the particles in a region, in the order of cells with about one particle each.
 pub fn cell_order(particles: &Particles, region: &Region) -> Vec<u32> {
     let spacing = (region.volume() / particles.len().max(1) as f64).cbrt();
     CellGrid::new(&particles.position, region, spacing).1
 }
 
-/// Appends the touches of some pairs within `part` [s], in their order, and leaves no pairs. All are fetched from the store before any is looked at in
-/// detail: whoever asks for one after the other waits for memory each time.
+/// Appends the touches of pairs within `part` [s], in the order of the pairs, and clears the list of pairs. All pairs
+/// are read from the store before any is checked in detail: reading one after the other would wait for memory each
+/// time.
 fn touches_of(
     pairs: &mut Vec<(u32, u32)>,
     (particles, scene): (&Particles, &Scene),
@@ -127,7 +129,7 @@ fn touches_of(
 }
 
 impl Search {
-    /// Sorts the flights of `part` [s] into cells by their middles, which are in `region`. Positions are inside the box.
+    /// Sorts the flights in `span` into cells by their middles, which are in `region`. Positions are inside the box.
     pub fn build(
         &mut self,
         particles: &Particles,
@@ -141,7 +143,7 @@ impl Search {
         self.near_walls = NearWalls::of(&scene.walls);
         self.label.resize(particles.len(), None);
         self.flights.resize(particles.len(), BoundingSphere { middle: Vector3::zeros(), reach: 0.0 });
-        // flat walls are asked about at once, while the flights are at hand
+        // flat walls are checked at once, while the flights are in the cache
         let planes: Option<Vec<&Plane>> = scene.walls.iter().map(|wall| wall.geometry.plane()).collect();
         let is_beside = |flight: &BoundingSphere| {
             let near = |plane: &&Plane| plane.nearest(&flight.middle).distance <= flight.reach + span.falls;
@@ -169,7 +171,7 @@ impl Search {
         self.packed.fill(&self.levels.order(), |place| (flights[place].middle, flights[place].reach), &self.region);
     }
 
-    /// Calls `visit` with the places of particles whose flights a ball overlaps.
+    /// Calls `visit` with the indices of particles whose flights overlap a ball.
     #[inline(always)]
     pub fn for_each_beside(&self, ball: &BoundingSphere, domain: &Domain, mut visit: impl FnMut(u32)) {
         self.packed.for_each_beside((ball.middle, ball.reach), &self.levels, &self.region, |places| {
@@ -220,15 +222,15 @@ impl Search {
         found.touches.extend(parts.iter().flatten());
     }
 
-    /// [s] when a flight first touches a wall, before the end of the span.
+    /// Time [s] when a flight first touches a wall, before the end of the span.
     fn touch_of_wall(&self, particles: &Particles, scene: &Scene, span: &SearchInterval, i: usize) -> Option<f64> {
         let SearchInterval { elapsed, part, falls } = *span;
         let spot = &self.flights[i];
-        // not put back into the box, as the walls see it; where all are flat, nobody has to fetch it from the store
+        // not wrapped into the box, as the walls need it; if all walls are flat, it is never read from the store
         let way = || particles.position[i] + particles.velocity[i] * (0.5 * part);
         let look = |(wall, shape): (usize, &Wall)| {
-            // the frame moves along planes, so that the ball of the flight stays on its side of one it does not reach; beside
-            // other shapes it is at rest
+            // the frame moves along planes, so that the ball of the flight stays on its side of a plane it does not
+            // reach; beside other shapes the frame is at rest
             let reach = spot.reach + falls;
             let geometry = &shape.geometry;
             let is_near = if geometry.is_flat() {
@@ -259,17 +261,17 @@ impl Search {
 
 /// The time over which flights are compared with one another and with walls.
 pub struct SearchInterval {
-    /// [s] from the beginning of the window to the beginning of the span.
+    /// Time [s] from the beginning of the window to the beginning of the interval.
     elapsed: f64,
-    /// [s] its length.
+    /// Length of the interval [s].
     part: f64,
-    /// [m] the farthest that gravity takes a particle off its straight way meanwhile: the same for every particle, and two
-    /// square roots.
+    /// Bound [m] on how far gravity takes a particle off its straight flight in the interval. It is equal for all
+    /// particles and costs two square roots.
     falls: f64,
 }
 
 impl SearchInterval {
-    /// The `part` [s] that begins `elapsed` [s] after the beginning of the window.
+    /// Interval of `part` [s] that begins `elapsed` [s] after the beginning of the window.
     pub fn new(scene: &Scene, elapsed: f64, part: f64) -> Self {
         let falls = part * ((scene.gravity * elapsed).norm() + scene.gravity.norm() * part);
         Self { elapsed, part, falls }

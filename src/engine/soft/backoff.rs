@@ -1,82 +1,84 @@
-//! When do islands not pay, and how long does uniform stepping then go on before they are tried again?
+//! Choice between islands and uniform steps: where islands do not pay, some windows are uniform before the next trial.
 //!
-//! In a crowd islands are large, and each step of theirs moves all of their particles and looks at all of their gaps several times.
-//! What they did in a window is weighed against what uniform steps would have done in the same time, both by counts, so that the
-//! choice is the same on every machine. Weights are in ns on one core, from the timings of a dense gas and of a bed on one machine
-//! (782 spheres at a volume fraction of 0.5; 400 settling spheres), to within a factor of 2: they choose, they do not time.
+//! In a crowd islands are large, and each of their steps moves all of their particles and tests all of their gaps
+//! several times. The work of islands in a window is compared with the work of uniform steps in the same time. Both are
+//! counted, not timed, so the choice is the same on every machine. The weights are in ns on one core, from timings of a
+//! dense gas and of a bed on one machine (782 spheres at a volume fraction of 0.5; 400 settling spheres). They hold to
+//! within a factor of 2, which is enough to choose but not to predict run times.
 
 use super::UNIFORM_COST;
 use crate::engine::islands::IslandCounters;
 use serde::{Deserialize, Serialize};
 
-/// Flight and cells of a search, per particle (the weight of `cheapest_part`).
+/// [ns] flight and cells of a search, per particle (the weight of `cheapest_part`).
 const SEARCH: f64 = 90.0;
 
-/// A pair looked at in a search.
+/// [ns] test of a pair in a search.
 const CHECK: f64 = 1.2;
 
-/// Taking a particle into an island and back, half of what `cheapest_part` counts for its whole collision.
+/// [ns] taking a particle into an island and back: half of the weight of its whole collision in `cheapest_part`.
 const MEMBER: f64 = 700.0;
 
-/// Force of a contact in an island.
+/// [ns] force of a contact in an island.
 const FORCE: f64 = 45.0;
 
-/// A particle moved by a stage of an island's step, or a gap looked at.
+/// [ns] motion of a particle in a stage of an island's step, or test of a gap.
 const UPDATE: f64 = 10.0;
 
-/// A pair of the neighbour list looked at in a uniform step.
+/// [ns] test of a pair of the neighbour list in a uniform step.
 const LISTED: f64 = 5.0;
 
-/// Force of a contact in a uniform step, with its records.
+/// [ns] force of a contact in a uniform step, with its records.
 const CONTACT: f64 = 50.0;
 
-/// Longest stay away from islands, in windows: a trial that fails costs some five uniform windows, so fewer than a tenth.
+/// Longest pause of islands, in windows. A trial that fails costs some five uniform windows, so less than a tenth of
+/// the pause.
 const LONGEST: u32 = 64;
 
-/// [ns] what the steps of islands cost.
+/// [ns] cost of the steps of islands.
 pub fn steps_cost(forces: u64, updates: u64) -> f64 {
     FORCE * forces as f64 + UPDATE * updates as f64
 }
 
-/// What uniform steps would come to in a window, or in the part of it that islands did.
+/// Work of uniform steps in a window, or in the part of it that islands did.
 pub struct Rival {
-    /// [-] steps, or stages of them.
+    /// [-] number of steps, or of their stages.
     pub stages: f64,
-    /// Particles.
+    /// Number of particles.
     pub particles: usize,
-    /// Slots of the neighbour list.
+    /// Number of slots of the neighbour list.
     pub slots: usize,
-    /// [-] forces computed.
+    /// [-] number of forces computed.
     pub forces: f64,
 }
 
 impl Rival {
-    /// [ns] what they would cost.
+    /// [ns] cost of the uniform steps.
     pub fn cost(&self) -> f64 {
         let everybody = UNIFORM_COST * self.particles as f64 + LISTED * self.slots as f64;
         self.stages * everybody + CONTACT * self.forces
     }
 }
 
-/// For how many windows islands are left alone.
+/// Pause of islands: the number of windows in which they are not tried.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct Backoff {
-    /// Windows of the last stay away.
+    /// Windows of the last pause.
     stay: u32,
-    /// Windows still to go.
+    /// Windows that are left of the pause.
     left: u32,
 }
 
 impl Backoff {
-    /// Whether islands are left alone in this window, which then counts as gone.
+    /// True if islands are not tried in this window. The window then counts as part of the pause.
     pub fn waits(&mut self) -> bool {
         let waits = self.left > 0;
         self.left = self.left.saturating_sub(1);
         waits
     }
 
-    /// Judges what islands did between two counts: where they cost more than the rival, the next windows are uniform, twice as
-    /// many as after the trial before.
+    /// Compares the cost of islands between two counts with that of uniform steps. If islands cost more, the next
+    /// windows are uniform, twice as many as in the last pause. Otherwise the last pause counts half.
     pub fn judge(&mut self, before: &IslandCounters, after: &IslandCounters, fallback_cost: &Rival) {
         if after.neighbour_builds == before.neighbour_builds {
             // not tried

@@ -1,8 +1,8 @@
-//! The contacts in one part of the neighbour list.
+//! Contacts in one part of the neighbour list.
 //!
-//! Blocks share nothing that changes, so they are evaluated beside each other, and what they leave is added up in their order: results are
-//! the same for any number of threads. The record of a contact stays where it is for as long as the contact lasts; what is sorted by slot
-//! and made anew at every step is an index of eight bytes.
+//! Blocks share no data that changes, so threads evaluate them at the same time. The results of blocks are added in the
+//! order of blocks, so they are the same for any number of threads. The record of a contact keeps its place in memory
+//! as long as the contact lasts. Only an index of eight bytes per contact is sorted by slot and rebuilt at every step.
 
 use super::contact::{Contact, ContactState, TouchingPair};
 use super::contacts::ContactSearch;
@@ -17,42 +17,44 @@ use crate::record::{Between, Impact};
 use nalgebra::Vector3;
 use std::ops::Range;
 
-/// Contacts that are looked at one after the other once it is known how all of them stand: 2 kB.
+/// Number of contacts in a batch: all encounters of a batch (2 kB) are computed before its contacts are evaluated.
 const BATCH: usize = 32;
 
-/// Makes room for `room` in all, and a little more: lists of contacts would take up to twice their length if they grew by doubling.
+/// Makes room for `room` elements in all, and a little more. Lists of contacts that grow by doubling would take up to
+/// twice their length.
 pub fn reserve<T>(list: &mut Vec<T>, room: usize) {
     if room > list.capacity() {
         list.reserve_exact(room + room / 8 + 8 - list.len());
     }
 }
 
-/// A slot where two bodies touch, and the place of its record.
+/// Slot where two bodies touch, and the index of its record.
 #[derive(Clone, Copy, Debug)]
 struct TouchingSlot {
     slot: u32,
     record: u32,
 }
 
-/// What an evaluation of the forces did.
+/// Work done by a force evaluation.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ForceEvaluation {
-    /// Forces computed.
+    /// Number of forces computed.
     pub forces: u64,
-    /// Slots looked at for an overlap.
+    /// Number of slots tested for an overlap.
     pub checks: u64,
 }
 
-/// What an evaluation of the forces adds up.
+/// Sums over the contacts of a force evaluation.
 #[derive(Default)]
 pub struct ForceSums {
-    /// What the forces dissipate and pass on.
+    /// Powers and forces of the contacts.
     pub rows: ContactRows,
-    /// [J] stored in the contacts, where they do not know it themselves: in a predicted state.
+    /// [J] elastic energy of the contacts. It is summed for Heun's method only, because contacts do not keep the
+    /// predicted state.
     pub elastic_energy: f64,
-    /// What that took.
+    /// Work done.
     pub done: ForceEvaluation,
-    /// Of the contacts that made no sense the one of the smallest ids.
+    /// Failure with the smallest ids, if any contact made no sense.
     pub failure: Option<Failure>,
 }
 
@@ -63,12 +65,12 @@ impl ForceSums {
     }
 }
 
-/// What an evaluation needs for itself; blocks that are evaluated one after the other share it.
+/// Working memory of an evaluation; blocks that are evaluated one after the other share it.
 #[derive(Default)]
 pub struct BlockScratch {
-    /// What single contacts dissipate and pass on.
+    /// Powers and forces of single contacts.
     rows: ContactRows,
-    /// The contacts of the step before.
+    /// Contacts of the step before.
     before: Vec<TouchingSlot>,
     /// Slots that overlap.
     overlapping: Vec<u32>,
@@ -76,38 +78,39 @@ pub struct BlockScratch {
     near: Vec<u32>,
 }
 
-/// The contacts of a range of slots.
+/// Contacts of a range of slots.
 #[derive(Default)]
 pub struct ContactBlock {
     slots: Range<usize>,
-    /// In ascending order of slot.
+    /// Contacts in progress, in ascending order of slot.
     touching: Vec<TouchingSlot>,
     records: Records,
     /// Contacts that the last predicted state met first, in ascending order of slot.
     foreseen: Vec<Contact>,
-    /// Slots of pairs that may overlap until the list's particles have travelled as far as `near_until`, in ascending order.
+    /// Slots of pairs that may overlap before the list's travelled distance exceeds `near_until`, in ascending order.
     near: Vec<u32>,
-    /// [m] in the list's account of travel; `None` before the first look.
+    /// [m] travelled distance of the list up to which `near` and `near_walls` hold; `None` before the first search.
     near_until: Option<f64>,
-    /// The same of walls.
+    /// Slots of walls that may overlap before the list's travelled distance exceeds `near_until`, in ascending order.
     near_walls: Vec<u32>,
-    /// [m] in the list's account of travel, of each slot of a wall: up to where the two cannot touch.
+    /// [m] for each slot of a wall: travelled distance of the list up to which particle and wall cannot touch.
     free_until: Vec<f64>,
-    /// Accelerations of the last evaluation.
+    /// Forces of the last evaluation.
     pub pushes: ForceBuffer,
-    /// Impacts that ended in it.
+    /// Impacts that ended in the last evaluation.
     pub ended: Vec<(Between, Impact)>,
-    /// What the last evaluation added up.
+    /// Sums of the last evaluation.
     pub sums: ForceSums,
 }
 
 impl ContactBlock {
-    /// Of those slots, without contacts so far.
+    /// Block of a range of slots, without contacts so far.
     pub fn of(slots: Range<usize>) -> Self {
         Self { slots, ..Self::default() }
     }
 
-    /// Takes a contact of its slots over, whose bodies may be named in the other order than in the list.
+    /// Takes over a contact of one of the block's slots. The contact may name its bodies in the other order than the
+    /// list.
     pub fn put(&mut self, contact: &Contact, list: &NeighbourList) {
         let Contact { touch, course, slot } = *contact;
         let course = if list.couple(slot as usize) == touch.couple { course } else { course.reversed() };
@@ -117,41 +120,41 @@ impl ContactBlock {
         self.touching.push(TouchingSlot { slot: contact.slot, record });
     }
 
-    /// Takes a contact of its slots over that the last predicted state met first.
+    /// Takes over a contact that the last predicted state met first.
     pub fn put_foreseen(&mut self, contact: Contact) {
         self.foreseen.push(contact);
     }
 
-    /// Puts what it has taken over in order.
+    /// Sorts the contacts of the block by slot.
     pub fn sort(&mut self) {
         self.touching.sort_unstable_by_key(|touch| touch.slot);
         self.foreseen.sort_unstable_by_key(|contact| contact.slot);
     }
 
-    /// Gives back the memory of what is found anew for another list.
+    /// Frees the memory of data that is found anew for another list.
     pub fn shed(&mut self) {
         (self.near, self.near_walls, self.near_until) = (Vec::new(), Vec::new(), None);
         (self.free_until, self.ended, self.pushes) = (Vec::new(), Vec::new(), ForceBuffer::default());
         self.sums = ForceSums::default();
     }
 
-    /// Forgets which of its slots may overlap soon.
+    /// Discards the lists of slots that may overlap soon.
     pub fn look_anew(&mut self) {
         self.near_until = None;
         self.free_until.clear();
     }
 
-    /// How many contacts are in progress.
+    /// Number of contacts in progress.
     pub fn count(&self) -> usize {
         self.touching.len()
     }
 
-    /// Who touches whom, in ascending order of slot.
+    /// Couples of touching bodies, in ascending order of slot.
     pub fn couples(&self, list: &NeighbourList) -> impl Iterator<Item = Couple> {
         self.touching.iter().map(|touch| list.couple(touch.slot as usize))
     }
 
-    /// The contacts in progress, in ascending order of slot, if those are their [`couples`](Self::couples).
+    /// Contacts in progress, in ascending order of slot; `couples` must be those of [`couples`](Self::couples).
     pub fn contacts(&self, couples: impl Iterator<Item = Couple>) -> impl Iterator<Item = Contact> {
         self.touching.iter().zip(couples).map(|(&TouchingSlot { slot, record }, couple)| {
             let (touch, course) = self.records.get(record, couple);
@@ -164,7 +167,7 @@ impl ContactBlock {
         &self.foreseen
     }
 
-    /// Finds what overlaps, and computes its forces. Where contacts begin and end (`opens`), opens and closes them.
+    /// Finds overlaps and computes their forces. Contacts begin and end only if the evaluation `opens` contacts.
     pub fn evaluate(&mut self, view: ContactSearch, law: &ContactLaw, scratch: &mut BlockScratch) {
         self.sums.clear();
         let BlockScratch { rows, before, overlapping, near } = scratch;
@@ -184,8 +187,8 @@ impl ContactBlock {
         rows.leave(&mut self.sums.rows);
     }
 
-    /// Finds the slots that overlap. Most pairs of the list are too far apart to touch soon, and so are most walls: those that are not are
-    /// listed anew from time to time, which finds the same.
+    /// Finds the slots that overlap. Most pairs and walls of the list are too far apart to touch soon. The others are
+    /// listed from time to time, and only these are tested in between: the result is the same.
     fn find(&mut self, view: ContactSearch, overlapping: &mut Vec<u32>, near: &mut Vec<u32>) {
         let ContactSearch { list, particles, scene, at, .. } = view;
         overlapping.clear();
@@ -196,7 +199,7 @@ impl ContactBlock {
         };
         if self.near_until.is_none_or(|until| list.travelled() > until) {
             near.clear();
-            // as in the skin of the list, the factor is for rounding in the account of travel
+            // the factor covers rounding in the travelled distance, as in the skin of the list
             list.pairs_within(self.slots.clone(), skin * (1.0 + 1e-9), (particles, scene), near);
             self.near.clear();
             reserve(&mut self.near, near.len());
@@ -211,7 +214,7 @@ impl ContactBlock {
         self.find_walls(view, overlapping);
     }
 
-    /// Lists the walls that may be touched before the list's particles have travelled as far as `until` [m].
+    /// Lists the walls that may be touched before the list's travelled distance reaches `until` [m].
     fn list_walls(&mut self, until: f64, list: &NeighbourList) {
         let first = self.slots.start.max(list.pairs.len());
         self.free_until.resize(self.slots.end.saturating_sub(first), f64::NEG_INFINITY);
@@ -220,7 +223,8 @@ impl ContactBlock {
         self.near_walls.extend(slots.filter(|(_, free)| **free < until).map(|(slot, _)| slot));
     }
 
-    /// Finds the walls that overlap with their particle. Whoever is found apart is not asked again before it can have come near.
+    /// Finds the walls that overlap with their particle. A wall found apart is not tested again before its particle can
+    /// have come near.
     fn find_walls(&mut self, view: ContactSearch, overlapping: &mut Vec<u32>) {
         let ContactSearch { list, particles, scene, .. } = view;
         let (travelled, pairs) = (list.travelled(), list.pairs.len());
@@ -238,10 +242,11 @@ impl ContactBlock {
             if gap < 0.0 {
                 overlapping.push(slot);
             } else {
-                // of contacts numbered by distance only the first comes nearer no faster than its sphere: another may turn up anywhere
+                // where contacts are numbered by distance, only the first one approaches no faster than its sphere
+                // moves: another one may appear anywhere
                 let numbered = near.at.which > 0 && scene.walls[near.at.wall as usize].geometry.is_nearest_first();
                 if beyond.is_some() || !numbered {
-                    // the factor is for rounding in the account of travel
+                    // the factor covers rounding in the travelled distance
                     *free_until = travelled + gap * (1.0 - 1e-9);
                 }
                 apart = Some((couple, gap));
@@ -249,7 +254,7 @@ impl ContactBlock {
         }
     }
 
-    /// Real state: contacts begin, last and end.
+    /// Updates the list of contacts in the real state: contacts begin, last and end.
     fn go_on(&mut self, view: ContactSearch, law: &ContactLaw, (before, overlapping): (&[TouchingSlot], &[u32])) {
         self.touching.clear();
         reserve(&mut self.touching, overlapping.len());
@@ -272,8 +277,8 @@ impl ContactBlock {
         }
     }
 
-    /// Looks at all contacts in progress. How some of them stand is computed before any is looked at: root and quotients of one then do not wait for
-    /// those of the one before.
+    /// Evaluates all contacts in progress. The encounters of a batch are computed first: so the square root and the
+    /// divisions of one contact do not wait for those of the contact before.
     fn look_at_all(&mut self, view: ContactSearch, law: &ContactLaw, rows: &mut ContactRows) {
         let Self { touching, records, sums, pushes, .. } = self;
         for some in touching.chunks(BATCH) {
@@ -290,7 +295,7 @@ impl ContactBlock {
         }
     }
 
-    /// Predicted state of a Runge-Kutta stage: contacts in progress stay as they are.
+    /// Evaluates the predicted state of a Runge-Kutta stage: contacts in progress stay as they are.
     fn foresee(&mut self, view: ContactSearch, law: &ContactLaw, (overlapping, rows): (&[u32], &mut ContactRows)) {
         self.foreseen.clear();
         let mut next = 0;
@@ -315,12 +320,13 @@ impl ContactBlock {
         }
     }
 
-    /// A contact that begins here.
+    /// Contact that begins at a slot.
     fn open(&self, slot: u32, view: ContactSearch, law: &ContactLaw) -> Contact {
         let ContactSearch { list, at, .. } = view;
         let touch = view.touching(list.couple(slot as usize), law);
         let met = meet(&touch, view);
-        // where a predicted state met it first its force acted already: the speed of approach is the one seen there
+        // if a predicted state met the contact first, its force has acted already: the speed of approach is that of
+        // this state
         let foreseen = self.foreseen.binary_search_by_key(&slot, |contact| contact.slot);
         let normal_speed = match foreseen {
             Ok(k) if at.opens => self.foreseen[k].course.normal_speed,
@@ -331,7 +337,7 @@ impl ContactBlock {
         Contact { slot, touch, course }
     }
 
-    /// Notes the impact of a contact that no longer overlaps, and forgets it.
+    /// Records the impact of a contact that no longer overlaps, and removes the contact.
     fn close(&mut self, TouchingSlot { slot, record }: TouchingSlot, view: ContactSearch) {
         let ContactSearch { list, at, .. } = view;
         let (touch, course) = self.records.get(record, list.couple(slot as usize));
@@ -342,7 +348,7 @@ impl ContactBlock {
             return;
         }
         let met = meet(&touch, view);
-        // what has gone far in one step may be out of sight of its surface, which then has no normal
+        // a particle that has moved far in one step may be out of reach of the surface, which then has no normal
         let before = course.normal.filter(|_| met.normal == Vector3::zeros());
         let normal = before.map_or(met.normal, |normal| normal.cast());
         let rebound = met.velocity.dot(&normal);
@@ -351,7 +357,7 @@ impl ContactBlock {
     }
 }
 
-/// Of two failures of the same instant that of the smaller ids.
+/// Returns the failure with the smaller ids, of two failures at one instant.
 #[cold]
 pub fn first_named(one: Option<Failure>, other: Failure) -> Failure {
     let name = |failure: &Failure| match failure {
@@ -362,13 +368,13 @@ pub fn first_named(one: Option<Failure>, other: Failure) -> Failure {
     one.filter(|one| name(one) <= name(&other)).unwrap_or(other)
 }
 
-/// How two bodies stand to one another at the instant of a view.
+/// Encounter of two bodies at the time of an evaluation.
 #[inline(always)]
 fn meet(touch: &TouchingPair, view: ContactSearch) -> Encounter {
     touch.couple.meet_at(touch.reach, view.particles, view.scene, FrameTime::fallen(view.at.fall))
 }
 
-/// Notes what a contact is like now, and adds up what its force does.
+/// Updates the state of a contact, and adds its force to the sums.
 #[inline(always)]
 fn look(
     (touch, course): (&TouchingPair, &mut ContactState),
@@ -382,7 +388,7 @@ fn look(
         sums.failure = Some(first_named(sums.failure.take(), failure));
     }
     course.note(met);
-    // touches come at any phase of the steps: on average the sum is the integral
+    // contacts begin at any phase of a step, so on average the sum is the integral
     course.overlap_time += met.overlap() * at.dt;
     let force = touch.force(law, met, scene, at.dt, at.to_middle);
     if !at.travel_is_exact {

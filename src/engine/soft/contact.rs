@@ -1,4 +1,4 @@
-//! One contact: who touches whom, how they stand to one another, what forces that makes, and what becomes of the energy.
+//! One contact: its two bodies, their encounter, the contact force, and the energy that the contact takes.
 
 use crate::contact_law::friction::{Slip, coulomb};
 use crate::contact_law::{ContactLaw, Spring};
@@ -10,42 +10,45 @@ use crate::scene::{Kind, Scene};
 use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
-/// [-] overlap over the (smaller) diameter beyond which "the normal" no longer means anything: at a plane (`flat`) when the sphere is
-/// wholly behind it, otherwise when centres of a pair are nearer than half the distance of touch, or a centre is within a body.
+/// [-] largest overlap over the (smaller) diameter at which "the normal" still has a meaning.
+///
+/// At a plane (`flat`) the limit is passed when the sphere is wholly behind the plane. Otherwise it is passed when the
+/// centres of a pair are nearer than half their distance at touch, or when a centre is within a body.
 pub fn overlap_limit(flat: bool) -> f64 {
     if flat { 1.0 } else { 0.5 }
 }
 
-/// [-] a step shorter than this share of the radius cannot pass a surface without an overlap that is too large at one of its ends.
+/// [-] share of the radius below which a step is short: it cannot pass a surface without too large an overlap at one
+/// end.
 pub const SHORT: f64 = 0.4;
 
-/// The failure of the particle at index `i` whose centre passes wall `wall` within one step, before `time` [s], on a straight way of that length [m]. On the surface
-/// its overlap is its radius.
+/// Failure of the particle at index `i`, whose centre passes wall `wall` within one step, reported for `time` [s]. The
+/// step is a straight line of `length` [m]. On the surface the overlap of the particle is its radius.
 pub fn passed(particles: &Particles, i: usize, (wall, time): (u32, f64), length: f64) -> Failure {
     let (limit, diameter) = (overlap_limit(false), 2.0 * particles.radius[i]);
     let way = Some(length / diameter);
     Failure::OverlapTooLarge { time, particle: particles.id[i], partner: Partner::Wall(wall), ratio: 0.5, limit, way }
 }
 
-/// The failure of a sphere that is deeper than it may be; overlaps over the diameter.
+/// Failure of a sphere with too large an overlap; `ratio` and `limit` are overlaps over the diameter.
 #[cold]
 fn refused(couple: Couple, particles: &Particles, time: f64, (ratio, limit): (f64, f64)) -> Failure {
     let (particle, partner) = (particles.id[couple.i as usize], couple.partner(particles));
     Failure::OverlapTooLarge { time, particle, partner, ratio, limit, way: None }
 }
 
-/// What is known of two touching bodies besides their motion.
+/// Constants of a contact between two bodies.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct TouchingPair {
     /// The two bodies that touch.
     pub couple: Couple,
     /// The constants of the contact law between them.
     pub spring: Spring,
-    /// [m] the smaller diameter.
+    /// [m] smaller diameter.
     pub diameter: f64,
-    /// [-] friction μ.
+    /// [-] friction coefficient μ.
     pub friction: f64,
-    /// [m] distance of the centres at which they touch; at a wall the radius.
+    /// [m] distance of the centres at touch; at a wall the radius.
     pub reach: f64,
 }
 
@@ -54,30 +57,30 @@ pub struct TouchingPair {
 pub struct Contact {
     /// Slot of the neighbour list.
     pub slot: u32,
-    /// The two bodies that touch.
+    /// The two bodies that touch, and the constants of their contact.
     pub touch: TouchingPair,
-    /// How it has gone so far.
+    /// State of the contact so far.
     pub course: ContactState,
 }
 
-/// How a contact has gone so far.
+/// State of a contact: the present overlap and the record so far.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct ContactState {
-    /// [m/s] of approach.
+    /// [m/s] speed of approach at the beginning.
     pub normal_speed: f64,
-    /// [m] when first seen.
+    /// [m] overlap when first seen.
     pub first_overlap: f64,
-    /// [m] so far.
+    /// [m] largest overlap so far.
     pub maximum_overlap: f64,
-    /// [m] now.
+    /// [m] present overlap.
     pub overlap: f64,
-    /// [m/s] at which that grows now.
+    /// [m/s] present growth rate of the overlap.
     pub growth: f64,
     /// [m s] overlap integrated over time so far.
     pub overlap_time: f64,
-    /// [s] simulated time at first sight.
+    /// [s] simulated time when first seen.
     pub began: f64,
-    /// Normal at the last look, which only tells sides; `None` before the first.
+    /// Normal at the last evaluation, which only tells sides; `None` before the first.
     pub normal: Option<Vector3<f32>>,
 }
 
@@ -89,7 +92,7 @@ impl Contact {
 }
 
 impl ContactState {
-    /// Of a contact that begins at simulated time `began` [s]; without a speed so far.
+    /// State of a contact that begins at simulated time `began` [s]; without a speed so far.
     pub fn new(began: f64) -> Self {
         Self {
             normal_speed: 0.0,
@@ -108,9 +111,11 @@ impl ContactState {
         Self { normal: self.normal.map(|normal| -normal), ..self }
     }
 
-    /// Refuses overlaps at which "the normal" no longer means anything: centres of a pair nearer than half the distance
-    /// of touch, a centre within a solid body or already beyond its middle, or a sphere wholly behind a plane. The last look was one step
-    /// of `dt` [s] ago, `time` [s] is now.
+    /// Refuses overlaps at which "the normal" no longer has a meaning.
+    ///
+    /// These are: centres of a pair nearer than half their distance at touch, a centre within a solid body or already
+    /// beyond its middle, or a sphere wholly behind a plane. The last evaluation was one step of `dt` [s] ago; `time`
+    /// [s] is now.
     #[inline(always)]
     pub fn check(
         &self,
@@ -132,9 +137,11 @@ impl ContactState {
         Err(refused(couple, particles, time, (ratio, limit)))
     }
 
-    /// Refuses a normal that has turned round because the centre passed the other body. That of a sphere which a wall holds from two sides turns
-    /// too, when the other side becomes the nearer one, but the centre has not come to the surface: on its way through it would have
-    /// gone at least as far as both distances together, since the distance from a surface changes no faster than the centre moves.
+    /// Refuses a normal that has turned round because the centre passed the other body.
+    ///
+    /// The normal of a sphere that a wall holds from two sides also turns, when the other side becomes the nearer one.
+    /// But then the centre has not come to the surface. On a way through the surface it would have moved at least as
+    /// far as both distances together, since the distance from a surface changes no faster than the centre moves.
     #[cold]
     fn refuse_to_pass(
         &self,
@@ -143,12 +150,13 @@ impl ContactState {
         (particles, scene): (&Particles, &Scene),
         (time, dt): (f64, f64),
     ) -> Result<(), Failure> {
-        /// [-] the speed of a step over that at its end: in a contact of some twenty steps it changes by less.
+        /// [-] bound on the speed during a step over the speed at its end. In a contact of some twenty steps the ratio
+        /// is smaller.
         const FASTER: f64 = 2.0;
         let TouchingPair { couple, diameter, reach, .. } = *touch;
         let (i, limit) = (couple.i as usize, overlap_limit(false));
         let Other::Wall(at) = couple.other else {
-            // between the two looks the centres of a pair have passed each other
+            // between the two evaluations the centres of a pair have passed each other
             return Err(refused(couple, particles, time, (met.overlap().max(self.overlap) / diameter, limit)));
         };
         let way = (met.velocity + scene.walls[at.wall as usize].velocity).norm() * dt;
@@ -159,7 +167,7 @@ impl ContactState {
         Err(passed(particles, i, (at.wall, time), way))
     }
 
-    /// Notes how the two stand now.
+    /// Records the present encounter of the two bodies.
     pub fn note(&mut self, met: &Encounter) {
         self.normal = Some(met.normal.cast());
         self.overlap = met.overlap();
@@ -167,7 +175,8 @@ impl ContactState {
         self.maximum_overlap = self.maximum_overlap.max(self.overlap);
     }
 
-    /// The impact it was, now that it has ended with that rebound speed [m/s] at that time [s]; `diameter` [m] is the smaller one.
+    /// Impact of the contact, which has ended with `rebound_speed` [m/s] at time `now` [s]; `diameter` [m] is the
+    /// smaller one.
     pub fn impact(&self, diameter: f64, rebound_speed: f64, now: f64) -> Impact {
         Impact {
             normal_speed: self.normal_speed,
@@ -181,12 +190,12 @@ impl ContactState {
     }
 }
 
-/// What a contact does now.
+/// Present force of a contact, and its powers.
 #[derive(Clone, Copy, Debug)]
 pub struct ContactForce {
-    /// [N] on particle i; the other gets the opposite.
+    /// [N] force on particle i; the other body gets the opposite force.
     pub on_i: Vector3<f64>,
-    /// [N] along the normal.
+    /// [N] component of the force along the normal.
     pub normal: f64,
     /// [W] taken out by the dashpot, in the middle of the kick.
     pub restitution_power: f64,
@@ -194,11 +203,11 @@ pub struct ContactForce {
     pub friction_power: f64,
     /// [W] put in by a wall whose surface moves.
     pub wall_power: f64,
-    /// [m] from the other centre (or the wall) to that of particle i.
+    /// [m] vector from the other centre (or the wall) to that of particle i.
     pub arm: Vector3<f64>,
 }
 
-/// Powers [W] and force on the particles from walls [N].
+/// Powers [W], forces from walls on the particles [N], and the virial of pairs [N m].
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct Rates {
     pub pair_restitution: f64,
@@ -211,18 +220,18 @@ pub struct Rates {
     pub pair_virial: Matrix3<f64>,
 }
 
-/// What is known of any two particles where all are alike. Each first touch and each push would wait for it otherwise: that of one particle stands far from
-/// that of the next in memory.
+/// Constants of any two particles where all particles are alike. Without them each first touch and each push would wait
+/// for memory, because the data of two particles stand far apart there.
 #[derive(Clone, Copy, Debug)]
 pub struct Alike {
     touch: TouchingPair,
     species: u16,
-    /// [kg] of each particle.
+    /// [kg] mass of each particle.
     pub mass: f64,
 }
 
 impl Alike {
-    /// Of these particles, if there are two and all are alike.
+    /// Constants of these particles, if there are at least two and all are alike.
     pub fn of(particles: &Particles, scene: &Scene, law: &ContactLaw) -> Option<Self> {
         let all = |one: &[f64]| one.iter().all(|other| *other == one[0]);
         let species = *particles.species.first()?;
@@ -234,19 +243,19 @@ impl Alike {
         })
     }
 
-    /// Two of them.
+    /// Constants of the contact between the two particles of `couple`.
     pub fn touching(&self, couple: Couple) -> TouchingPair {
         TouchingPair { couple, ..self.touch }
     }
 
-    /// Of which kinds two of them are.
+    /// Species of one particle and kind of the other: all particles are of one species.
     pub fn kinds(&self) -> (u16, Kind) {
         (self.species, Kind::Species(self.species))
     }
 }
 
 impl TouchingPair {
-    /// Two bodies under a contact law.
+    /// Constants of two bodies under a contact law.
     pub fn new(couple: Couple, particles: &Particles, scene: &Scene, law: &ContactLaw) -> Self {
         let spring = law.between(&couple.bodies(particles, scene));
         let friction = couple.surface(particles, scene).friction;
@@ -254,13 +263,13 @@ impl TouchingPair {
         Self { couple, spring, diameter, friction, reach: couple.reach(particles) }
     }
 
-    /// Whether all but the two bodies is the same.
+    /// True if both contacts have the same constants; their bodies may differ.
     pub fn is_like(&self, other: &Self) -> bool {
         let of = |touch: &Self| (touch.spring, touch.diameter, touch.friction, touch.reach);
         of(self) == of(other)
     }
 
-    /// [m/s²] relative acceleration of the two along their surfaces by gravity, which walls do not feel.
+    /// [m/s²] relative acceleration of the two bodies along their surfaces by gravity, which walls do not feel.
     #[inline(always)]
     fn pull_along(&self, met: &Encounter, scene: &Scene) -> Vector3<f64> {
         if self.couple.is_wall() {
@@ -270,8 +279,8 @@ impl TouchingPair {
         }
     }
 
-    /// The force of the contact. `time_step` [s] is how long friction acts, `to_middle` [s] from these velocities to where
-    /// powers are taken.
+    /// Force of the contact. Friction acts for `time_step` [s]. Powers are taken `to_middle` [s] after the time of
+    /// these velocities.
     #[inline(always)]
     pub fn force(
         &self,
@@ -313,19 +322,19 @@ impl std::ops::AddAssign for Rates {
     }
 }
 
-/// Sums over a step of a contact without friction whose normal stands.
+/// Sums over a step of a contact without friction, whose normal is taken as fixed.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct AlongNormal {
     /// [W] taken out by the dashpot.
     pub restitution_power: f64,
-    /// [N] along the normal.
+    /// [N] force along the normal.
     pub force: f64,
     /// [N m] force times distance.
     pub moment: f64,
 }
 
 impl Rates {
-    /// Of a contact without friction with that normal, from the other body to particle i.
+    /// Rates of a contact without friction; `normal` points from the other body to particle i.
     pub fn along(couple: &Couple, normal: &Vector3<f64>, sums: &AlongNormal) -> Self {
         if couple.is_wall() {
             let (power, force) = (sums.restitution_power, sums.force);
@@ -337,7 +346,7 @@ impl Rates {
         }
     }
 
-    /// Adds a contact with a weight [-].
+    /// Adds the rates of a contact with a weight [-].
     #[inline]
     pub fn count(&mut self, couple: &Couple, force: &ContactForce, weight: f64) {
         if couple.is_wall() {
@@ -366,7 +375,7 @@ impl Rates {
         let impulse = self.wall_force * time;
         ledger.wall_impulse += impulse;
         ledger.wall_normal_impulse += self.wall_normal_force * time;
-        // what walls add to the momentum, gravity works on for the rest of the window
+        // for the rest of the window gravity does work on the momentum that walls add
         ledger.gravity_work += scene.gravity.dot(&impulse) * remaining;
     }
 }

@@ -1,4 +1,4 @@
-//! Contacts in progress: their forces, their records, and what they dissipate.
+//! Contacts in progress: forces, records and dissipated energy.
 
 use super::block::{BlockScratch, ContactBlock, ForceEvaluation, first_named};
 use super::contact::{Alike, Contact, ContactState, Rates, TouchingPair};
@@ -15,16 +15,17 @@ use crate::scene::{Kind, Scene};
 use crate::work_sharing;
 use serde::{Deserialize, Serialize};
 
-/// Where it is written what happens during steps.
+/// Destination of energies, momenta and impacts during steps.
 pub struct StepRecord<'a> {
-    /// Energy and momentum, and impacts that may still be discarded.
+    /// Energy, momentum, and impacts that may still be discarded.
     pub log: &'a mut Log,
-    /// Counts impacts as they end, so that nobody keeps those of a whole window; `None` where they may still be discarded.
+    /// Counts impacts as they end, so that those of a whole window need no memory. `None` where impacts may still be
+    /// discarded.
     pub record: Option<&'a mut Record>,
 }
 
 impl StepRecord<'_> {
-    /// Takes over impacts, and leaves none.
+    /// Takes all impacts out of `impacts`.
     fn take(&mut self, impacts: &mut Vec<(Between, Impact)>) {
         match &mut self.record {
             Some(record) => record.count(impacts),
@@ -33,32 +34,33 @@ impl StepRecord<'_> {
     }
 }
 
-/// When forces are evaluated, and for how much time they stand. All times in s.
+/// Time of a force evaluation, and the time for which its forces act. All times in s.
 #[derive(Clone, Copy, Debug)]
 pub struct EvaluationTime {
     /// Simulated time at the start of the window.
     pub start: f64,
-    /// Since the start of the window, for the positions.
+    /// Time of the positions, since the start of the window.
     pub elapsed: f64,
-    /// Until the end of the window.
+    /// Time until the end of the window.
     pub remaining: f64,
-    /// The time step.
+    /// Time step.
     pub dt: f64,
-    /// Since the start of the window, for the velocities: what gravity has added to them.
+    /// Time of the velocities, since the start of the window. Gravity over this time is still missing in them.
     pub fall: f64,
-    /// From the given velocities to the middle of the kick, where powers are taken.
+    /// Time from the given velocities to the middle of the kick, where powers are taken.
     pub to_middle: f64,
-    /// Fraction of the step these forces stand for now.
+    /// [-] fraction of the step for which these forces act now.
     pub weight: f64,
-    /// Whether contacts begin and end here (not in the predicted state of a Runge-Kutta stage).
+    /// True if contacts begin and end here; false in the predicted state of a Runge-Kutta stage.
     pub opens: bool,
-    /// Whether the list's account of travel holds for these very positions (Verlet), and not only up to the next step.
+    /// True if the travelled distance of the list holds for these very positions (Verlet), and not only up to the next
+    /// step.
     pub travel_is_exact: bool,
-    /// Whether a half of this kick is left to the next window.
+    /// True if half of this kick is left to the next window.
     pub leaves_half: bool,
 }
 
-/// What contacts are looked for in, and when.
+/// Particles, scene and neighbour list in which contacts are searched, and the time of the search.
 #[derive(Clone, Copy)]
 pub struct ContactSearch<'a> {
     /// The pairs and walls that may overlap.
@@ -67,22 +69,22 @@ pub struct ContactSearch<'a> {
     pub particles: &'a Particles,
     /// Walls, surfaces and gravity.
     pub scene: &'a Scene,
-    /// The instant at which forces are asked for.
+    /// Time of the force evaluation.
     pub at: EvaluationTime,
-    /// Whether each particle, by place, is of this process; `None` if all are.
+    /// True for each particle of this process, by index; `None` if all particles are of this process.
     pub mine: Option<&'a [bool]>,
-    /// What all particles have in common, if they are alike.
+    /// Properties common to all particles, if they are alike.
     pub alike: Option<&'a Alike>,
 }
 
 impl ContactSearch<'_> {
-    /// Whether a contact is counted here: who has the first of the two does it.
+    /// True if this process counts the contact, because it has the first of the two particles.
     #[inline(always)]
     pub fn counts(&self, couple: &Couple) -> bool {
         self.mine.is_none_or(|mine| mine[couple.i as usize])
     }
 
-    /// What is known of two bodies that touch.
+    /// Contact constants of two bodies that touch.
     pub fn touching(&self, couple: Couple, law: &ContactLaw) -> TouchingPair {
         match self.alike {
             Some(alike) if !couple.is_wall() => alike.touching(couple),
@@ -90,7 +92,7 @@ impl ContactSearch<'_> {
         }
     }
 
-    /// Of which kinds two bodies are.
+    /// Species of the particle, and kind of the other body.
     pub fn kinds(&self, couple: &Couple) -> (u16, Kind) {
         match self.alike {
             Some(alike) if !couple.is_wall() => alike.kinds(),
@@ -102,35 +104,35 @@ impl ContactSearch<'_> {
 /// All contacts of a scene.
 pub struct Contacts {
     law: ContactLaw,
-    /// Where there are some they hold the contacts, and the two lists below are empty.
+    /// Parts of the neighbour list. If there are any, they hold the contacts, and `lasting` and `foreseen` are empty.
     blocks: Vec<ContactBlock>,
-    /// In ascending order of slot.
+    /// Contacts in progress, in ascending order of slot.
     lasting: Vec<Contact>,
     /// Contacts that the last predicted state met first, in ascending order of slot.
     foreseen: Vec<Contact>,
-    /// [J] stored in all contacts.
+    /// [J] elastic energy stored in all contacts.
     elastic_energy: f64,
-    /// Of the kick of which a half is still to be booked.
+    /// Powers and wall forces of the kick of which half is still to be booked.
     rates: Rates,
-    /// Of all steps of the window so far.
+    /// Sums over all steps of the window so far.
     total: Total,
-    /// Scratch: what contacts do in an evaluation.
+    /// Working memory of an evaluation with a single block.
     scratch: BlockScratch,
 }
 
-/// What the last evaluation of the forces leaves to the next one.
+/// State that the last force evaluation leaves to the next one.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Due {
-    /// Contacts that the last predicted state met first, in ascending order of slot: their forces acted already, so the
-    /// speed of approach is the one seen there.
+    /// Contacts that the last predicted state met first, in ascending order of slot. Their forces have acted already,
+    /// so the speed of approach is that of the predicted state.
     foreseen: Vec<Contact>,
-    /// [J] stored in all contacts.
+    /// [J] elastic energy stored in all contacts.
     elastic_energy: f64,
-    /// Of the kick of which a half is still to be booked.
+    /// Powers and wall forces of the kick of which half is still to be booked.
     rates: Rates,
 }
 
-/// Slots per block of a list.
+/// Number of slots per block of a list.
 fn block_size(list: &NeighbourList) -> usize {
     let slots = list.slots();
     if slots <= 2 * CHUNK { slots.max(1) } else { CHUNK }
@@ -160,19 +162,19 @@ impl Contacts {
         self.elastic_energy
     }
 
-    /// What the last evaluation leaves to the next one.
+    /// State that the last evaluation leaves to the next one.
     pub fn due(&self) -> Due {
         let mut foreseen = self.foreseen.clone();
         foreseen.extend(self.blocks.iter().flat_map(ContactBlock::foreseen));
         Due { foreseen, elastic_energy: self.elastic_energy, rates: self.rates }
     }
 
-    /// Goes on from what an evaluation left.
+    /// Continues from the state that an evaluation left.
     pub fn resume(&mut self, due: Due) {
         Due { foreseen: self.foreseen, elastic_energy: self.elastic_energy, rates: self.rates } = due;
     }
 
-    /// Opens a contact for everything that overlaps at the start, at simulated time `now` [s].
+    /// Begins a contact for every overlap at the start, at simulated time `now` [s].
     pub fn find(&mut self, list: &NeighbourList, particles: &Particles, scene: &Scene, now: f64) {
         self.gather(list);
         let mut slots = Vec::new();
@@ -187,30 +189,32 @@ impl Contacts {
         }
     }
 
-    /// Hands over the contacts in progress. What is due of the last kick stays, in case they come back as they were.
+    /// Returns the contacts in progress, which are removed here. The half of the last kick that is still to be booked
+    /// stays, in case the contacts come back unchanged.
     pub fn take(&mut self, list: &NeighbourList) -> Vec<Contact> {
         self.gather(list);
         std::mem::take(&mut self.lasting)
     }
 
-    /// Shows the contacts in progress, in ascending order of slot.
+    /// Calls `visit` for each contact in progress, in ascending order of slot.
     pub fn for_each(&self, list: &NeighbourList, visit: &mut dyn FnMut(Contact)) {
         self.lasting.iter().copied().for_each(&mut *visit);
         self.blocks.iter().flat_map(|block| block.contacts(block.couples(list))).for_each(visit);
     }
 
-    /// At the next evaluation all of the list is looked through, as after a run has been stored: so the work that is counted does not depend on that.
+    /// Makes the next evaluation test the whole list, as after a restart from a stored run. So the counted work does
+    /// not depend on whether the run was stored.
     pub fn look_anew(&mut self) {
         self.blocks.iter_mut().for_each(ContactBlock::look_anew);
     }
 
-    /// Drops what is due of the last kick: somebody else has moved the contacts on.
+    /// Drops the half of the last kick that is still to be booked, because the contacts have been moved on elsewhere.
     pub fn forget(&mut self) {
         self.elastic_energy = 0.0;
         self.rates = Rates::default();
     }
 
-    /// Takes contacts in progress over, for a list they are in.
+    /// Takes over contacts in progress, for a list that contains them.
     pub fn put(&mut self, contacts: Vec<Contact>) {
         self.keep_foreseen();
         self.lasting = contacts;
@@ -218,7 +222,7 @@ impl Contacts {
 
     /// Takes all contacts out of the blocks.
     fn gather(&mut self, list: &NeighbourList) {
-        // there are many, so the list does not grow by doubling, and each block gives its memory back before the next one is read
+        // saves memory: the list does not grow by doubling, and each block is freed before the next one is read
         self.lasting.reserve_exact(self.blocks.iter().map(ContactBlock::count).sum());
         for block in std::mem::take(&mut self.blocks) {
             self.foreseen.extend(block.foreseen());
@@ -226,14 +230,14 @@ impl Contacts {
         }
     }
 
-    /// Takes those alone out of the blocks that a predicted state met, and gives the blocks up.
+    /// Takes only the contacts that a predicted state met first out of the blocks, and drops the blocks.
     fn keep_foreseen(&mut self) {
         for block in std::mem::take(&mut self.blocks) {
             self.foreseen.extend(block.foreseen());
         }
     }
 
-    /// Hands the contacts to blocks of the list.
+    /// Distributes the contacts to blocks of the list.
     fn spread(&mut self, list: &NeighbourList) {
         let size = block_size(list);
         self.blocks = blocks(list);
@@ -245,11 +249,11 @@ impl Contacts {
         }
     }
 
-    /// Gives back what is of no use for another list: while that is built much else is in memory. Returns who touches whom in the blocks, which only
-    /// the present list knows.
+    /// Frees memory that is of no use for another list, because memory is short while that list is built. Returns the
+    /// couples of the contacts in blocks, which only the present list knows.
     pub fn shed(&mut self, list: &NeighbourList) -> impl Iterator<Item = Couple> + use<> {
         self.blocks.iter_mut().for_each(ContactBlock::shed);
-        // there are many, so the list does not grow by doubling; pairs, which come first, take half of the room of a couple
+        // saves memory: the list does not grow by doubling, and pairs, which come first, take half the room of couples
         let mut pairs = Vec::with_capacity(self.blocks.iter().map(ContactBlock::count).sum());
         let mut at_walls = Vec::new();
         for couple in self.blocks.iter().flat_map(|block| block.couples(list)) {
@@ -261,8 +265,8 @@ impl Contacts {
         pairs.into_iter().map(|pair| Couple::pair(pair.i, pair.j)).chain(at_walls)
     }
 
-    /// The store has been reordered and the list rebuilt: the particle once at `p` is now at `place_of[p]`. `couples` are those of the contacts in blocks, as
-    /// they were before.
+    /// Follows a reordered store and a rebuilt list: the particle once at index `p` is now at `place_of[p]`. `couples`
+    /// are the couples of the contacts in blocks, as they were before.
     pub fn reorder(&mut self, place_of: &[u32], mut couples: impl Iterator<Item = Couple>, list: &NeighbourList) {
         let follow = |contact: &mut Contact| {
             contact.touch.couple = contact.touch.couple.moved(|place| place_of[place as usize]);
@@ -271,7 +275,7 @@ impl Contacts {
             slot.is_some()
         };
         if !self.blocks.is_empty() {
-            // from block to block: one list of all would be as much memory again
+            // from block to block: one list of all contacts would double the memory
             let (size, mut anew) = (block_size(list), blocks(list));
             for block in std::mem::take(&mut self.blocks) {
                 let followed = |mut contact: Contact| follow(&mut contact).then_some(contact);
@@ -289,12 +293,12 @@ impl Contacts {
         for contacts in [&mut self.lasting, &mut self.foreseen] {
             contacts.retain_mut(follow);
             contacts.sort_unstable_by_key(|contact| contact.slot);
-            // two processes may have sent the same
+            // two processes may have sent copies of one contact
             contacts.dedup_by_key(|contact| contact.slot);
         }
     }
 
-    /// Finds what overlaps, opens and closes contacts, and puts the accelerations into `pushes`. Returns what it did.
+    /// Finds overlaps, begins and ends contacts, and puts the forces into `pushes`. Returns the work done.
     pub fn evaluate(
         &mut self,
         view: ContactSearch,
@@ -304,7 +308,7 @@ impl Contacts {
         if self.blocks.is_empty() {
             self.spread(view.list);
         }
-        // the memory of the last pushes is that of the next
+        // the memory of the last forces is used again
         pushes.resize_with(self.blocks.len(), ForceBuffer::default);
         let law = &self.law;
         let each = |scratch: &mut BlockScratch, (block, pushes): (&mut ContactBlock, &mut ForceBuffer)| {
@@ -334,7 +338,7 @@ impl Contacts {
         Ok(done)
     }
 
-    /// Counts what the forces of the last evaluation do, now that all processes agree that they act.
+    /// Adds powers and forces of the last evaluation to the sums, once all processes agree that these forces act.
     pub fn count(&mut self, at: EvaluationTime, others: Option<&dyn Communicator>) {
         let mut due = Total::default();
         for ContactBlock { sums, .. } in &self.blocks {
@@ -349,7 +353,7 @@ impl Contacts {
         self.rates = due.rates();
     }
 
-    /// Books what contacts have done in steps of `dt` [s] since that was last booked: of several processes the lead does.
+    /// Books the sums over steps of `dt` [s] since the last call. With several processes only the lead books.
     pub fn book(&mut self, dt: f64, book: &mut StepRecord, others: Option<&dyn Communicator>) {
         let mut total = std::mem::take(&mut self.total);
         others.iter().for_each(|others| total.gather(*others));
@@ -358,7 +362,8 @@ impl Contacts {
         }
     }
 
-    /// Books the half of the last kick that was left for this window; `remaining` [s] is the whole window.
+    /// Books the half of the last kick that was left for this window: `time` [s] is its length, `remaining` [s] that of
+    /// the whole window.
     pub fn settle(&mut self, time: f64, remaining: f64, scene: &Scene, log: &mut Log) {
         self.rates.add(time, remaining, scene, log);
         self.rates = Rates::default();

@@ -1,4 +1,4 @@
-//! An island that is too large for local stepping: uniform steps of its particles, as if they were all there are.
+//! Island that is too large for local stepping: uniform steps of its particles, as if there were no others.
 
 use super::backoff::Rival;
 use super::contacts::StepRecord;
@@ -18,23 +18,24 @@ pub struct Steps {
     pub law: ContactLaw,
     /// The time integrator.
     pub integrator: Integrator,
-    /// [s] steps are this long or a little shorter.
+    /// [s] longest step; steps may be a little shorter.
     pub longest: f64,
 }
 
 impl Steps {
-    /// [ns/s] what a particle of a bed costs per simulated time, with its six neighbours and four contacts, each shared by two.
+    /// [ns/s] cost of one particle of a bed per simulated time, with six neighbours and four contacts, each shared by
+    /// two particles.
     pub fn cost_in_a_bed(&self) -> f64 {
         let stages = stages(self.integrator) / self.longest;
         Rival { stages, particles: 1, slots: 3, forces: 2.0 * stages }.cost()
     }
 }
 
-/// Takes a crowd through [0, end) [s] by uniform steps; names one of those that got out of bounds, and leaves the others in
-/// [`Island::also`].
+/// Takes a crowd through [0, end) [s] by uniform steps. Returns the index of one particle that got out of bounds, and
+/// leaves the others in [`Island::also`].
 ///
 /// # Errors
-/// What makes the engine fail.
+/// Returns the failure of the uniform steps.
 pub fn solve(
     island: &mut Island<Contact>,
     steps: Steps,
@@ -46,7 +47,7 @@ pub fn solve(
     solver.contacts.put(std::mem::take(&mut island.carried));
     let mut particles = std::mem::take(&mut island.particles);
     let before: Vec<_> = particles.velocity.iter().map(|velocity| velocity + scene.gravity * end).collect();
-    // the list puts the particles in another order: while it does, ids are places
+    // the list reorders the particles: until they are sorted back, indices replace their ids
     let ids = std::mem::replace(&mut particles.id, (0..before.len() as u32).collect());
     let mut log = std::mem::take(&mut island.log);
     let pushed = log.ledger.wall_impulse;
@@ -58,7 +59,7 @@ pub fn solve(
         &mut StepRecord { log: &mut log, record: None },
         &mut SingleProcess,
     );
-    // what walls have given, gravity works on until the end of the window
+    // until the end of the window gravity does work on the momentum that walls have added
     log.ledger.gravity_work += scene.gravity.dot(&(log.ledger.wall_impulse - pushed)) * (window.duration - end);
     let contacts = solver.contacts.take(&solver.list);
     let moved = |contact: Contact| {
@@ -70,7 +71,7 @@ pub fn solve(
     particles.id = ids;
     island.log = log;
     count(island, &solver);
-    // who stood by and has been pushed belongs to it
+    // bystanders that have been pushed belong to the island
     island.also = (island.hot..before.len()).filter(|&k| particles.velocity[k] != before[k]).collect();
     island.particles = particles;
     result?;
@@ -82,12 +83,12 @@ pub fn solve(
     Ok(island.also.pop())
 }
 
-/// Counts what has been done, in the measure of local stepping.
+/// Adds the work done to the counters of the island, on the scale of local stepping.
 fn count(island: &mut Island<Contact>, solver: &SoftSolver) {
     let counters = solver.counters(&Default::default());
     island.crowd_steps += counters.steps;
     island.crowd_forces += counters.force_evaluations;
     island.force_evaluations += counters.force_evaluations;
-    // a particle or a gap in a uniform step costs half of one in an island (`patience`)
+    // a particle or a gap in a uniform step costs half of one in an island (`backoff`)
     island.updates += (counters.steps * island.particles.len() as u64 + counters.pair_checks) / 2;
 }

@@ -1,8 +1,11 @@
 //! Uniform steps of a run that is cut into domains: each process moves the particles of its block.
 //!
-//! When the neighbour list is built, a process borrows the particles that its own may touch for as long as the list lasts. Forces of contacts across a
-//! border are computed on both sides, to the same bits: parts of the list keep the order of the list of all. After every kick those who have been lent
-//! and pushed are told to the borrowers, after all have agreed on the largest speed and on whether anything went wrong.
+//! When the neighbour list is built, a process borrows ghost particles: those that its own particles may touch as long
+//! as the list lasts. Forces of contacts across a border are computed by both processes. They agree in all bits,
+//! because parts of the list keep the order of the list of all particles.
+//!
+//! After every kick all processes agree on the largest speed and on whether anything failed. Then the new velocities of
+//! lent particles that were pushed are sent to the borrowers.
 
 use super::block::first_named;
 use super::contact::Alike;
@@ -22,15 +25,15 @@ use crate::record::{Log, Record};
 use crate::scene::Scene;
 use std::sync::Arc;
 
-/// The other processes.
+/// Ghost exchange with the other processes.
 pub struct OtherProcesses<'a> {
-    /// Which block is whose.
+    /// Assignment of blocks to processes.
     pub domains: &'a mut Domains,
     /// Contacts among the particles of this process.
     pub lasting: &'a mut Vec<Contact>,
-    /// Those with particles of others.
+    /// Contacts between a particle of this process and one of another process.
     pub abroad: &'a mut Vec<CrossRankContact<Contact>>,
-    /// State before the last kick of all that a kick changes.
+    /// State before the last kick, of all data that a kick changes.
     before: Particles,
     communicator: Arc<dyn Communicator>,
 }
@@ -45,7 +48,8 @@ impl<'a> OtherProcesses<'a> {
         Self { domains, lasting, abroad, before: Particles::default(), communicator }
     }
 
-    /// Tells others the new velocities of particles that have been lent to them, or what went wrong; gives what went wrong anywhere.
+    /// Sends the new velocities of lent particles to the borrowers, or reports a failure. Returns the first failure of
+    /// any process.
     fn tell(&self, solver: &mut SoftSolver, particles: &mut Particles, failure: Option<Failure>) -> Option<Failure> {
         let mut largest = [solver.speed.all, f64::from(u8::from(failure.is_some()))];
         self.communicator.largest(&mut largest);
@@ -64,15 +68,15 @@ impl<'a> OtherProcesses<'a> {
         None
     }
 
-    /// The first failure of any process.
+    /// First failure of any process, in the order of ids.
     fn first(&self, failure: Option<Failure>) -> Option<Failure> {
         let all = self.communicator.exchange(vec![to_bytes(&failure); self.communicator.size()]);
         let all = all.iter().filter_map(|bytes| postcard::from_bytes::<Option<Failure>>(bytes).ok().flatten());
         all.fold(None, |first, failure| Some(first_named(first, failure)))
     }
 
-    /// Builds the list of all anew, each process its part, by a plan that is known or for uses that are so far apart [s]: particles that have left a block
-    /// go to whose they are now.
+    /// Rebuilds the list of all particles, each process its part, by a `known` plan or for uses `between_uses` [s]
+    /// apart. Particles that have left a block go to the process of their new block.
     fn rebuild_by(
         &mut self,
         solver: &mut SoftSolver,
@@ -112,12 +116,12 @@ impl<'a> OtherProcesses<'a> {
         solver.slots_of_all = Some(slots[0] as usize);
         solver.speed.all = plan.largest_speed;
         solver.halo = Some(halo);
-        // other particles are seen than before
+        // the process sees other particles than before
         solver.alike = Alike::of(particles, scene, &solver.islands.law);
     }
 }
 
-/// How the list of all is made, for uses that are `between_uses` [s] apart.
+/// Settings of the list of all particles, agreed by all processes, for uses that are `between_uses` [s] apart.
 fn agreed(domains: &Domains, own: &Particles, scene: &Scene, between_uses: f64) -> ListSettings {
     let sizes = (domains.population.count, domains.population.mean_radius[0]);
     ListSettings::together(own, sizes, scene, between_uses, &*domains.communicator())
@@ -148,7 +152,7 @@ impl GhostExchange for OtherProcesses<'_> {
         if !solver.list.allows(2.0 * solver.speed.all * dt) {
             let plan = agreed(self.domains, &own, scene, 2.0 * dt);
             let mut speed = super::Fastest { all: plan.largest_speed, ..solver.speed };
-            // what is due of the last window comes before particles change hands
+            // the half-kick that is due from the last window comes before particles change process
             if solver.has_forces {
                 speed.rise(kick_all(&solver.pushes, (particles, None), 0.5 * dt, plan.frame));
             }
@@ -216,14 +220,14 @@ impl GhostExchange for OtherProcesses<'_> {
 }
 
 impl SoftSolver {
-    /// Leaves the pushes of particles of this process: the others are pushed elsewhere.
+    /// Keeps the pushes on particles of this process; the other processes apply all others.
     fn leave_own_pushes(&mut self) {
         if let Some(halo) = &self.halo {
             self.pushes.iter_mut().for_each(|pushes| pushes.leave(&halo.mine));
         }
     }
 
-    /// Everyone through the window, by all processes.
+    /// Moves all particles through the window, shared by all processes.
     pub(super) fn uniform_together(
         &mut self,
         work: &mut Work<Contact>,
@@ -266,8 +270,10 @@ impl SoftSolver {
         result
     }
 
-    /// The lead has all particles. They are cut over processes now, or when the list is next built, if the lead has one that is in use: then the others
-    /// have none until then.
+    /// Starts shared steps when the lead has all particles.
+    ///
+    /// The particles are distributed over the processes now, unless the lead has a list in use. Then they are
+    /// distributed when the list is next built, and until then the other processes have no particles.
     fn start_together(&mut self, work: &mut Work<Contact>, domains: &mut Domains) {
         let is_in_use = self.has_forces || self.list.allows(0.0);
         let known = (is_in_use && domains.is_lead()).then(|| (self.list.without_pairs(), self.has_forces));
@@ -295,7 +301,8 @@ impl SoftSolver {
         }
     }
 
-    /// Gives the lead, who has been shown all particles, the list of all and what is due to them: what it keeps of a run.
+    /// Gives the lead, which has been shown all particles, the list of all particles and the forces due to them. The
+    /// lead stores both with a run.
     pub(super) fn show_all(&mut self, work: &mut Work<Contact>, domains: &Domains) {
         let Some(halo) = &self.halo else { return };
         let parts = domains.communicator().collect(halo.packed(&self.pushes));

@@ -1,4 +1,4 @@
-//! Who else moves particles in the same steps: nobody, or other processes.
+//! Exchange with the processes that take part in the same uniform steps, if there are any.
 
 use super::contacts::{EvaluationTime, StepRecord};
 use super::{Fastest, SoftSolver};
@@ -7,9 +7,10 @@ use crate::engine::{Failure, Window, not_a_number};
 use crate::particles::Particles;
 use crate::scene::Scene;
 
-/// Where uniform steps need to know of particles that others have.
+/// Operations of uniform steps that need the particles of other processes.
 pub trait GhostExchange {
-    /// Before the steps of `dt` [s] of a window: speeds of all, and a list that holds.
+    /// Prepares the steps of a window, of `times.1` [s] each: finds the largest speed of all particles, and rebuilds an
+    /// outdated list.
     fn begin(
         &mut self,
         solver: &mut SoftSolver,
@@ -18,10 +19,10 @@ pub trait GhostExchange {
         times: (Window, f64),
     ) -> Result<(), Failure>;
 
-    /// Builds the list anew between two steps; it will be used every `between_uses` [s].
+    /// Rebuilds the list between two steps; it will be used every `between_uses` [s].
     fn rebuild(&mut self, solver: &mut SoftSolver, particles: &mut Particles, scene: &Scene, between_uses: f64);
 
-    /// What all make of it.
+    /// Returns the result of all processes together: a failure if any process has one.
     fn agree(&mut self, result: Result<(), Failure>) -> Result<(), Failure>;
 
     /// Evaluates the forces.
@@ -37,7 +38,7 @@ pub trait GhostExchange {
     /// Kicks with the forces of the last evaluation, for `dt` [s].
     fn kick(&mut self, solver: &mut SoftSolver, particles: &mut Particles, dt: f64);
 
-    /// Evaluates the forces and kicks for the part of a step that they stand for.
+    /// Evaluates the forces, and kicks for the part of a step for which they act.
     fn step(
         &mut self,
         solver: &mut SoftSolver,
@@ -47,11 +48,11 @@ pub trait GhostExchange {
         book: &mut StepRecord,
     ) -> Result<(), Failure>;
 
-    /// How they are reached, if there are any.
+    /// Connection to the other processes; `None` without other processes.
     fn communicator(&self) -> Option<&dyn Communicator>;
 }
 
-/// Nobody.
+/// Exchange of a single process, which has all particles.
 pub struct SingleProcess;
 
 impl GhostExchange for SingleProcess {

@@ -1,4 +1,5 @@
-//! What a process sees in uniform steps of a run that is cut into domains: its own particles and those that it has borrowed.
+//! Particles that a process sees in uniform steps of a run that is cut into domains: its own and borrowed ones
+//! (ghosts).
 
 use super::Contact;
 use super::local::SoftIslands;
@@ -13,53 +14,53 @@ use nalgebra::Vector3;
 use rustc_hash::{FxHashMap, FxHashSet};
 use serde::{Deserialize, Serialize};
 
-/// Who solves islands of these contacts.
+/// Solver of islands with contacts of this type.
 type Solving = SoftIslands;
 
-/// Own particles and borrowed ones.
+/// Own and borrowed particles of a process.
 #[derive(Default)]
 pub struct Halo {
-    /// Whether each, by place in the order of the list, is its own.
+    /// True for each particle of this process, by index in the order of the list.
     pub mine: Vec<bool>,
-    /// Places of its own.
+    /// Indices of the own particles.
     pub own: Vec<u32>,
-    /// Places of those that each process has borrowed, in the order of ids.
+    /// For each process: indices of the particles lent to it, in the order of ids.
     pub lent: Vec<Vec<u32>>,
-    /// Places of those that each process has lent to this one, in the order of ids.
+    /// For each process: indices of the particles borrowed from it, in the order of ids.
     pub borrowed: Vec<Vec<u32>>,
-    /// [m] where they were when the list was built.
+    /// [m] positions of the particles when the list was built.
     pub built_at: Vec<Vector3<f64>>,
-    /// They, between two windows.
+    /// Own and borrowed particles, kept between two windows.
     pub seen: Particles,
-    /// Scratch: whether each has been pushed.
+    /// Working memory: true for each particle that has been pushed.
     pushed: Vec<bool>,
 }
 
-/// Ids of those that processes have lent to one another.
+/// Ids of the particles that processes have lent to one another.
 pub struct Names {
     lent: Vec<Vec<u32>>,
     borrowed: Vec<Vec<u32>>,
-    /// By the place before the list was built.
+    /// Ids of all particles, by index before the list was built.
     id: Vec<u32>,
 }
 
-/// What a process tells the lead of its part of the list.
+/// Data that a process sends to the lead about its part of the list.
 #[derive(Serialize, Deserialize)]
 struct ListSummary {
     id: Vec<u32>,
     built_at: Vec<Vector3<f64>>,
-    /// Pushes that are due, the places being ids.
+    /// Forces [N] that are due, with the ids of their particles.
     due: Vec<(u32, Vector3<f64>)>,
 }
 
 impl Halo {
-    /// Of a process that has all particles, or none of them.
+    /// Halo of a process that has all particles, or none of them.
     pub fn of_all(count: usize) -> Self {
         Self { mine: vec![true; count], own: (0..count as u32).collect(), ..Self::default() }
     }
 
-    /// Gives those who have left the block to whose they are now, and borrows all that are within `width` [m] of it. In the store are then both, and
-    /// contacts of them.
+    /// Gives particles that have left the block to the process of their new block, and borrows all particles within
+    /// `width` [m] of the block. The store then holds own and borrowed particles, and `lasting` holds their contacts.
     pub fn borrow(domains: &mut Domains, work: &mut Work<Contact>, width: f64) -> (Self, Names) {
         let (mine, places) = domains.borrow::<SoftIslands>(work, width);
         let id = &work.particles.id;
@@ -74,7 +75,7 @@ impl Halo {
         let borrowed = domains.communicator().exchange(outgoing);
         let borrowed: Vec<Vec<u32>> =
             borrowed.iter().map(|bytes| bytes.as_chunks::<4>().0.iter().map(number).collect()).collect();
-        // who has left and is not lent back is of no use
+        // particles that have left and are not lent back are dropped
         let wanted: FxHashSet<u32> = borrowed.iter().flatten().copied().collect();
         let stays: Vec<bool> = id.iter().zip(&mine).map(|(id, mine)| *mine || wanted.contains(id)).collect();
         let kept: Vec<u32> = (0..id.len() as u32).filter(|&place| stays[place as usize]).collect();
@@ -94,7 +95,7 @@ impl Halo {
         (Self { mine, ..Self::default() }, Names { lent, borrowed, id: work.particles.id.clone() })
     }
 
-    /// The list has put the particles in another order: the one once at `p` is now at `place_of[p]`.
+    /// Follows the new order of a list: the particle once at index `p` is now at `place_of[p]`.
     pub fn follow(&mut self, place_of: &[u32], names: Names) {
         let mut mine = vec![false; place_of.len()];
         self.mine.iter().zip(place_of).for_each(|(is_mine, &place)| mine[place as usize] = *is_mine);
@@ -106,13 +107,13 @@ impl Halo {
         self.borrowed = names.borrowed.into_iter().map(places).collect();
     }
 
-    /// Notes who is pushed.
+    /// Marks the pushed particles.
     pub fn mark(&mut self, pushes: &[ForceBuffer]) {
         self.pushed.resize(self.mine.len(), false);
         self.set_pushed(pushes, true);
     }
 
-    /// Forgets who was pushed.
+    /// Removes the marks of pushed particles.
     pub fn unmark(&mut self, pushes: &[ForceBuffer]) {
         self.set_pushed(pushes, false);
     }
@@ -126,7 +127,7 @@ impl Halo {
         }
     }
 
-    /// The velocities of those who have been lent and pushed, by number.
+    /// Packs the velocities of lent particles that have been pushed, each with its number in `lent`.
     pub fn pack(&self, lent: &[u32], particles: &Particles) -> Vec<u8> {
         let mut bytes = Vec::new();
         for (k, &place) in (0u32..).zip(lent) {
@@ -138,7 +139,8 @@ impl Halo {
         bytes
     }
 
-    /// The particles at the beginning of a window: the own ones may have got other velocities meanwhile, which the others are told.
+    /// Particles at the beginning of a window. Own particles may have got other velocities meanwhile, which are sent to
+    /// the borrowers.
     pub fn look(&mut self, own: &Particles, domains: &Domains) -> Particles {
         let mut seen = std::mem::take(&mut self.seen);
         for (k, &place) in self.own.iter().enumerate() {
@@ -161,7 +163,7 @@ impl Halo {
         seen
     }
 
-    /// Leaves the own particles and the contacts of them to others at the end of a window.
+    /// Hands over the own particles and their contacts at the end of a window.
     pub fn leave(&self, seen: &Particles, contacts: &[Contact], solver: &SoftIslands, work: &mut Work<Contact>) {
         work.particles.clear();
         work.particles.copy_from(seen, &self.own);
@@ -190,7 +192,7 @@ impl Halo {
         }
     }
 
-    /// What the lead is told of this part of the list, and of pushes that are due.
+    /// Data for the lead: this part of the list, and the forces that are due.
     pub fn packed(&self, pushes: &[ForceBuffer]) -> Vec<u8> {
         let mut due = Vec::new();
         let id = |place: u32| self.seen.id[place as usize];
@@ -207,7 +209,8 @@ impl Halo {
     }
 }
 
-/// The list of all particles, which are put in its order, and the pushes that are due to them.
+/// List of all particles, and the forces that are due to them. Particles and contacts of `work` are put in the order of
+/// the list.
 pub fn list_of_all(
     parts: &[Vec<u8>],
     own: &NeighbourList,
@@ -239,12 +242,13 @@ pub fn list_of_all(
     (list, due)
 }
 
-/// A failure, or none, as it is sent.
+/// Packed form of a failure or of none, for sending.
 pub fn to_bytes(failure: &Option<Failure>) -> Vec<u8> {
     postcard::to_stdvec(failure).unwrap_or_default()
 }
 
-/// Takes over what a process tells after a kick of the particles that it has lent, which stand at those indices.
+/// Takes over velocities that a process sends after a kick of particles that it has lent; `borrowed` are their indices
+/// here.
 pub fn take_kicks(mut bytes: &[u8], borrowed: &[u32], particles: &mut Particles) {
     while let Some((number, rest)) = bytes.split_first_chunk() {
         let index = borrowed.get(u32::from_le_bytes(*number) as usize);

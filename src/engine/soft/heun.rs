@@ -1,4 +1,4 @@
-//! The second-order Runge-Kutta scheme that is kept for comparison with the paper.
+//! Second-order Runge-Kutta scheme, kept for comparison with the paper.
 
 use super::contacts::{EvaluationTime, StepRecord};
 use super::{SoftSolver, Window, instant};
@@ -10,7 +10,7 @@ use crate::scene::Scene;
 use nalgebra::Vector3;
 
 impl SoftSolver {
-    /// Heun: both stages see the overlaps and velocities of their own instant.
+    /// Heun's method: both stages use the overlaps and velocities of their own instant.
     pub(super) fn heun(
         &mut self,
         particles: &mut Particles,
@@ -30,7 +30,7 @@ impl SoftSolver {
             if self.may_pass(scene, elapsed, dt) {
                 self.refuse_to_pass(particles, scene, window, elapsed, dt)?;
             }
-            // predictor: x + v dt, v + a dt; the list is renewed between steps only, so places stay put
+            // predictor: x + v dt, v + a dt; the list is renewed between steps only, so indices stay the same
             drift(particles, dt, scene.gravity * (dt * (elapsed + 0.5 * dt)));
             self.kick(particles, dt);
             let travel = (self.speed.all + fall.norm() * (elapsed + dt)) * dt;

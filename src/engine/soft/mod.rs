@@ -1,4 +1,4 @@
-//! Soft spheres: contacts last, and are stepped through in time.
+//! Soft spheres: contacts last for some time, which is resolved by time steps.
 
 mod backoff;
 mod block;
@@ -40,80 +40,82 @@ pub(in crate::engine) use local::{Allowance, InstantaneousRule, IslandScratch, R
 use pushes::{ForceBuffer, ForceIncrement, kick_all};
 use serde::{Deserialize, Serialize};
 
-/// [ns] what a uniform step costs per particle, in the measure of the islands' costs.
+/// [ns] cost of a uniform step per particle, on the scale of the costs of islands.
 const UNIFORM_COST: f64 = 5.0;
 
-/// Spring-dashpot contacts, stepped through where they are (islands) or all particles at once.
+/// Engine of soft spheres: spring-dashpot contacts, with time steps of islands or of all particles at once.
 ///
-/// Uniform stepping: velocity Verlet in its kick-drift-kick form; two half-kicks in a row are one kick, so between windows velocities
-/// live at half steps and only particles in contact are touched by forces. The dashpot sees the half-step velocity
-/// (stability limit ω_0 Δt < 2(sqrt(1+ζ²) - ζ)). Heun's RK2 is kept for comparison with the paper.
+/// Uniform stepping is velocity Verlet in its kick-drift-kick form, in which two half-kicks in a row are one kick. So
+/// within a window velocities are those of half steps, and only particles in contact are touched by forces. The dashpot
+/// sees the half-step velocity (stability limit ω_0 Δt < 2(sqrt(1+ζ²) - ζ)). Heun's RK2 is kept for comparison with the
+/// paper.
 pub type Soft = Driver<SoftSolver>;
 
-/// Solves islands of soft spheres by local stepping, and everyone by uniform stepping.
+/// Solver of soft spheres: islands by local stepping, all particles at once by uniform stepping.
 pub struct SoftSolver {
     stepping: SoftStepping,
     islands: SoftIslands,
-    /// Whether islands are tried (auto).
+    /// Decides in which windows islands are tried (auto).
     patience: Backoff,
-    /// Steps of everybody.
+    /// Uniform steps so far.
     steps: u64,
     integrator: Integrator,
-    /// [s] steps are this long or a little shorter, so that a window is a whole number of them.
+    /// [s] longest step; steps may be a little shorter, so that a window is a whole number of them.
     longest_step: f64,
     list: NeighbourList,
     contacts: Contacts,
-    /// Whether contacts in progress have stayed there since everyone was last moved, and are nowhere else. Where processes share the steps each has copies
-    /// there of what it has handed over.
+    /// True if `contacts` holds the contacts in progress since the last uniform steps, and they are nowhere else. Where
+    /// processes share the steps, `contacts` holds copies of contacts that were handed over.
     keeps_contacts: bool,
-    /// Forces of the last evaluation. At the end of a window they are due as the first half-kick of the next (Verlet).
+    /// Forces of the last evaluation. At the end of a window they are due as the first half-kick of the next window
+    /// (Verlet).
     pushes: Vec<ForceBuffer>,
-    /// Scratch: forces of the first stage (Heun).
+    /// Working memory: forces of the first stage (Heun).
     before: Vec<ForceBuffer>,
     counters: Counters,
     /// Bounds on speeds relative to the list's frame.
     speed: Fastest,
-    /// [m] the smallest radius, where a wall is thin.
+    /// [m] smallest radius; `None` without thin walls.
     smallest: Option<f64>,
-    /// Whether `pushes` holds the forces of the present state (Verlet).
+    /// True if `pushes` holds the forces of the present state (Verlet).
     has_forces: bool,
-    /// Whether everyone was moved last, not islands.
+    /// True if the last steps were uniform, not those of islands.
     ran_last: bool,
-    /// What this process sees, while several share the steps.
+    /// Own and ghost particles of this process, while several processes share the steps.
     halo: Option<Halo>,
-    /// Slots of the lists of all processes, if they have shared the steps since the last list.
+    /// Number of slots in the lists of all processes, if they have shared the steps since the last list.
     slots_of_all: Option<usize>,
-    /// What all particles have in common during a window, if they are alike.
+    /// Properties common to all particles during a window, if they are alike.
     alike: Option<Alike>,
-    /// The list of all and the pushes that are due, while the lead is shown all particles.
+    /// List of all particles and the forces that are due, while the lead is shown all particles.
     shown: Option<(NeighbourList, Vec<ForceIncrement>)>,
 }
 
 /// [m/s] bounds on speeds.
 #[derive(Clone, Copy, Debug, Default)]
 struct Fastest {
-    /// Of all particles.
+    /// Bound for all particles.
     all: f64,
-    /// After any push of a contact.
+    /// Largest speed after any push by a contact.
     pushed: f64,
 }
 
 impl Fastest {
-    /// A push has made somebody that fast.
+    /// Raises both bounds to a speed [m/s] reached by a push.
     fn rise(&mut self, now: f64) {
         (self.all, self.pushed) = (self.all.max(now), self.pushed.max(now));
     }
 }
 
-/// What the solver keeps from one window to the next.
+/// State that the solver keeps from one window to the next.
 #[derive(Serialize, Deserialize)]
 pub struct SoftState {
     patience: Backoff,
     steps: u64,
     counters: Counters,
-    /// As it is: built anew for the present positions it would hold other pairs, in another order.
+    /// List as it is. A list rebuilt for the present positions would hold other pairs, in another order.
     list: NeighbourList,
-    /// The pending half-kick (Verlet).
+    /// Forces of the pending half-kick (Verlet).
     pending: Vec<ForceIncrement>,
     due: Due,
     has_forces: bool,
@@ -155,7 +157,7 @@ impl Soft {
 }
 
 impl SoftSolver {
-    /// Builds the list anew and carries the contacts over to the new order.
+    /// Rebuilds the list for uses `between_uses` [s] apart, and moves the contacts to the new order.
     fn rebuild(&mut self, particles: &mut Particles, scene: &Scene, between_uses: f64) {
         let couples = self.contacts.shed(&self.list);
         self.slots_of_all = None;
@@ -171,7 +173,7 @@ impl SoftSolver {
         self.speed.all = particles.largest_speed(self.list.frame());
     }
 
-    /// Forces at the present positions and velocities into `pushes`.
+    /// Computes the forces at the present positions and velocities into `pushes`.
     fn evaluate(
         &mut self,
         particles: &Particles,
@@ -191,13 +193,14 @@ impl SoftSolver {
         scene.walls.iter().any(|wall| wall.geometry.law().is_thin())
     }
 
-    /// Whether a step is long enough to take the centre of a sphere through a thin wall.
+    /// True if a step of `dt` [s] is long enough to take the centre of a sphere through a thin wall.
     fn may_pass(&self, scene: &Scene, elapsed: f64, dt: f64) -> bool {
         let fall = scene.gravity * (elapsed + 0.5 * dt);
         self.smallest.is_some_and(|smallest| (self.speed.all + fall.norm()) * dt >= SHORT * smallest)
     }
 
-    /// Refuses a step that takes the centre of a sphere through a thin wall: neither end of it would show an overlap.
+    /// Refuses a step that takes the centre of a sphere through a thin wall. Such a step may show no overlap at either
+    /// end.
     fn refuse_to_pass(
         &self,
         particles: &Particles,
@@ -258,7 +261,7 @@ impl SoftSolver {
             drift(particles, dt, scene.gravity * (dt * (elapsed + 0.5 * dt)));
             self.list.travel((self.speed.all + fall.norm() * (elapsed + dt)) * dt);
             if !self.list.allows(0.0) {
-                // they have been applied
+                // these forces have been applied
                 self.pushes.clear();
                 others.rebuild(self, particles, scene, dt);
             }
@@ -276,7 +279,7 @@ impl SoftSolver {
         Ok(())
     }
 
-    /// Every particle at every step, for the whole window.
+    /// Moves every particle at every step, through the whole window.
     fn uniform(
         &mut self,
         particles: &mut Particles,
@@ -301,7 +304,7 @@ impl SoftSolver {
         Ok(())
     }
 
-    /// What uniform steps would do in `time` [s] in which islands computed `forces`, and crowds so many others.
+    /// Work of uniform steps in `time` [s], in which islands computed `forces` contact forces and crowds `of_crowds`.
     fn uniform_work(&self, particles: usize, time: f64, [forces, of_crowds]: [u64; 2]) -> Rival {
         let stages = stages(self.integrator);
         let local = self.islands.stages().len() as f64;
@@ -314,7 +317,7 @@ impl SoftSolver {
     }
 }
 
-/// [-] evaluations of forces in a uniform step.
+/// [-] number of force evaluations in a uniform step.
 fn stages(integrator: Integrator) -> f64 {
     match integrator {
         Integrator::VelocityVerlet => 1.0,
@@ -322,8 +325,8 @@ fn stages(integrator: Integrator) -> f64 {
     }
 }
 
-/// Positions and velocities of one instant, `elapsed` [s] after the start of the window, whose forces stand for a whole step of
-/// `dt` [s].
+/// Time of a force evaluation `elapsed` [s] after the start of the window, for positions and velocities of one instant.
+/// The forces act for a whole step of `dt` [s].
 fn instant(window: Window, elapsed: f64, dt: f64) -> EvaluationTime {
     let remaining = window.duration - elapsed;
     EvaluationTime {
@@ -348,7 +351,7 @@ impl Solver for SoftSolver {
         &self.islands
     }
 
-    /// A start may have contacts in progress. Uniform stepping meets them by itself.
+    /// Finds contacts in progress at the start of a run. Uniform stepping finds them by itself.
     fn begin(&mut self, work: &mut Work<Contact>, window: Window) {
         if self.stepping != SoftStepping::Uniform {
             self.rebuild(work.particles, work.scene, self.longest_step.min(window.duration));
@@ -365,7 +368,8 @@ impl Solver for SoftSolver {
         _window: Window,
     ) -> Option<f64> {
         if self.stepping == SoftStepping::Auto {
-            // one island that costs as much as half of all steps would is a bed: a trial must not cost many windows
+            // an island that costs half as much as uniform steps of all particles is a bed: a trial must not cost many
+            // windows
             self.islands.allowance.each = 0.5 * self.uniform_work(population.count, 1.0, [0; 2]).cost();
         }
         match self.stepping {
@@ -412,7 +416,7 @@ impl Solver for SoftSolver {
         }
         self.contacts.look_anew();
         self.ran_last = true;
-        // those of the islands before it come first
+        // impacts of the islands before these steps come first
         work.record.count(&mut work.log.impacts);
         let mut book = StepRecord { log: work.log, record: Some(work.record) };
         self.uniform(work.particles, work.scene, window, &mut book, &mut SingleProcess)
@@ -455,7 +459,7 @@ impl Solver for SoftSolver {
     }
 
     fn elastic_energy(&self) -> Option<f64> {
-        // contacts know what they store, but not of the predicted state in which a step of Heun's ends
+        // contacts know the energy they store, but not in the predicted state in which a step of Heun's method ends
         (self.ran_last && self.integrator == Integrator::Rk2).then(|| self.contacts.elastic_energy())
     }
 

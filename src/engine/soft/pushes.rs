@@ -1,4 +1,4 @@
-//! Forces of contacts, shared out to their particles.
+//! Forces of contacts, applied to their particles.
 
 use super::block::reserve;
 use crate::particles::Particles;
@@ -8,28 +8,28 @@ use serde::{Deserialize, Serialize};
 use std::num::NonZeroU32;
 use std::ops::Range;
 
-/// The force of one contact, to be applied to its particles.
+/// Force of one contact, to be applied to its particles.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct ForceIncrement {
-    /// Place of the particle that it acts on.
+    /// Index of the particle on which the force acts.
     pub i: u32,
-    /// The particle that gets the opposite; `None` at a wall.
+    /// Index of the particle that gets the opposite force; `None` at a wall.
     pub j: Option<StoreIndex>,
-    /// [N] on particle i.
+    /// [N] force on particle i.
     pub force: Vector3<f64>,
 }
 
-/// A place in the store. An `Option` of it takes no more room than a number.
+/// Index in the particle store. An `Option` of it takes no more memory than a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct StoreIndex(NonZeroU32);
 
 impl StoreIndex {
-    /// Of a number.
+    /// Index with the given number.
     pub fn of(place: u32) -> Self {
         Self(NonZeroU32::MIN.saturating_add(place))
     }
 
-    /// The number.
+    /// Index as a number.
     pub fn get(self) -> u32 {
         self.0.get() - 1
     }
@@ -38,16 +38,16 @@ impl StoreIndex {
 /// Forces of contacts, in the order of the slots that they come from.
 #[derive(Clone, Debug, Default)]
 pub struct ForceBuffer {
-    /// Particles that appear more than once are pushed in this order.
+    /// Forces; a particle that appears more than once is pushed in this order.
     pub list: Vec<ForceIncrement>,
-    /// Places of the particles lie in this range.
+    /// Range that contains the indices of all particles in `list`.
     span: Range<u32>,
 }
 
-/// The places of no particle.
+/// Range of indices of no particle.
 const NOBODY: Range<u32> = Range { start: u32::MAX, end: 0 };
 
-/// A range with the places of one more push in it.
+/// Range extended by the indices of one more push.
 #[inline]
 fn wider(span: &Range<u32>, push: &ForceIncrement) -> Range<u32> {
     let other = push.j.map_or(push.i, StoreIndex::get);
@@ -56,7 +56,7 @@ fn wider(span: &Range<u32>, push: &ForceIncrement) -> Range<u32> {
 }
 
 impl ForceBuffer {
-    /// Of a list.
+    /// Buffer with the forces of a list.
     pub fn of(list: Vec<ForceIncrement>) -> Self {
         let mut pushes = Self::default();
         for push in list {
@@ -65,19 +65,19 @@ impl ForceBuffer {
         pushes
     }
 
-    /// Adds one at the end.
+    /// Adds a force at the end.
     pub fn add(&mut self, push: ForceIncrement) {
         self.span = if self.list.is_empty() { wider(&NOBODY, &push) } else { wider(&self.span, &push) };
         self.list.push(push);
     }
 
-    /// Forgets all, and makes room for so many.
+    /// Removes all forces, and makes room for `room` new ones.
     pub fn clear(&mut self, room: usize) {
         self.list.clear();
         reserve(&mut self.list, room);
     }
 
-    /// Leaves out who is not one of those.
+    /// Removes the pushes on particles that are not chosen.
     pub fn leave(&mut self, chosen: &[bool]) {
         let is_chosen = |place: u32| chosen[place as usize];
         for push in &mut self.list {
@@ -88,7 +88,7 @@ impl ForceBuffer {
         }
     }
 
-    /// The particle once at `p` is now at `place_of[p]`.
+    /// Follows a reordered store: the particle once at index `p` is now at `place_of[p]`.
     pub fn reorder(&mut self, place_of: &[u32]) {
         self.span = NOBODY;
         for push in &mut self.list {
@@ -98,8 +98,8 @@ impl ForceBuffer {
         }
     }
 
-    /// Changes the velocities [m/s] of particles, whose masses `mass` tells [kg], by a·`dt` [s]; gives the square of the largest speed relative
-    /// to `frame` [m/s] that one of them had after a push.
+    /// Changes velocities [m/s] by force/mass·`dt` [s], for particles with masses `mass` [kg]. Returns the square of
+    /// the largest speed [m/s] relative to `frame` [m/s] that a particle had after a push.
     pub fn kick(&self, part: &mut VelocityBlock, mass: impl Fn(usize) -> f64, dt: f64, frame: Vector3<f64>) -> f64 {
         let mut most = 0.0f64;
         let places = part.first..part.first + part.velocities.len();
@@ -107,7 +107,7 @@ impl ForceBuffer {
             return most;
         }
         let mut push = |place: u32, force: Vector3<f64>| {
-            // what stands before `first` wraps round to far beyond the end
+            // an index before `first` wraps round to far beyond the end
             let Some(v) = part.velocities.get_mut((place as usize).wrapping_sub(part.first)) else { return };
             *v += force / mass(place as usize) * dt;
             most = most.max((*v - frame).norm_squared());
@@ -122,19 +122,21 @@ impl ForceBuffer {
     }
 }
 
-/// The velocities of some particles that follow one another in the store.
+/// Velocities of particles with successive indices in the store.
 pub struct VelocityBlock<'a> {
-    /// Place of the first.
+    /// Index of the first particle.
     pub first: usize,
-    /// [m/s]
+    /// [m/s] velocities of the particles.
     pub velocities: &'a mut [Vector3<f64>],
 }
 
-/// So few forces are not shared out to threads: each takes some 10 ns, and to wake a thread some thousand.
+/// Number of forces up to which a single thread applies them: a force takes some 10 ns, and waking a thread some
+/// thousand.
 const FEW: usize = 1024;
 
-/// v += a `dt` [s] for the pushed particles; `common` [kg] is the mass of each, if it is the same. Each is pushed in the order of slots, by whichever
-/// thread has its place. Gives the largest speed [m/s] relative to `frame` [m/s] that one of them had after a push.
+/// Kicks the pushed particles: v += a `dt` [s]; `common` [kg] is the mass of each, if all masses are equal. Forces on a
+/// particle are applied in the order of slots, by the thread that has its velocity. Returns the largest speed [m/s]
+/// relative to `frame` [m/s] that a particle had after a push.
 pub fn kick_all(
     pushes: &[ForceBuffer],
     (particles, common): (&mut Particles, Option<f64>),

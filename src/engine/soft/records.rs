@@ -1,16 +1,19 @@
-//! The contacts in progress of one block, in little room: most of them are between bodies of the same kinds, whose constants are held once.
+//! Compact records of the contacts in progress of one block. Most contacts are between bodies of the same kinds, whose
+//! constants are held once.
 
 use super::contact::{ContactState, TouchingPair};
 use crate::encounter::Couple;
 use nalgebra::Vector3;
 
-/// So many kinds of contacts are held once for all that are like them; further ones are held by each contact.
+/// Number of kinds of contacts whose constants are held once for all contacts of that kind. Contacts of further kinds
+/// hold their own.
 const SHARED: usize = 16;
 
-/// Contacts are kept in chunks of so many: a list that grows is copied, and leaves holes in memory.
+/// Number of contacts per chunk of storage. A single list would be copied as it grows, and leave holes in memory.
 const CHUNK: usize = 128;
 
-/// A contact in progress, in 64 bytes: its two bodies are those of its slot. What only statistics of impacts need is in single precision.
+/// A contact in progress, in 64 bytes. Its two bodies are those of its slot. Data for statistics of impacts only are in
+/// single precision.
 #[derive(Clone, Copy, Debug)]
 pub struct PackedContact {
     normal_speed: f64,
@@ -20,9 +23,9 @@ pub struct PackedContact {
     began: f64,
     first_overlap: f32,
     maximum_overlap: f32,
-    /// Not a number before the first look.
+    /// Not a number before the first evaluation.
     normal: Vector3<f32>,
-    /// Place of its constants.
+    /// Index of the contact's constants.
     constants: u32,
 }
 
@@ -34,7 +37,7 @@ impl PackedContact {
         Self { normal_speed, overlap, growth, overlap_time, began, first_overlap, maximum_overlap, normal, constants }
     }
 
-    /// How the contact has gone so far.
+    /// State of the contact so far.
     #[inline(always)]
     pub fn course(&self) -> ContactState {
         let Self { normal_speed, overlap, growth, overlap_time, began, normal, .. } = *self;
@@ -43,28 +46,28 @@ impl PackedContact {
         ContactState { normal_speed, first_overlap, maximum_overlap, overlap, growth, overlap_time, began, normal }
     }
 
-    /// Keeps how it has gone by now.
+    /// Stores a new state of the contact.
     #[inline(always)]
     pub fn update(&mut self, course: &ContactState) {
         *self = Self::new(self.constants, course);
     }
 }
 
-/// Contacts in progress, each at a place that it keeps.
+/// Contacts in progress, each at an index that does not change.
 #[derive(Default)]
 pub struct Records {
-    /// All chunks but the last are full.
+    /// Chunks of contacts; all but the last are full.
     kept: Vec<Vec<PackedContact>>,
-    /// Places in `kept` that hold no contact.
+    /// Indices in `kept` that hold no contact.
     free: Vec<u32>,
-    /// The constants of contacts; the two bodies in them mean nothing.
+    /// Constants of contacts; the two bodies named there have no meaning.
     constants: Vec<TouchingPair>,
-    /// Places in `constants` from `SHARED` on that no contact names.
+    /// Indices in `constants` from `SHARED` on that no contact uses.
     unused: Vec<u32>,
 }
 
 impl Records {
-    /// Keeps a contact; gives its place.
+    /// Stores a contact; returns its index.
     pub fn keep(&mut self, touch: &TouchingPair, course: ContactState) -> u32 {
         let constants = self.constants_of(touch);
         let kept = PackedContact::new(constants, &course);
@@ -81,7 +84,7 @@ impl Records {
         (full + chunk.len() - 1) as u32
     }
 
-    /// The place of the constants of a contact.
+    /// Index of the constants of a contact, which are added if they are new.
     fn constants_of(&mut self, touch: &TouchingPair) -> u32 {
         let shared = &self.constants[..self.constants.len().min(SHARED)];
         if let Some(like) = shared.iter().position(|other| other.is_like(touch)) {
@@ -104,21 +107,22 @@ impl Records {
         &mut self.kept[place as usize / CHUNK][place as usize % CHUNK]
     }
 
-    /// The contact at a place, which is between those bodies; how it goes on is kept by [`PackedContact::update`].
+    /// Constants and packed record of the contact at index `place` between the bodies of `couple`.
+    /// [`PackedContact::update`] changes the record.
     #[inline(always)]
     pub fn get_mut(&mut self, place: u32, couple: Couple) -> (TouchingPair, &mut PackedContact) {
         let kept = &mut self.kept[place as usize / CHUNK][place as usize % CHUNK];
         (TouchingPair { couple, ..self.constants[kept.constants as usize] }, kept)
     }
 
-    /// The same as it is.
+    /// Constants and present state of the contact at index `place` between the bodies of `couple`.
     #[inline(always)]
     pub fn get(&self, place: u32, couple: Couple) -> (TouchingPair, ContactState) {
         let kept = &self.kept[place as usize / CHUNK][place as usize % CHUNK];
         (TouchingPair { couple, ..self.constants[kept.constants as usize] }, kept.course())
     }
 
-    /// Forgets the contact at a place.
+    /// Removes the contact at index `place`.
     pub fn forget(&mut self, place: u32) {
         let constants = self.at(place).constants;
         if constants as usize >= SHARED {

@@ -1,4 +1,5 @@
-//! What contacts dissipate and pass on, added up exactly: the sums do not depend on the order of contacts, nor on who adds what.
+//! Exact sums of the powers and forces of contacts. They depend neither on the order of contacts nor on which process
+//! or thread adds them.
 
 use super::contact::{ContactForce, Rates};
 use crate::communicator::Communicator;
@@ -8,13 +9,14 @@ use crate::record::{AT_WALLS, Ledger, OF_PAIRS, SOME};
 use crate::scene::Scene;
 use nalgebra::{Matrix3, Vector3};
 
-/// Rows that are condensed together: 3 kB, which stay in the cache. With 128 of them the dense scene takes 9 % longer.
+/// Number of rows that are condensed together: 3 kB, which stay in the cache. With 128 rows the dense scene takes 9 %
+/// longer.
 const BATCH: usize = 32;
 
 /// Powers [W] and forces [N] of one contact, in the order of [`OF_PAIRS`] or [`AT_WALLS`].
 type SumRow = [f64; SOME];
 
-/// Of each contact a row, those of pairs and those of walls.
+/// Rows of contacts, one for each: those of pairs and those of walls.
 #[derive(Default)]
 pub struct ContactRows {
     of_pairs: Vec<SumRow>,
@@ -22,12 +24,12 @@ pub struct ContactRows {
 }
 
 impl ContactRows {
-    /// Adds what a force does, `remaining` [s] before the end of the window.
+    /// Adds the row of a force, `remaining` [s] before the end of the window. Full batches are condensed into `few`.
     #[inline(always)]
     pub fn add(&mut self, couple: &Couple, force: &ContactForce, (scene, remaining): (&Scene, f64), few: &mut Self) {
         let ContactForce { on_i: f, normal, restitution_power, friction_power, wall_power, arm } = *force;
         if couple.is_wall() {
-            // what walls add to the momentum, gravity works on for the rest of the window
+            // for the rest of the window gravity does work on the momentum that walls add
             let late = scene.gravity.dot(&f) * remaining;
             let given =
                 [f.x, f.y, f.z, restitution_power, wall_power, normal, late, friction_power, 0.0, 0.0, 0.0, 0.0];
@@ -46,13 +48,13 @@ impl ContactRows {
         }
     }
 
-    /// Leaves a few rows with the same sums in `few`.
+    /// Condenses all rows into a few rows with the same sums in `few`.
     pub fn leave(&mut self, few: &mut Self) {
         condense(&mut self.of_pairs, &mut few.of_pairs);
         condense(&mut self.at_walls, &mut few.at_walls);
     }
 
-    /// Forgets all.
+    /// Removes all rows.
     pub fn clear(&mut self) {
         self.of_pairs.clear();
         self.at_walls.clear();
@@ -73,7 +75,7 @@ impl Default for Total {
 }
 
 impl Total {
-    /// Adds rows with a weight [-] that is a power of two, or 0: so nothing is rounded.
+    /// Adds rows with a weight [-]. The weight is a power of two, or 0, so nothing is rounded.
     pub fn add(&mut self, rows: &ContactRows, weight: f64) {
         for (sums, rows) in [(&mut self.of_pairs, &rows.of_pairs), (&mut self.at_walls, &rows.at_walls)] {
             if rows.is_empty() || weight == 0.0 {
@@ -89,14 +91,14 @@ impl Total {
         }
     }
 
-    /// Adds those of all processes.
+    /// Adds up the sums of all processes.
     pub fn gather(&mut self, others: &dyn Communicator) {
         others.total(&mut self.of_pairs.each_mut());
         others.total(&mut self.at_walls.each_mut());
         self.is_empty = false;
     }
 
-    /// What they come to: powers [W] and forces [N] of all contacts.
+    /// Powers [W] and forces [N] of all contacts.
     pub fn rates(&self) -> Rates {
         if self.is_empty {
             return Rates::default();
@@ -116,7 +118,7 @@ impl Total {
         }
     }
 
-    /// Books what they come to for `time` [s].
+    /// Books the sums as acting for `time` [s].
     pub fn book(&self, time: f64, ledger: &mut Ledger) {
         if !self.is_empty {
             ledger.add_to(&OF_PAIRS, values(&self.of_pairs).map(|number| number * time));

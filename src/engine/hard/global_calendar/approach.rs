@@ -1,47 +1,47 @@
-//! How the neighbours of a particle come nearer, four at a time.
+//! Approach of the neighbours of a particle, four at a time.
 //!
-//! Where the processor has vectors of four numbers (AVX2, asked at run time) they are used; elsewhere the same operations are done
-//! in the same order one by one, so that the bits are the same.
+//! If the processor has vectors of four numbers (AVX2, tested at run time), they are used. Otherwise the same
+//! operations are done one by one in the same order, so that the bits agree.
 
 use super::next_events::FlightState;
 use crate::domain::Domain;
 use nalgebra::Vector3;
 
-/// A particle that looks at its neighbours.
+/// A particle that checks its neighbours.
 pub struct ObservingParticle<'a> {
-    /// [m] where it is.
+    /// Position [m].
     pub here: Vector3<f64>,
-    /// [m/s] its velocity.
+    /// Velocity [m/s].
     pub velocity: Vector3<f64>,
-    /// [s] the time, since the epoch.
+    /// Present time [s] since the epoch.
     pub now: f64,
-    /// Whether no neighbour is beyond a periodic side.
+    /// True if no neighbour is across a periodic side.
     pub inside: bool,
     /// The box.
     pub domain: &'a Domain,
 }
 
-/// Four neighbours.
+/// Approach of four neighbours.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FourNeighbours {
-    /// [m²/s] half the rate at which the square of the distance falls.
+    /// [m²/s] half the rate at which the squared distance falls.
     pub closing: [f64; 4],
-    /// [m²] square of the distance, less that of touch.
+    /// [m²] squared distance minus the squared distance of touch.
     pub gap: [f64; 4],
-    /// [m⁴/s²] discriminant of the time of touch.
+    /// [m⁴/s²] discriminant of the touch time.
     pub discriminant: [f64; 4],
 }
 
-/// What a function gives for each of the four.
+/// Values of a function for the four numbers 0 to 3.
 #[inline(always)]
 fn each(f: impl Fn(usize) -> f64) -> [f64; 4] {
     [f(0), f(1), f(2), f(3)]
 }
 
 impl ObservingParticle<'_> {
-    /// How four others come nearer that touch at the squares `touch` [m²] of distances, and who may do so within half of `soon` [s]: a touch
-    /// comes no sooner than after gap/(2 closing). Who comes nearer, touches, and may do so in time has a bit each. A particle does not come
-    /// nearer to itself.
+    /// Computes the approach of four others; `touch` [m²] are the squared distances of touch. Also returns one bit for
+    /// each that comes nearer, touches, and may do so within half of `soon` [s]: a touch comes no sooner than after
+    /// gap/(2 closing). A particle does not come nearer to itself.
     #[inline(always)]
     pub fn one_by_one(&self, others: &[&FlightState; 4], touch: &[f64; 4], soon: f64) -> (FourNeighbours, u32) {
         let since = each(|k| self.now - others[k].time);
@@ -68,7 +68,7 @@ impl ObservingParticle<'_> {
     }
 }
 
-/// Vectors of four.
+/// Version with vectors of four numbers.
 #[cfg(target_arch = "x86_64")]
 pub mod wide {
     use super::{FlightState, FourNeighbours, ObservingParticle};
@@ -76,19 +76,19 @@ pub mod wide {
     use pulp::x86::V3;
     use std::arch::x86_64::{__m256d, _CMP_GE_OQ, _CMP_GT_OQ, _CMP_LE_OQ, _CMP_LT_OQ};
 
-    /// What the particle that looks is, four times.
+    /// Data of the checking particle, each value four times.
     pub struct Wide {
         simd: V3,
         here: [__m256d; 3],
         velocity: [__m256d; 3],
         now: __m256d,
         soon: __m256d,
-        /// Edges of the box and half of them, unless no neighbour is beyond a periodic side.
+        /// Edges of the box and half of them; `None` if no neighbour is across a periodic side.
         sides: Option<([__m256d; 3], [__m256d; 3])>,
     }
 
     impl Wide {
-        /// The same as `view` has; `soon` [s] as in [`ObservingParticle::one_by_one`].
+        /// Copies the data of `view`; `soon` [s] is that of [`ObservingParticle::one_by_one`].
         #[inline(always)]
         pub fn new(simd: V3, view: &ObservingParticle, soon: f64) -> Self {
             let domain = view.domain;
@@ -102,7 +102,7 @@ pub mod wide {
             }
         }
 
-        /// The columns of four rows.
+        /// Columns of four rows (a transposition).
         #[inline(always)]
         fn columns(&self, rows: [__m256d; 4]) -> [__m256d; 4] {
             let (avx, [a, b, c, d]) = (self.simd.avx, rows);
@@ -116,7 +116,8 @@ pub mod wide {
             ]
         }
 
-        /// Along an axis the ways from four others to the particle [m], by the nearest image, and its velocities relative to them [m/s].
+        /// Separations [m] along an axis, from four others to the particle by the nearest image, and relative
+        /// velocities [m/s].
         #[inline(always)]
         fn relative(&self, axis: usize, there: __m256d, theirs: __m256d, since: __m256d) -> (__m256d, __m256d) {
             let avx = self.simd.avx;
@@ -139,7 +140,7 @@ pub mod wide {
             avx._mm256_add_pd(xy, avx._mm256_mul_pd(a[2], b[2]))
         }
 
-        /// As [`ObservingParticle::one_by_one`].
+        /// Computes the approach of four others, like [`ObservingParticle::one_by_one`].
         #[inline(always)]
         pub fn at_once(&self, others: &[&FlightState; 4], touch: &[f64; 4]) -> (FourNeighbours, u32) {
             let (avx, [a, b, c, d]) = (self.simd.avx, *others);
@@ -170,14 +171,14 @@ pub mod wide {
         [simd.avx._mm256_set1_pd(x.x), simd.avx._mm256_set1_pd(x.y), simd.avx._mm256_set1_pd(x.z)]
     }
 
-    /// Where a body is at its own time, and that time.
+    /// Position of a body at its own time, and that time.
     #[inline(always)]
     fn place(body: &FlightState) -> __m256d {
         let x = &body.position;
         pulp::cast([x.x, x.y, x.z, body.time])
     }
 
-    /// Its velocity.
+    /// Velocity of a body.
     #[inline(always)]
     fn speed(body: &FlightState) -> __m256d {
         let u = &body.velocity;
@@ -192,7 +193,7 @@ mod tests {
     use rand::{RngExt, SeedableRng};
     use rand_xoshiro::Xoshiro256PlusPlus;
 
-    /// Both ways give the same bits, beside periodic sides and away from them.
+    /// Both versions give equal bits, near periodic sides and away from them.
     #[test]
     fn vectors_of_four_give_the_bits_of_one_by_one() {
         let Some(simd) = pulp::x86::V3::try_new() else { return };
@@ -223,7 +224,7 @@ mod tests {
             let itself = view.one_by_one(&[&FlightState { time: 3.0, ..me }; 4], &touch, soon);
             assert_eq!(itself.1, 0);
         }
-        // some come, most do not
+        // some come nearer, most do not
         assert!((50..1000).contains(&coming), "{coming}");
     }
 }

@@ -1,32 +1,33 @@
-//! Places of particles in many bins, most of which hold few: leaves of one list, which are used again.
+//! Particle indices in many bins, most of which hold few. Bins consist of leaves in one list, and free leaves are
+//! reused.
 
 use prefetch_index::prefetch_index;
 use std::iter::successors;
 use std::num::NonZeroU32;
 
-/// Number of a leaf and one.
+/// Number of a leaf plus one.
 type BinLink = Option<NonZeroU32>;
 
-/// Half a line of the cache: some places of one bin.
+/// Half a cache line with some indices of one bin.
 #[derive(Clone, Copy, Debug)]
 struct Leaf {
     places: [u32; 6],
     count: u32,
-    /// The leaf after this one in its bin, or among those that are free.
+    /// The next leaf of the bin, or the next free leaf.
     next: BinLink,
 }
 
-/// Bins of places.
+/// Bins of particle indices.
 #[derive(Clone, Debug, Default)]
 pub struct Bins {
-    /// The first leaf of each bin: only that one may have room left.
+    /// The first leaf of each bin; only this leaf may have free entries.
     first: Vec<BinLink>,
     leaves: Vec<Leaf>,
     free: BinLink,
 }
 
 impl Bins {
-    /// So many empty bins.
+    /// Makes `count` empty bins.
     pub fn reset(&mut self, count: usize) {
         self.first.clear();
         self.first.resize(count, None);
@@ -34,12 +35,12 @@ impl Bins {
         self.free = None;
     }
 
-    /// How many bins there are.
+    /// Number of bins.
     pub fn count(&self) -> usize {
         self.first.len()
     }
 
-    /// Puts a place into a bin.
+    /// Puts an index into a bin.
     #[inline]
     pub fn put(&mut self, bin: usize, place: u32) {
         let link = self.first[bin];
@@ -54,7 +55,7 @@ impl Bins {
         self.first[bin] = Some(self.keep(leaf));
     }
 
-    /// A leaf where one has been before, or at the end.
+    /// Stores a leaf in a free position, or at the end.
     fn keep(&mut self, leaf: Leaf) -> NonZeroU32 {
         match self.free {
             Some(one) => {
@@ -65,7 +66,7 @@ impl Bins {
             }
             None => {
                 if self.leaves.len() == self.leaves.capacity() {
-                    // not twice as much, as it would by itself
+                    // a default growth would double the capacity
                     self.leaves.reserve_exact(self.leaves.len() / 8 + 64);
                 }
                 self.leaves.push(leaf);
@@ -74,21 +75,21 @@ impl Bins {
         }
     }
 
-    /// The places in a bin.
+    /// The indices in a bin.
     pub fn places(&self, bin: usize) -> impl Iterator<Item = u32> {
         let leaf = |link: BinLink| link.map(|one| &self.leaves[one.get() as usize - 1]);
         let leaves = successors(leaf(self.first[bin]), move |last| leaf(last.next));
         leaves.flat_map(|leaf| leaf.places.iter().take(leaf.count as usize).copied())
     }
 
-    /// Calls the first leaf of a bin into the cache.
+    /// Prefetches the first leaf of a bin into the cache.
     pub fn fetch(&self, bin: usize) {
         if let Some(one) = self.first[bin] {
             prefetch_index(&self.leaves, one.get() as usize - 1);
         }
     }
 
-    /// Empties a bin; `each` is told its places.
+    /// Empties a bin, and calls `each` with its indices.
     pub fn empty(&mut self, bin: usize, mut each: impl FnMut(u32)) {
         let mut link = self.first[bin].take();
         while let Some(one) = link {

@@ -1,13 +1,13 @@
-//! Cells over the domain with the centres of shells in them.
+//! Cells over the domain with the centres of shells.
 
 use crate::domain::Domain;
 use nalgebra::Vector3;
 use std::num::NonZeroU32;
 
-/// [-] of the box: more than what single precision makes of centres of shells and of periods.
+/// [-] of the box: bound on the rounding of shell centres and periods by single precision.
 pub const ROUNDING: f64 = 1e-6;
 
-/// Cells over the domain with the shells' centres in them; they change hands one by one.
+/// Cells over the domain with the centres of shells, which are updated one by one.
 #[derive(Clone, Debug, Default)]
 pub struct ShellGrid {
     count: [usize; 3],
@@ -16,28 +16,28 @@ pub struct ShellGrid {
     per_length: Vector3<f64>,
     /// [m] edges of a cell.
     edge: [f32; 3],
-    /// [m] edges of the box, infinite where it is not periodic, and half of them.
+    /// [m] edges of the box, and half of them; half is infinite where the box is not periodic.
     period: [f32; 3],
     half: [f32; 3],
-    /// [m] what distances may be off by single precision.
+    /// [m] bound on the error of distances by single precision.
     rounding: f32,
-    /// The first centre in each cell, as its place and one.
+    /// Link to the first centre in each cell.
     first: Vec<CellLink>,
-    /// The centres, by place.
+    /// The centres, by particle index.
     spots: Vec<CellEntry>,
 }
 
-/// A place and one; none ends a list.
+/// An index plus one; `None` ends a list.
 type CellLink = Option<NonZeroU32>;
 
-/// The centre of a shell [m], rounded, and who comes after it in its cell.
+/// Rounded centre of a shell [m], and link to the next one in its cell.
 #[derive(Clone, Copy, Debug, Default)]
 struct CellEntry {
     centre: [f32; 3],
     next: CellLink,
 }
 
-/// A link to a place.
+/// Link to an index.
 fn link(place: u32) -> CellLink {
     NonZeroU32::new(place + 1)
 }
@@ -47,21 +47,21 @@ pub fn rounded(x: &Vector3<f64>) -> [f32; 3] {
     [x.x as f32, x.y as f32, x.z as f32]
 }
 
-/// The same point [m] in double precision.
+/// A point [m] in double precision.
 #[inline]
 pub fn widened(x: &[f32; 3]) -> Vector3<f64> {
     Vector3::from_fn(|axis, _| f64::from(x[axis]))
 }
 
 impl ShellGrid {
-    /// Empty cells with edges of at least `edge` [m] for so many particles.
+    /// Empty cells with edges of at least `edge` [m] for `particles` particles.
     pub fn new(domain: &Domain, edge: f64, particles: usize) -> Self {
         // not many more cells than particles, however empty the box
         let most = (particles as f64).cbrt().ceil() + 3.0;
         let longest = (domain.volume().cbrt() / most).max(edge);
         let count = std::array::from_fn(|axis| {
             let fitting = (domain.size[axis] / longest).clamp(1.0, 4096.0) as usize;
-            // with two periodic cells each would be the other's neighbour twice
+            // with two periodic cells, each would be a neighbour of the other twice
             if domain.periodic[axis] && fitting < 3 { 1 } else { fitting }
         });
         Self {
@@ -79,7 +79,8 @@ impl ShellGrid {
         }
     }
 
-    /// Outside an open side the nearest cell takes a position: clamping never parts neighbours.
+    /// Coordinates of the cell of a point. Beyond an open side this is the nearest cell: clamping never separates
+    /// neighbours.
     fn coordinates(&self, x: &Vector3<f64>) -> [usize; 3] {
         std::array::from_fn(|axis| ((x[axis] * self.per_length[axis]) as usize).min(self.count[axis] - 1))
     }
@@ -96,7 +97,7 @@ impl ShellGrid {
         self.first[cell] = link(place);
     }
 
-    /// Takes note of the new centre of a particle's shell.
+    /// Moves the centre of a particle's shell.
     pub fn change(&mut self, place: u32, old: [f32; 3], new: [f32; 3]) {
         let (from, to) = (self.of(&widened(&old)), self.of(&widened(&new)));
         if from == to {
@@ -120,8 +121,8 @@ impl ShellGrid {
         self.put(place, new);
     }
 
-    /// Up to three coordinates along an axis, a cell and those beside it, and how far they are at least from a place between
-    /// the sides of that cell, which is given by its distance [m] from the lower one.
+    /// Up to three coordinates along an axis: those of a cell and of its neighbours. Each comes with the least distance
+    /// [m] from a point in the cell. The point is given by its distance [m] from the lower side of the cell.
     fn beside(&self, axis: usize, at: usize, from_side: f32) -> ([(usize, f32); 3], usize) {
         let n = self.count[axis];
         if n == 1 {
@@ -146,7 +147,8 @@ impl ShellGrid {
         list
     }
 
-    /// As [`near`](Self::near), for a reach of any length: of a large shell among the cells of small ones.
+    /// Appends the shells near a centre, like [`near`](Self::near), for a reach of any length. It serves a large shell
+    /// among the cells of small ones.
     pub fn near_by_far(&self, centre: &Vector3<f64>, reach: f64, found: &mut Vec<u32>) -> u64 {
         let here = rounded(centre);
         let reach = reach as f32 + self.rounding;
@@ -176,8 +178,8 @@ impl ShellGrid {
         checks
     }
 
-    /// Adds to `found` all places whose centres may be within `reach` [m] of `centre`, at most an edge; returns how many were
-    /// looked at. Cells that are farther are left out.
+    /// Appends to `found` all indices whose centres may be within `reach` [m] of `centre`; `reach` is at most one cell
+    /// edge. Cells that are farther away are skipped. Returns the number of centres checked.
     pub fn near(&self, centre: &Vector3<f64>, reach: f64, found: &mut Vec<u32>) -> u64 {
         let at = self.coordinates(centre);
         let here = rounded(centre);
@@ -185,7 +187,7 @@ impl ShellGrid {
             std::array::from_fn(|axis| self.beside(axis, at[axis], here[axis] - at[axis] as f32 * self.edge[axis]));
         let reach = reach as f32 + self.rounding;
         let square = reach * reach;
-        // a centre is in the cell of its rounded place, and so are the sides
+        // centres are assigned to cells by their rounded position, and cell sides are rounded as well
         let farthest = (reach + self.rounding) * (reach + self.rounding);
         let mut checks = 0;
         for &(z, z_apart) in &zs[..nz] {
@@ -201,8 +203,9 @@ impl ShellGrid {
         checks
     }
 
-    /// Adds to `found` those of a cell whose squared distance [m²] from a place is at most `square`; returns how many are in it. Each is
-    /// written down and the next one over it if it is not wanted: half of them are, so a branch would be guessed wrong often.
+    /// Appends to `found` the centres of a cell whose squared distance [m²] from `here` is at most `square`. Returns
+    /// the number of centres in the cell. Each index is written, and overwritten by the next one if it is not wanted.
+    /// About half are wanted, so a branch would often be mispredicted.
     #[inline]
     fn within(&self, cell: usize, here: [f32; 3], square: f32, found: &mut Vec<u32>) -> u64 {
         let (mut end, mut checks, mut at) = (found.len(), 0, self.first[cell]);

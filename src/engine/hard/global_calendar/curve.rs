@@ -1,17 +1,17 @@
-//! An order of the store in which neighbours in space are neighbours in memory.
+//! Order of the store in which neighbours in space are neighbours in memory.
 
 use crate::domain::Domain;
 use crate::particles::Particles;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
-/// Bits per axis: a thousand cells.
+/// Bits per axis: about a thousand cells.
 const BITS: u32 = 10;
 
-/// The places of particles inside the box along Morton's curve.
+/// Indices of the particles inside the box, in the order of Morton's curve.
 pub fn order(particles: &Particles, domain: &Domain) -> Vec<u32> {
     let cells = f64::from(1u32 << BITS);
-    // cells are cubes, or a long box would be cut in slices
+    // cells are cubes; otherwise a long box would be cut into slices
     let scale = cells / domain.size.max();
     let key = |x: &Vector3<f64>| {
         (0..3).fold(0u32, |key, axis| key | spread((x[axis] * scale).clamp(0.0, cells - 1.0) as u32) << axis)
@@ -24,7 +24,7 @@ pub fn order(particles: &Particles, domain: &Domain) -> Vec<u32> {
     order.into_iter().map(|(.., place)| place).collect()
 }
 
-/// Two free bits after each of the lowest ten.
+/// Inserts two zero bits after each of the lowest ten bits.
 fn spread(bits: u32) -> u32 {
     let bits = (bits | bits << 16) & 0x0300_00ff;
     let bits = (bits | bits << 8) & 0x0300_f00f;

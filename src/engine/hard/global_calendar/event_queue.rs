@@ -1,71 +1,72 @@
-//! Who comes next? Near events in order, far ones in unsorted bins.
+//! Event queue: near events in order, far ones in unsorted bins.
 //!
-//! Each particle has one event, on its [`NextEvents`]. Bins hold places only, and nothing is ever taken out of them: when a bin's turn
-//! comes, whoever's event is no longer in it is left out. What is due within the present bin is kept in order.
+//! Each particle has one event, in its [`NextEvents`]. Bins hold only particle indices, and outdated entries are not
+//! removed. When it is the turn of a bin, entries whose event is no longer in it are skipped. Events within the present
+//! bin are sorted.
 
 use super::bins::Bins;
 use super::next_events::NextEvents;
 use prefetch_index::prefetch_index;
 use std::cmp::Ordering;
 
-/// Events of a bin, about: so few that putting one between them is cheap, so many that there are few bins.
+/// Approximate number of events of a bin: few enough that insertion is cheap, enough that there are few bins.
 const PER_BIN: usize = 32;
 
-/// Particles per bin of a revolution.
+/// Particles per bin of the ring.
 const PARTICLES_PER_BIN: usize = 8;
 
 /// An event of the present bin.
 #[derive(Clone, Copy, Debug)]
 struct QueuedEvent {
-    /// [s] since the epoch.
+    /// Time [s] since the epoch.
     time: f64,
     place: u32,
 }
 
 impl QueuedEvent {
-    /// How it comes compared with another: by time, and at the same time by the ids of all places.
+    /// Order of two events: by time, and at equal times by the particle ids.
     #[inline]
     fn compare(&self, other: &Self, ids: &[u32]) -> Ordering {
         self.time.total_cmp(&other.time).then_with(|| ids[self.place as usize].cmp(&ids[other.place as usize]))
     }
 }
 
-/// What is known of all particles, by place.
+/// Events and ids of all particles, by index.
 #[derive(Clone, Copy)]
 pub struct EventTable<'a> {
-    /// Their events.
+    /// Events of the particles.
     pub next_events: &'a [NextEvents],
-    /// Their ids.
+    /// Ids of the particles.
     pub ids: &'a [u32],
 }
 
 impl EventTable<'_> {
-    /// [s] when the event of a particle is due, since the epoch.
+    /// Time [s] of the event of a particle since the epoch.
     #[inline]
     fn time(&self, place: u32) -> f64 {
         self.next_events[place as usize].time
     }
 }
 
-/// The events of all particles.
+/// Event queue of all particles.
 #[derive(Clone, Debug, Default)]
 pub struct EventQueue {
-    /// What is due in the present bin or before, the last first.
+    /// Events in the present bin or before, the earliest at the end.
     near: Vec<QueuedEvent>,
-    /// A ring of bins of equal length, which turns: places of particles.
+    /// Ring of bins of equal length in time, with indices of particles.
     bins: Bins,
-    /// Places in the bins.
+    /// Number of indices in the bins.
     filed: usize,
-    /// Beyond a revolution of the ring.
+    /// Particles with events more than a revolution of the ring ahead.
     later: Vec<u32>,
     /// [1/s] bins per time.
     rate: f64,
-    /// The present bin, counted from the epoch.
+    /// Number of the present bin, counted from the epoch.
     current: u64,
 }
 
 impl EventQueue {
-    /// Files all events before `before` [s]; it is `now` [s] since the epoch.
+    /// Queues all events before `before` [s]; the present time is `now` [s] since the epoch.
     pub fn fill(&mut self, book: EventTable, now: f64, before: f64) {
         let mut times = Vec::with_capacity(book.next_events.len());
         times.extend(book.next_events.iter().map(|card| card.time).filter(|time| *time < before));
@@ -80,7 +81,7 @@ impl EventQueue {
             let rate = (sample + 1) as f64 / (PER_BIN as f64 * (*time - now));
             self.rate = if rate.is_finite() && rate > 0.0 { rate } else { 1.0 };
         }
-        // the bins will need the memory
+        // the bins need the memory
         drop(times);
         self.current = self.bin(now);
         for (place, _) in book.next_events.iter().enumerate().filter(|(_, card)| card.time < before) {
@@ -92,19 +93,19 @@ impl EventQueue {
         (time * self.rate) as u64
     }
 
-    /// Where the ring has a bin.
+    /// Position of a bin in the ring.
     #[inline]
     fn slot(&self, bin: u64) -> usize {
         (bin & (self.bins.count() as u64 - 1)) as usize
     }
 
-    /// Whether a bin is beyond a revolution of the ring.
+    /// True if a bin is more than a revolution of the ring ahead.
     #[inline]
     fn is_later(&self, bin: u64) -> bool {
         bin.saturating_sub(self.current) >= self.bins.count() as u64
     }
 
-    /// Takes note of the event on a card that has changed; it must not be infinitely far.
+    /// Queues the changed event of a particle; its time must be finite.
     #[inline]
     pub fn file(&mut self, place: u32, book: EventTable) {
         let time = book.time(place);
@@ -118,14 +119,14 @@ impl EventQueue {
             self.filed += 1;
         } else {
             if self.later.len() == self.later.capacity() {
-                // not twice as much, as it would by itself
+                // a default growth would double the capacity
                 self.later.reserve_exact(self.later.len() / 8 + 64);
             }
             self.later.push(place);
         }
     }
 
-    /// Takes out the next event before `before` [s]: whose it is.
+    /// Removes the next event before `before` [s], and returns the index of its particle.
     #[inline]
     pub fn next(&mut self, book: EventTable, before: f64) -> Option<u32> {
         loop {
@@ -146,16 +147,16 @@ impl EventQueue {
         }
     }
 
-    /// Whose event comes `after` so many others, as far as the present bin says.
+    /// Index of the particle whose event follows after `after` others, if it is in the present bin.
     #[inline]
     pub fn upcoming(&self, after: usize) -> Option<u32> {
         self.near.len().checked_sub(after + 1).map(|at| self.near[at].place)
     }
 
-    /// Goes on to the next bin; false if nothing is filed.
+    /// Advances to the next bin; returns false if no event is queued.
     fn turn(&mut self, book: EventTable) -> bool {
         if self.filed == 0 {
-            // straight to the first of those that were too far for the ring
+            // jump to the first event that was too far ahead for the ring
             let times = self.later.iter().map(|&place| book.time(place));
             let first = times.fold(f64::INFINITY, f64::min);
             if first == f64::INFINITY {
@@ -183,7 +184,7 @@ impl EventQueue {
         true
     }
 
-    /// Calls into the cache what the next two turns will look at: the events of the next bin, and where the one after that keeps its places.
+    /// Prefetches the data of the next two turns: the events of the next bin, and the first leaf of the bin after it.
     fn fetch_ahead(&self, book: EventTable) {
         self.bins
             .places(self.slot(self.current + 1))
@@ -191,7 +192,7 @@ impl EventQueue {
         self.bins.fetch(self.slot(self.current + 2));
     }
 
-    /// Files what was too far for the ring anew.
+    /// Queues again the events that were too far ahead for the ring.
     fn refile(&mut self, book: EventTable) {
         let (count, mut kept) = (self.later.len(), 0);
         for k in 0..count {

@@ -1,32 +1,32 @@
-//! The frame in which the calendar sees the particles: it moves with their mean velocity along the walls, and falls.
+//! Frame of reference of the calendar: it moves with the mean velocity of the particles along the walls, and falls.
 
 use crate::walls::Flight;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// x = x' + offset + u t + g t²/2, v = v' + u + g t, with t since the epoch: flights are straight in it.
+/// Falling frame: x = x' + offset + u t + g t²/2, v = v' + u + g t, with t since the epoch. Flights are straight in it.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct FallingFrame {
-    /// [m] where its origin was at the epoch.
+    /// Position of the origin [m] at the epoch.
     pub offset: Vector3<f64>,
-    /// [m/s] u, its velocity at the epoch.
+    /// Velocity u [m/s] of the frame at the epoch.
     pub velocity: Vector3<f64>,
-    /// [m/s²] g.
+    /// Gravity g [m/s²].
     pub gravity: Vector3<f64>,
 }
 
 impl FallingFrame {
-    /// [m] where its origin is after `time` [s].
+    /// Position of the origin [m] after `time` [s].
     fn origin(&self, time: f64) -> Vector3<f64> {
         self.offset + (self.velocity + self.gravity * (0.5 * time)) * time
     }
 
-    /// [m/s] its velocity after `time` [s].
+    /// Velocity of the frame [m/s] after `time` [s].
     pub fn velocity_at(&self, time: f64) -> Vector3<f64> {
         self.velocity + self.gravity * time
     }
 
-    /// The flight, seen from the scene, of what is at `position` [m] with `velocity` [m/s] in this frame after `time` [s].
+    /// Flight, seen from the scene, of a body at `position` [m] with `velocity` [m/s] in this frame after `time` [s].
     pub fn flight(&self, position: &Vector3<f64>, velocity: &Vector3<f64>, time: f64) -> Flight {
         Flight {
             position: position + self.origin(time),
@@ -35,7 +35,7 @@ impl FallingFrame {
         }
     }
 
-    /// The same frame with its time counted from `time` [s] on.
+    /// This frame with times counted from `time` [s] on.
     pub fn from(&self, time: f64) -> Self {
         Self { offset: self.origin(time), velocity: self.velocity_at(time), gravity: self.gravity }
     }

@@ -1,18 +1,20 @@
-//! ListPool of different sizes in one long list, which are used again.
+//! Memory blocks ("rooms") of different sizes in one long list, which are reused.
 //!
-//! A list of neighbours grows and shrinks by one at a time. Powers of two would leave a quarter of all rooms empty on average; rooms in steps of
-//! four entries leave one or two entries. Above 64 entries the steps grow with the size, by an eighth at most, so that there are few sorts of rooms.
+//! A neighbour list grows and shrinks by one entry at a time. With sizes of powers of two, a quarter of the memory
+//! would be unused on average. With steps of four entries, one or two entries are unused. Above 64 entries the steps
+//! grow with the size, by an eighth at most, so that there are few different sizes.
 
-/// Entries of the smallest steps: so many neighbours are looked at together.
+/// Entries of the smallest step: this many neighbours are checked together.
 const STEP: u32 = 4;
 
-/// Steps of the smallest room: half a line of the cache.
+/// Steps of the smallest room: half a cache line.
 const LEAST: u32 = 2;
 
 /// Sizes from one power of two to the next.
 const PER_OCTAVE: u32 = 8;
 
-/// How many entries a room has, by its number: that many steps up to twice [`PER_OCTAVE`], and then eight sizes for each power of two.
+/// Number of entries of a room, by the number of its size. Up to twice [`PER_OCTAVE`] this is that many steps; beyond,
+/// there are eight sizes for each power of two.
 #[inline]
 pub fn size(room: u8) -> u32 {
     let room = u32::from(room);
@@ -23,7 +25,7 @@ pub fn size(room: u8) -> u32 {
     }
 }
 
-/// The number of the smallest room for so many entries.
+/// Number of the smallest size of room for `count` entries.
 #[inline]
 pub fn room_for(count: u32) -> u8 {
     let steps = count.div_ceil(STEP).max(LEAST);
@@ -31,30 +33,30 @@ pub fn room_for(count: u32) -> u8 {
         return steps as u8;
     }
     let doublings = (steps / PER_OCTAVE).ilog2();
-    // rounded up to the next octave it is that one's first size
+    // if rounded up to the next octave, this is the first size of that octave
     (PER_OCTAVE * doublings + steps.div_ceil(1 << doublings)) as u8
 }
 
-/// Where lists were before they moved to a room of another size: others may go there.
+/// Free rooms, left by lists that moved to a room of another size.
 #[derive(Clone, Debug, Default)]
 pub struct ListPool {
-    /// The first entries of rooms that are free, by their number.
+    /// First entries of free rooms, by number of the size.
     free: Vec<Vec<u32>>,
 }
 
 impl ListPool {
-    /// Forgets them all.
+    /// Forgets all free rooms.
     pub fn clear(&mut self) {
         self.free.clear();
     }
 
-    /// Takes note that a room is free, which begins with the entry `first`.
+    /// Adds a free room that begins at entry `first`.
     pub fn give(&mut self, room: u8, first: u32) {
         self.free.resize(self.free.len().max(usize::from(room) + 1), Vec::new());
         self.free[usize::from(room)].push(first);
     }
 
-    /// The first entry of a room that was free.
+    /// Removes a free room of the given size, and returns its first entry.
     pub fn take(&mut self, room: u8) -> Option<u32> {
         self.free.get_mut(usize::from(room))?.pop()
     }

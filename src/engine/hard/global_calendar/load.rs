@@ -1,4 +1,4 @@
-//! Between the store and the calendar: taking particles over, giving them back, and counting times anew.
+//! Exchange between the store and the calendar: loading particles, writing them back, and starting new epochs.
 
 use super::cells::ROUNDING;
 use super::event_queue::{EventQueue, EventTable};
@@ -16,25 +16,26 @@ use nalgebra::Vector3;
 use std::cmp::Ordering;
 use std::f64::consts::{PI, SQRT_2};
 
-/// An epoch ends when the fastest particle may have crossed the box so often: then times are so long that their rounding
-/// matters as much as that of positions.
+/// Number of times that the fastest particle may cross the box within an epoch. After that, times are so long that
+/// their rounding matters as much as that of positions.
 const CROSSINGS: f64 = 8.0;
 
-/// Shells per particle after which the store is sorted again, for particles have moved away from those beside them.
+/// Shells per particle after which the store is sorted again, because particles have moved away from their neighbours
+/// in memory.
 const SORT_AFTER: u64 = 40;
 
-/// What the store says against what the calendar left there.
+/// Difference between the store and the state that the calendar left there.
 enum Change {
     /// Nothing has changed.
     None,
-    /// Velocities have.
+    /// Velocities have changed.
     Kicked,
-    /// Somebody else has moved particles, or put them in another order.
+    /// Positions or the order of particles have changed.
     Moved,
 }
 
 impl GlobalCalendar {
-    /// Takes note of what has been done to the particles since the last window.
+    /// Reads changes of the particles since the last window.
     pub(super) fn begin(&mut self, work: &mut Work<Recent>, window: Window, outdated: bool) -> Result<(), Failure> {
         let scene = work.scene;
         if !self.ready {
@@ -83,7 +84,7 @@ impl GlobalCalendar {
         change
     }
 
-    /// Position [m], inside the box, and velocity [m/s] of a particle now, as the scene sees it.
+    /// Present position [m], inside the box, and velocity [m/s] of a particle, as the scene sees it.
     fn seen(&self, place: usize, scene: &Scene) -> (Vector3<f64>, Vector3<f64>) {
         let body = &self.bodies[place];
         let position = body.position + body.velocity * (self.now - body.time);
@@ -91,14 +92,14 @@ impl GlobalCalendar {
         (scene.domain.wrap(&flight.position), flight.velocity)
     }
 
-    /// Gives the store the state of now.
+    /// Writes the present state to the store.
     pub(super) fn write(&self, particles: &mut Particles, scene: &Scene) {
         for place in 0..self.bodies.len() {
             (particles.position[place], particles.velocity[place]) = self.seen(place, scene);
         }
     }
 
-    /// What is known of each particle, by id; empty if nothing is.
+    /// Collision history of each particle, by id; empty if nothing is known.
     fn history(&self, particles: &Particles, recently: Option<&[Recent]>) -> Vec<LastCollision> {
         let nothing = || vec![LastCollision::default(); particles.len()];
         match recently {
@@ -121,14 +122,15 @@ impl GlobalCalendar {
         }
     }
 
-    /// Gives back the memory of all that can be made anew from the store: much else is needed while it is, and when a run is over.
+    /// Frees the memory of all data that can be rebuilt from the store. It is needed for other data during a rebuild
+    /// and after a run.
     pub fn forget(&mut self) {
         (self.bodies, self.next_events, self.met) = (Vec::new(), Vec::new(), Vec::new());
         self.agenda = EventQueue::default();
         self.shells.forget();
     }
 
-    /// Takes everything from the store, which is put in the order of a curve through the box; `met` is by id.
+    /// Loads all particles from the store, after sorting it along a curve through the box; `met` is by id.
     fn load(
         &mut self,
         particles: &mut Particles,
@@ -159,7 +161,7 @@ impl GlobalCalendar {
         self.bodies = (0..particles.len()).map(body).collect();
         self.shells.kinds = kinds;
         self.met = particles.id.iter().map(|&id| met.get(id as usize).copied().unwrap_or_default()).collect();
-        // much else is made in the following
+        // the following needs much other memory
         drop(met);
         self.ids.clone_from(&particles.id);
         self.next_events = vec![NextEvents::blank(); particles.len()];
@@ -180,7 +182,7 @@ impl GlobalCalendar {
         Ok(())
     }
 
-    /// Takes the velocities from the store.
+    /// Reads the velocities from the store.
     fn reload_velocities(&mut self, particles: &Particles, scene: &Scene, start: f64) -> Result<(), Failure> {
         let of_frame = self.frame.velocity_at(self.now);
         for (body, velocity) in self.bodies.iter_mut().zip(&particles.velocity) {
@@ -190,11 +192,11 @@ impl GlobalCalendar {
         self.set_limit(particles, scene, start)
     }
 
-    /// Chooses how long the epoch lasts.
+    /// Chooses the length of the epoch.
     fn set_limit(&mut self, particles: &Particles, scene: &Scene, start: f64) -> Result<(), Failure> {
         let before = self.limit;
         let fastest = self.bodies.iter().map(|body| body.velocity.norm_squared()).fold(0.0, |a: f64, b| {
-            // a comparison with what is not a number would pass it over
+            // a plain comparison would pass over a NaN
             if b > a || b.is_nan() { b } else { a }
         });
         if !fastest.is_finite() {
@@ -204,7 +206,8 @@ impl GlobalCalendar {
         self.limit = CROSSINGS * crossing;
         let fall = across_walls(scene).norm();
         if fall > 0.0 {
-            // towards walls the frame must not get much faster than the particles are; shells allow for the fall until then
+            // towards walls the frame must not get much faster than the particles are; until then shells allow for the
+            // fall
             let count = self.bodies.len().max(1) as f64;
             let square = self.bodies.iter().map(|body| body.velocity.norm_squared()).sum::<f64>() / count;
             let diameter = 2.0 * self.bodies.iter().map(|body| self.shells.radius(body)).sum::<f64>() / count;
@@ -213,11 +216,11 @@ impl GlobalCalendar {
         Ok(())
     }
 
-    /// Counts times from now on.
+    /// Starts a new epoch: times are counted from now on.
     pub(super) fn new_epoch(&mut self, work: &mut Work<Recent>, time: f64) -> Result<(), Failure> {
         let (scene, horizon) = (work.scene, self.horizon - self.now);
         if across_walls(scene) != Vector3::zeros() {
-            // the frame has to stop falling
+            // the fall of the frame towards walls has to start again from rest
             self.write(work.particles, scene);
             let met = self.history(work.particles, None);
             self.load(work.particles, scene, met, time)?;
@@ -241,14 +244,14 @@ impl GlobalCalendar {
         Ok(())
     }
 
-    /// Whether a wall may be touched before the particle leaves its shell.
+    /// True if a wall may be touched before the particle leaves its shell.
     pub(super) fn at_wall(&self, place: usize, scene: &Scene) -> bool {
         if scene.walls.is_empty() {
             return false;
         }
         let body = &self.bodies[place];
         let flight = self.frame.flight(&body.position, &body.velocity, self.now);
-        // within the epoch the frame falls by that much
+        // fall of the frame within the epoch
         let fall = 0.5 * across_walls(scene).norm() * self.limit * self.limit;
         let reach = self.shells.radius(body) + self.shells.margin + fall + ROUNDING * scene.domain.size.max();
         let position = scene.domain.wrap(&flight.position);
@@ -260,17 +263,17 @@ impl GlobalCalendar {
     }
 }
 
-/// [m/s²] the part of gravity that brings particles nearer to walls.
+/// [m/s²] the component of gravity that brings particles nearer to walls.
 fn across_walls(scene: &Scene) -> Vector3<f64> {
     scene.gravity - along_walls(scene, scene.gravity)
 }
 
-/// The order of kinds: by radius, then by mass.
+/// Order of kinds: by radius, then by mass.
 fn by_size(a: &RadiusClass, b: &RadiusClass) -> Ordering {
     a.radius.total_cmp(&b.radius).then(a.mass.total_cmp(&b.mass))
 }
 
-/// All sorts of particles there are, in order.
+/// All different combinations of radius and mass, in order.
 fn kinds(particles: &Particles) -> Vec<RadiusClass> {
     let tidy = |kinds: &mut Vec<RadiusClass>| {
         kinds.sort_unstable_by(by_size);
@@ -279,7 +282,7 @@ fn kinds(particles: &Particles) -> Vec<RadiusClass> {
     let (mut kinds, mut most) = (Vec::new(), CHUNK);
     for (&radius, &mass) in particles.radius.iter().zip(&particles.mass) {
         kinds.push(RadiusClass { radius, mass });
-        // now and then, so that where there are few sorts there are never many in the list
+        // now and then, so that the list stays short if there are few kinds
         if kinds.len() >= most {
             tidy(&mut kinds);
             most = 2 * kinds.len() + CHUNK;
@@ -290,7 +293,8 @@ fn kinds(particles: &Particles) -> Vec<RadiusClass> {
     kinds
 }
 
-/// Particles within a factor of two of size, as the shells keep them: how many there are per volume [1/m³], and the largest diameter [m].
+/// Groups of particles within a factor of two in size, as in the shells: number density [1/m³] and largest diameter
+/// [m].
 fn crowds(bodies: &[FlightState], kinds: &[RadiusClass], volume: f64) -> Vec<(f64, f64)> {
     let mut counts = vec![0u32; kinds.len()];
     for body in bodies {
@@ -308,15 +312,17 @@ fn crowds(bodies: &[FlightState], kinds: &[RadiusClass], volume: f64) -> Vec<(f6
     crowds
 }
 
-/// [m] how far a particle may go from the centre of its shell: what costs least by counts with fixed weights, in ns on one core. They
-/// choose, they do not time.
+/// Distance [m] that a particle may move from the centre of its shell: the cheapest one, by counts with fixed weights
+/// in ns on one core. The weights only serve to choose, not to predict the run time.
 fn margin(particles: &Particles, crowds: &[(f64, f64)], scene: &Scene) -> f64 {
-    /// A new shell: itself, a distance computed, a neighbour told.
+    /// [ns] cost of a new shell: fixed, per distance computed, and per neighbour.
     const SHELL: [f64; 3] = [200.0, 3.0, 12.0];
-    /// Foretelling an event: itself, a neighbour, of which four are looked at together. With 7.0 in place of 3.5, as before that, dense gases take
-    /// 1.03 to 1.05 times as long (volume fractions of 0.3 and 0.5, 10,000 spheres).
+    /// [ns] cost of predicting an event: fixed, and per neighbour (checked in groups of four). With 7.0 in place of
+    /// 3.5, the value without groups, dense gases take 1.03 to 1.05 times as long (10,000 spheres at volume fractions
+    /// of 0.3 and 0.5).
     const EVENT: [f64; 2] = [80.0, 3.5];
-    /// Events foretold per collision of a particle: after it, and when one comes up whose partner has collided.
+    /// Predictions per collision of a particle: after it, and when an event comes up whose partner has collided
+    /// meanwhile.
     const FORETOLD: f64 = 1.7;
     let count = particles.len().max(1) as f64;
     let diameter = 2.0 * particles.radius.iter().sum::<f64>() / count;
@@ -329,7 +335,7 @@ fn margin(particles: &Particles, crowds: &[(f64, f64)], scene: &Scene) -> f64 {
     let cost = |margin: f64| {
         let near = density * 4.0 / 3.0 * PI * (diameter + 2.0 * margin).powi(3);
         let looked_at: f64 = crowds.iter().map(|(of, largest)| 27.0 * of * (largest + 2.0 * margin).powi(3)).sum();
-        // straight on within a mean free path, by diffusion beyond
+        // ballistic motion within a mean free path, diffusion beyond
         let flown = margin * (1.0 + margin / (2.0 * free_path));
         let event = EVENT[0] + EVENT[1] * near;
         (SHELL[0] + SHELL[1] * looked_at + SHELL[2] * near + event) / flown + FORETOLD * event / free_path

@@ -1,11 +1,12 @@
-//! One calendar for all, which lasts from window to window.
+//! One event queue for all particles, which lasts from window to window (the global calendar).
 //!
-//! Every particle has two events: the earliest of its touches and of leaving its shell. They are foretold again when the particle
-//! has collided, or when they come up and their partners have collided meanwhile; a window's end changes nothing. Particles keep
-//! their own time, so an event moves two of them and looks at their neighbours.
+//! Every particle has two events: the earliest two of its touches and of leaving its shell. They are predicted again
+//! when the particle has collided, or when one comes up and its partner has collided meanwhile. The end of a window
+//! changes nothing. Each particle has its own time, so an event moves only two particles and checks their neighbours.
 //!
-//! The calendar keeps its own copy of the flights, in a frame that falls. The store is written at the end of each window;
-//! velocities that have changed when the next one begins were changed by somebody else, such as drag, and then all events are foretold anew.
+//! The calendar keeps its own copy of the flights, in a falling frame. The store is written at the end of each window.
+//! If velocities have changed when the next window begins, they were changed elsewhere, such as by drag. All events are
+//! then predicted again.
 
 mod approach;
 mod bins;
@@ -37,78 +38,79 @@ use shells::Shells;
 use std::time::Duration;
 use walls::WallContacts;
 
-/// Impacts that are kept before they are handed to the record: what a window holds may be millions, and these stay in the cache.
+/// Number of impacts kept before they go to the record. A window may have millions, and so few stay in the cache.
 const KEPT_IMPACTS: usize = 1 << 8;
 
-/// The calendar with what it knows of the particles.
+/// The event queue with its data of all particles.
 #[derive(Clone, Default, Serialize, Deserialize)]
 pub struct GlobalCalendar {
     frame: FallingFrame,
-    /// [s] since the epoch.
+    /// Present time [s] since the epoch.
     now: f64,
-    /// [s] since the epoch: when times are counted from a new one.
+    /// Time [s] since the epoch at which a new epoch begins.
     limit: f64,
-    /// [s] since the epoch: events are foretold and filed up to here. Where drag kicks every window that is its end, else infinite.
+    /// Time [s] since the epoch up to which events are predicted and queued: the end of the window if drag kicks in
+    /// every window, otherwise infinite.
     horizon: f64,
     bodies: Vec<FlightState>,
     next_events: Vec<NextEvents>,
     ids: Vec<u32>,
-    /// What has come to each particle.
+    /// Collision history of each particle.
     met: Vec<LastCollision>,
     shells: Shells,
-    /// Axes along which the box is so short that a pair may touch through another than the nearest image.
+    /// True for axes along which the box is so short that a pair may touch through an image other than the nearest.
     far_images: [bool; 3],
-    /// Shells made when the store was last sorted.
+    /// Number of shells made when the store was last sorted.
     sorted_at: u64,
     /// Impulses applied so far.
     pub events: u64,
     /// Touch times computed so far.
     foretold: u64,
-    /// How often all has been looked at anew.
+    /// Number of complete rebuilds.
     pub builds: u64,
-    /// Wall-clock time of that.
+    /// Wall-clock time of the rebuilds.
     pub building: Duration,
     #[serde(skip)]
     agenda: EventQueue,
     #[serde(skip)]
     walls: WallContacts,
-    /// Whether what is not stored (agenda, cells, walls) is there.
+    /// True if the parts that are not stored (agenda, cells, walls) exist.
     #[serde(skip)]
     ready: bool,
-    /// [s] t_c of the TC model: a collision sooner than this after another of either particle is elastic.
+    /// Contact time t_c [s] of the TC model: a collision sooner than this after another of either particle is elastic.
     #[serde(skip)]
     pub contact_time: Option<f64>,
-    /// Times the looking anew.
+    /// Clock that times the rebuilds.
     #[serde(skip)]
     pub clock: Clock,
 }
 
-/// A window as the calendar sees it.
+/// A window, with times since the epoch.
 #[derive(Clone, Copy)]
 struct CalendarWindow {
     window: Window,
-    /// [s] its end, since the epoch.
+    /// End of the window [s] since the epoch.
     end: f64,
 }
 
 impl CalendarWindow {
-    /// [s] what is left of the window `now` [s] after the epoch.
+    /// Rest of the window [s] at `now` [s] since the epoch.
     fn left(&self, now: f64) -> f64 {
         self.end - now
     }
 
-    /// [s] simulated time `now` [s] after the epoch.
+    /// Simulated time [s] at `now` [s] since the epoch.
     fn time(&self, now: f64) -> f64 {
         self.window.start + (self.window.duration - self.left(now))
     }
 }
 
 impl GlobalCalendar {
-    /// Moves everyone through a window. `outdated`: somebody else has moved the particles since it last did, and all that is known of
-    /// their collisions is who collided recently.
+    /// Moves all particles through a window. `outdated` is true if particles were moved elsewhere since the last call;
+    /// then only recent collisions are known of their history.
     ///
     /// # Errors
-    /// Collapse, or numbers that are none; the store then holds the state at which it was seen.
+    /// Collapse, or values that are not numbers; the store then holds the state at that time.
     pub fn run(&mut self, work: &mut Work<Recent>, window: Window, outdated: bool) -> Result<(), Failure> {
         self.begin(work, window, outdated)?;
         for met in &mut self.met {
@@ -144,8 +146,8 @@ impl GlobalCalendar {
         }
     }
 
-    /// Calls into the cache what the next events will need, so that it is there when their turn comes. What is found by way of something else
-    /// is called one event later than that: first a particle, then its partner and its list of neighbours, then these.
+    /// Prefetches the data of the next events into the cache. Data found through other data are prefetched one event
+    /// later: first a particle, then its partner and its neighbour list, then the neighbours.
     fn fetch_ahead(&self) {
         let upcoming = |after| self.agenda.upcoming(after).map(|place| &self.next_events[place as usize]);
         if let Some(place) = self.agenda.upcoming(3) {
@@ -180,7 +182,7 @@ impl GlobalCalendar {
         self.shells.neighbours(&card.shell).iter().for_each(|&k| prefetch_index(&self.bodies, k as usize));
     }
 
-    /// What has come to a particle.
+    /// Processes the event of a particle.
     fn event(&mut self, place: u32, work: &mut Work<Recent>, span: &CalendarWindow) -> Result<(), Failure> {
         let (now, scene) = (self.now, work.scene);
         let NextEvents { next, detail, .. } = self.next_events[place as usize];
@@ -213,7 +215,8 @@ impl GlobalCalendar {
         Ok(())
     }
 
-    /// How the two stand to one another; both are at the present time. Of a wall, the part `struck` is meant.
+    /// Relative position and velocity of the two bodies, both at the present time. Of a wall, the part `struck` is
+    /// meant.
     fn meet(&self, couple: &Couple, struck: u32, scene: &Scene) -> Encounter {
         let body = &self.bodies[couple.i as usize];
         let radius = self.shells.radius(body);
@@ -276,7 +279,7 @@ impl GlobalCalendar {
         }
     }
 
-    /// Whether one of the partners has collided less than the contact time before simulated `time` [s].
+    /// True if one of the partners has collided less than the contact time before simulated `time` [s].
     fn in_contact(&self, couple: &Couple, time: f64) -> bool {
         let Some(contact_time) = self.contact_time else { return false };
         couple.places().into_iter().flatten().any(|i| time - self.met[i as usize].last < contact_time)
@@ -302,7 +305,7 @@ impl GlobalCalendar {
         Ok(())
     }
 
-    /// Who has collided less than the contact time before simulated `time` [s]; nobody without one.
+    /// Recent collisions, less than the contact time before simulated `time` [s]; none without a contact time.
     pub fn recent(&self, time: f64) -> impl Iterator<Item = Recent> {
         recent(self.met.iter(), self.contact_time, time)
     }
@@ -312,13 +315,13 @@ impl GlobalCalendar {
         self.foretold + self.shells.checks
     }
 
-    /// What lasts, in a form that does not depend on how it came about.
+    /// State for storage, in a form that does not depend on how it came about.
     pub fn state(&self) -> Self {
         let (shells, next_events) = self.shells.tidy(&self.next_events);
         Self { shells, next_events, agenda: EventQueue::default(), ..self.clone() }
     }
 
-    /// Goes on from what another with the same settings had.
+    /// Continues from the stored state of a calendar with equal settings.
     pub fn resume(&mut self, state: Self) {
         let (clock, contact_time) = (self.clock.clone(), self.contact_time);
         *self = Self { clock, contact_time, ..state };

@@ -1,27 +1,27 @@
-//! What a particle's flight needs, and what comes to it next.
+//! Flight data and next events of a particle.
 
 use super::shells::Shell;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// The flight of one particle: all that its neighbours ask for, in one line of the cache.
+/// Flight of one particle: all data that its neighbours need, in one cache line.
 #[repr(align(64))]
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct FlightState {
-    /// [m] position at its own time, in the frame of the calendar.
+    /// Position [m] at the particle's own time, in the frame of the calendar.
     pub position: Vector3<f64>,
-    /// [m/s] velocity in that frame.
+    /// Velocity [m/s] in the frame of the calendar.
     pub velocity: Vector3<f64>,
-    /// [s] its own time, since the epoch.
+    /// The particle's own time [s] since the epoch.
     pub time: f64,
-    /// Which of the radii it has.
+    /// Index of its radius and mass among the kinds.
     pub kind: u32,
-    /// How often it has collided, modulo 2³².
+    /// Number of collisions so far, modulo 2³².
     pub hits: u32,
 }
 
 impl FlightState {
-    /// Brings it to `now` [s].
+    /// Moves the particle to time `now` [s].
     #[inline]
     pub fn advance(&mut self, now: f64) {
         self.position += self.velocity * (now - self.time);
@@ -29,53 +29,54 @@ impl FlightState {
     }
 }
 
-/// What comes to a particle next.
+/// Kind of event.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum EventKind {
-    /// It touches the particle at a place, if that has not collided before.
+    /// Touch of the particle with this index, valid if that has not collided before.
     Pair(u32),
-    /// It touches one of the contacts of all walls, counted in the order of the scene.
+    /// Touch of a wall contact; contacts of all walls are counted in the order of the scene.
     Wall(u32),
-    /// It leaves its shell: who is near must be found anew.
+    /// Leaving the shell: the neighbours must be found again.
     Leave,
-    /// Nothing as far as was looked: look again.
+    /// No event within the time predicted so far: predict again.
     Look,
 }
 
-/// The next two events of one particle and its shell, in another line.
+/// The next two events of one particle and its shell, in a second cache line.
 #[repr(align(64))]
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct NextEvents {
-    /// [s] when its event is due, since the epoch; infinite: never.
+    /// Time [s] of the next event since the epoch; infinite: never.
     pub time: f64,
-    /// [s] when the one after that is due.
+    /// Time [s] of the second event.
     pub then: f64,
-    /// The event.
+    /// The next event.
     pub next: EventKind,
-    /// The one after that, if the partner of the first has collided with somebody else.
+    /// The second event, which becomes next if the partner of the first has collided elsewhere.
     pub after: EventKind,
-    /// Of a pair: how often the partner had collided when the event was foretold. Of a wall: which part of it is touched.
+    /// Detail of the next event. For a pair: number of collisions of the partner at prediction. For a wall: the part
+    /// touched.
     pub detail: u32,
-    /// The same of the event after that.
+    /// Detail of the second event, like `detail`.
     pub detail_after: u32,
-    /// Its shell.
+    /// Shell of the particle.
     pub shell: Shell,
 }
 
 impl NextEvents {
-    /// Nothing foretold.
+    /// A particle without predicted events.
     pub fn blank() -> Self {
         let (never, look) = (f64::INFINITY, EventKind::Look);
         Self { time: never, then: never, next: look, after: look, detail: 0, detail_after: 0, shell: Shell::default() }
     }
 
-    /// Whether there is a later event to go on to.
+    /// True if there is a later event to continue with.
     #[inline]
     pub fn has_more(&self) -> bool {
         self.then > self.time
     }
 
-    /// Goes on to the event after the first, which will not come about.
+    /// Replaces the next event, which will not happen, by the second one.
     #[inline]
     pub fn go_on(&mut self) {
         (self.time, self.next, self.detail) = (self.then, self.after, self.detail_after);

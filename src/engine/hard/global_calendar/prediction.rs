@@ -1,4 +1,4 @@
-//! When does a particle touch somebody, and whom first?
+//! Prediction of the next touches of a particle.
 
 use super::GlobalCalendar;
 #[cfg(target_arch = "x86_64")]
@@ -16,16 +16,16 @@ use crate::walls::Touch;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
-/// What comes to a particle, and in how long [s].
+/// An event of a particle, and the time [s] until then.
 #[derive(Clone, Copy)]
 struct Event {
     wait: f64,
     next: EventKind,
-    /// What of a wall is touched.
+    /// Part of the wall that is touched.
     place: u32,
 }
 
-/// The first two things that come to a particle.
+/// The first two events of a particle.
 #[derive(Clone, Copy)]
 struct Events {
     first: Event,
@@ -33,7 +33,7 @@ struct Events {
 }
 
 impl Events {
-    /// Takes note of a further event, if it is one of the first two. Touches at the same time go by the ids of the partners.
+    /// Adds an event if it is one of the first two. Ids of the partners decide between touches at equal times.
     #[inline]
     fn offer(&mut self, event: Event, ids: &[u32]) {
         let before = |other: &Event| match (event.next, other.next) {
@@ -48,14 +48,15 @@ impl Events {
     }
 }
 
-/// Fours of neighbours that are looked at before the first touch is worked out.
+/// Groups of four neighbours checked before their touch times are computed.
 const AT_ONCE: usize = 4;
 
-/// An approach slower than this times the distance and the sum of the speeds is rounding, as in [`first_touch`].
+/// Smallest resolvable approach, relative to the distance times the sum of the speeds; a slower one is rounding, as in
+/// [`first_touch`].
 const RESOLUTION: f64 = 4.0 * f64::EPSILON;
 
 impl GlobalCalendar {
-    /// Foretells what comes to one particle, which is at the present time.
+    /// Predicts the events of one particle, which is at the present time.
     #[inline]
     pub(super) fn predict_events(&mut self, place: u32, scene: &Scene) {
         let events = self.next_events(place, scene);
@@ -64,7 +65,7 @@ impl GlobalCalendar {
         self.file(place);
     }
 
-    /// Files the event of a particle, if it is due before the horizon.
+    /// Queues the event of a particle, if it is due before the horizon.
     #[inline]
     pub(super) fn file(&mut self, place: u32) {
         if self.next_events[place as usize].time < self.horizon {
@@ -72,7 +73,7 @@ impl GlobalCalendar {
         }
     }
 
-    /// Foretells everything; all particles are at the present time.
+    /// Predicts all events; all particles are at the present time.
     pub(super) fn foretell_all(&mut self, scene: &Scene) {
         let count = self.bodies.len();
         self.foretold += self.next_events.iter().map(|card| u64::from(card.shell.count())).sum::<u64>();
@@ -83,7 +84,7 @@ impl GlobalCalendar {
             }
             return;
         }
-        // some chunks after others, so that most events are in memory once only, on their events
+        // a few chunks at a time, so that most events are in memory only once, as entries of `next_events`
         let together = CHUNK * rayon::current_num_threads();
         for first in (0..count).step_by(together) {
             let (last, this) = (count.min(first + together), &*self);
@@ -108,7 +109,8 @@ impl GlobalCalendar {
         (card.detail, card.detail_after) = details;
     }
 
-    /// The earliest two of leaving the shell, the horizon, and all touches; of one that is not a touch, nothing after it.
+    /// The earliest two of leaving the shell, reaching the horizon, and all touches. Nothing follows an event that is
+    /// no touch.
     #[inline]
     fn next_events(&self, place: u32, scene: &Scene) -> Events {
         let (body, shell) = (&self.bodies[place as usize], &self.next_events[place as usize].shell);
@@ -128,7 +130,7 @@ impl GlobalCalendar {
         events
     }
 
-    /// All touches with walls.
+    /// Adds all touches with walls.
     fn at_walls(&self, body: &FlightState, scene: &Scene, events: &mut Events) {
         let mut flight = self.frame.flight(&body.position, &body.velocity, self.now);
         flight.position = scene.domain.wrap(&flight.position);
@@ -151,7 +153,7 @@ impl GlobalCalendar {
         near.into_iter().flat_map(|wall| self.walls.of_wall(wall)).for_each(&mut ask);
     }
 
-    /// All touches with neighbours, by one image alone.
+    /// Adds all touches with neighbours, by the nearest images.
     #[inline]
     fn touches(&self, body: &FlightState, shell: &Shell, domain: &Domain, events: &mut Events) {
         let view = ObservingParticle {
@@ -161,7 +163,7 @@ impl GlobalCalendar {
             inside: shell.inside,
             domain,
         };
-        // the factor is for rounding, so that ties do not depend on the order
+        // the factor allows for rounding, so that ties do not depend on the order
         let soon = 2.0 * events.second.wait * (1.0 + 1e-9);
         #[cfg(target_arch = "x86_64")]
         if let Some(simd) = pulp::x86::V3::try_new() {
@@ -183,8 +185,8 @@ impl GlobalCalendar {
         self.touches_by(body, shell, |others, touch| view.one_by_one(others, touch, soon), events);
     }
 
-    /// All touches with neighbours, of which four at a time are looked at. Who comes to touch soon enough is picked first, without
-    /// branches: they would be guessed wrong at every second.
+    /// Adds all touches with neighbours, checked four at a time. Neighbours that touch soon enough are selected first,
+    /// without branches: every second branch would be mispredicted.
     #[inline(always)]
     fn touches_by(
         &self,
@@ -222,7 +224,7 @@ impl GlobalCalendar {
         &self.bodies[place as usize]
     }
 
-    /// The touch with a neighbour that comes nearer: which of the four it is, and its place.
+    /// Adds the touch with an approaching neighbour, given by its number among the four and its index.
     #[inline(always)]
     fn touch(&self, body: &FlightState, four: &FourNeighbours, (k, place): (usize, u32), events: &mut Events) {
         let (closing, gap, discriminant) = (four.closing[k], four.gap[k], four.discriminant[k]);
@@ -232,14 +234,14 @@ impl GlobalCalendar {
         }
         let other = &self.bodies[place as usize];
         let reach = self.shells.radius(body) + self.shells.radius(other);
-        // no less than the square of the sum of the speeds
+        // at least the square of the sum of the speeds
         let speeds_square = 2.0 * (body.velocity.norm_squared() + other.velocity.norm_squared());
         if closing * closing > RESOLUTION * RESOLUTION * (gap + reach * reach) * speeds_square {
             events.offer(Event { wait, next: EventKind::Pair(place), place: 0 }, &self.ids);
         }
     }
 
-    /// The same where a pair may touch by way of the other side of the box.
+    /// Adds all touches with neighbours if a pair may touch across the other side of the box.
     fn all_images(&self, body: &FlightState, neighbours: &[u32], scene: &Scene, events: &mut Events) {
         let size = &scene.domain.size;
         for &j in neighbours {
@@ -263,7 +265,7 @@ impl GlobalCalendar {
     }
 }
 
-/// [s] until a particle is `margin` [m] away from the centre of its shell; infinite if it does not move.
+/// Time [s] until a particle is `margin` [m] away from the centre of its shell; infinite if it does not move.
 fn leave(body: &FlightState, centre: &Vector3<f64>, margin: f64) -> f64 {
     let from = body.position - centre;
     let (along, square) = (from.dot(&body.velocity), body.velocity.norm_squared());
@@ -271,7 +273,7 @@ fn leave(body: &FlightState, centre: &Vector3<f64>, margin: f64) -> f64 {
         return f64::INFINITY;
     }
     let room = (margin * margin - from.norm_squared()).max(0.0);
-    // the form that does not cancel
+    // the form without cancellation
     let root = (along * along + square * room).sqrt();
     if along > 0.0 { room / (along + root) } else { (root - along) / square }
 }

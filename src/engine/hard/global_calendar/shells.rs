@@ -1,7 +1,8 @@
-//! Who is near whom, kept up to date particle by particle.
+//! Neighbour lists, updated particle by particle.
 //!
-//! Each particle has a shell: a ball about the place where it was last looked at. It may move within it by a margin; those
-//! are its neighbours whose shells overlap its own. Whoever leaves its shell gets a new one, and nobody else is touched.
+//! Each particle has a shell: a ball about its position at the last update of its list. It may move by a margin within
+//! the shell. Its neighbours are the particles whose shells overlap its own. A particle that leaves its shell gets a
+//! new one; the others keep theirs.
 
 use super::cells::{ROUNDING, ShellGrid, rounded, widened};
 use super::list_pool::{ListPool, room_for, size};
@@ -13,31 +14,32 @@ use prefetch_index::prefetch_index;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-/// Where a particle was looked at, and whom it had near.
+/// Shell of a particle and location of its neighbour list.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct Shell {
-    /// [m] its centre, inside the box; in single precision, as the cells hold it.
+    /// Centre [m] of the shell, inside the box; in single precision, as the cells hold it.
     centre: [f32; 3],
-    /// Its neighbours are `near[first .. first + count]`; how much room there is `rooms` says.
+    /// The neighbours are `near[first .. first + count]`; `room` is the size of the memory block.
     first: u32,
     count: u32,
     room: u8,
-    /// Whether walls are near.
+    /// True if walls are near.
     pub at_wall: bool,
-    /// Whether it and its neighbours are on the same side of all periodic sides.
+    /// True if no periodic side lies between the particle and its neighbours.
     pub inside: bool,
 }
 
-/// What is the same of many particles.
+/// Properties shared by many particles.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RadiusClass {
-    /// [m] radius.
+    /// Radius [m].
     pub radius: f64,
-    /// [kg] mass.
+    /// Mass [kg].
     pub mass: f64,
 }
 
-/// The shells of particles within a factor of two of size: in cells as large as the largest of all there would be crowds of small ones.
+/// Shells of particles within a factor of two in size. Cells as large as the largest particle of all would each hold
+/// very many small ones.
 #[derive(Clone, Debug)]
 struct ShellLevel {
     cells: ShellGrid,
@@ -49,64 +51,66 @@ struct ShellLevel {
 /// The shells of all particles.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Shells {
-    /// [m] how far a particle may go from the centre of its shell.
+    /// Distance [m] that a particle may move from the centre of its shell.
     pub margin: f64,
-    /// All sorts of particles there are.
+    /// All different combinations of radius and mass.
     pub kinds: Vec<RadiusClass>,
-    /// The neighbours of all; where a list has room left the particle itself stands.
+    /// Neighbour lists of all particles; unused entries of a list hold the index of its own particle.
     near: Vec<u32>,
     /// Shells made so far.
     pub renewed: u64,
     /// Distances computed.
     pub checks: u64,
-    /// The centres by size, from the smallest on.
+    /// Centres by size of the particles, from the smallest on.
     #[serde(skip)]
     levels: Vec<ShellLevel>,
-    /// [m] the largest radius.
+    /// Largest radius [m].
     #[serde(skip)]
     largest: f64,
-    /// [m] the smallest.
+    /// Smallest radius [m].
     #[serde(skip)]
     smallest: f64,
     #[serde(skip)]
     found: Vec<u32>,
-    /// Which renewal last saw each particle, twice its number modulo 2³²: as a neighbour of before, and one more as one that stays.
+    /// Mark of each particle: twice the number of the update, modulo 2³², that last had it as an old neighbour. It is
+    /// one more if the particle stays a neighbour.
     #[serde(skip)]
     marks: Vec<u32>,
-    /// Where lists were before they moved.
+    /// Free memory blocks.
     #[serde(skip)]
     free: ListPool,
 }
 
-/// The neighbours of some particles.
+/// Neighbour lists of some particles.
 #[derive(Default)]
 struct Lists {
     /// One list after the other.
     near: Vec<u32>,
-    /// The length of each.
+    /// Length of each list.
     counts: Vec<u32>,
     /// Distances computed.
     checks: u64,
 }
 
-/// Of what all lists take, the part that is kept for their growth: they become longer by up to a quarter in the first time after a random start, and to
-/// make room only then may mean to copy them all. What is never written takes no memory.
+/// Inverse of the fraction of memory kept free for growth of the lists. In the first time after a random start they
+/// become longer by up to a quarter, and growing the memory then may mean copying them all. Memory that is never
+/// written takes no space.
 const SPARE: usize = 4;
 
-/// Of what they take, the part by which there is more room when that has been used up.
+/// Inverse of the fraction by which the memory grows when it is used up.
 const MORE: usize = 16;
 
-/// Places in a line of the cache, which has 64 bytes.
+/// Indices in a cache line of 64 bytes.
 const PER_LINE: usize = 16;
 
 impl Shell {
-    /// [m] its centre.
+    /// Centre [m] of the shell.
     #[inline]
     pub fn centre(&self) -> Vector3<f64> {
         widened(&self.centre)
     }
 
-    /// How many neighbours it has.
+    /// Number of neighbours.
     #[inline]
     pub fn count(&self) -> u32 {
         self.count
@@ -114,7 +118,7 @@ impl Shell {
 }
 
 impl Shells {
-    /// Shells about all bodies where they are, inside the box.
+    /// Makes shells about the positions of all bodies, which are inside the box.
     pub fn build(&mut self, next_events: &mut [NextEvents], bodies: &[FlightState], domain: &Domain, at_wall: &[bool]) {
         for ((card, body), &at_wall) in next_events.iter_mut().zip(bodies).zip(at_wall) {
             card.shell = Shell { centre: rounded(&body.position), at_wall, ..Shell::default() };
@@ -126,7 +130,7 @@ impl Shells {
         self.near.clear();
         self.free.clear();
         let chunks = bodies.len().div_ceil(CHUNK);
-        // some chunks after others, so that most lists are in memory once only
+        // a few chunks at a time, so that most lists are in memory only once
         let together = rayon::current_num_threads();
         for first in (0..chunks).step_by(together) {
             let last = chunks.min(first + together);
@@ -141,13 +145,13 @@ impl Shells {
         self.renewed += bodies.len() as u64;
     }
 
-    /// Gives back the memory of all lists and cells: they are to be built anew.
+    /// Frees the memory of all lists and cells, which are to be built again.
     pub fn forget(&mut self) {
         (self.near, self.levels) = (Vec::new(), Vec::new());
         self.free.clear();
     }
 
-    /// The neighbours of a chunk of particles.
+    /// Neighbour lists of a chunk of particles.
     fn look_around_chunk(
         &self,
         chunk: usize,
@@ -164,7 +168,8 @@ impl Shells {
         lists
     }
 
-    /// Makes room for lists, and for those of the others of `count` particles if these are the last of the first `known`.
+    /// Reserves memory for the lists in `parts`, the last of the first `known` particles. If it has to grow, it is
+    /// sized for all `count` particles.
     fn reserve(&mut self, parts: &[Lists], known: usize, count: usize) {
         let room: usize =
             parts.iter().flat_map(|lists| &lists.counts).map(|&count| size(room_for(count)) as usize).sum();
@@ -175,7 +180,7 @@ impl Shells {
         }
     }
 
-    /// Gives the particles from a place on their lists.
+    /// Assigns lists to the particles from index `first` on.
     fn hand_out(&mut self, lists: Lists, first: usize, next_events: &mut [NextEvents]) {
         self.checks += lists.checks;
         let mut near = lists.near.as_slice();
@@ -189,12 +194,12 @@ impl Shells {
         }
     }
 
-    /// Puts the centres in cells: what is not stored of the shells.
+    /// Puts the centres into cells, which are not stored.
     pub fn fill_cells(&mut self, next_events: &[NextEvents], bodies: &[FlightState], domain: &Domain) {
         self.largest = self.kinds.iter().fold(0.0, |most: f64, kind| most.max(kind.radius));
         self.smallest = self.kinds.iter().fold(f64::INFINITY, |least: f64, kind| least.min(kind.radius));
         let mut ranges: Vec<[f64; 2]> = Vec::new();
-        // kinds are in the order of their radii
+        // kinds are in ascending order of radius
         for RadiusClass { radius, .. } in &self.kinds {
             match ranges.last_mut() {
                 Some([smallest, largest]) if *radius <= 2.0 * *smallest => *largest = *radius,
@@ -212,14 +217,14 @@ impl Shells {
         }
     }
 
-    /// Which level a body belongs to.
+    /// Level of a body.
     #[inline]
     fn level(&self, body: &FlightState) -> usize {
         let radius = self.radius(body);
         self.levels.iter().take_while(|level| level.largest < radius).count()
     }
 
-    /// Whether a shell's centre [m] is so far from all periodic sides that no neighbour is beyond one.
+    /// True if a shell's centre [m] is so far from all periodic sides that no neighbour is across one.
     fn is_inside(&self, centre: &[f32; 3], domain: &Domain) -> bool {
         let reach = 2.0 * (self.largest + self.margin) + 2.0 * ROUNDING * domain.size.max();
         let within = |axis: usize| {
@@ -229,51 +234,52 @@ impl Shells {
         (0..3).all(|axis| !domain.periodic[axis] || within(axis))
     }
 
-    /// [m] the largest radius.
+    /// Largest radius [m].
     #[inline]
     pub fn largest(&self) -> f64 {
         self.largest
     }
 
-    /// Whether all have the same radius.
+    /// True if all particles have equal radii.
     #[inline]
     pub fn alike(&self) -> bool {
         self.smallest == self.largest
     }
 
-    /// [m] the radius of a body.
+    /// Radius [m] of a body.
     #[inline]
     pub fn radius(&self, body: &FlightState) -> f64 {
         self.kinds[body.kind as usize].radius
     }
 
-    /// [kg] the mass of a body.
+    /// Mass [kg] of a body.
     #[inline]
     pub fn mass(&self, body: &FlightState) -> f64 {
         self.kinds[body.kind as usize].mass
     }
 
-    /// Whom a shell has near.
+    /// Indices of the neighbours of a shell.
     #[inline]
     pub fn neighbours(&self, shell: &Shell) -> &[u32] {
         &self.near[shell.first as usize..(shell.first + shell.count) as usize]
     }
 
-    /// The same in fours; the particle itself stands where there is nobody.
+    /// Indices of the neighbours in groups of four; the particle's own index fills the last group.
     #[inline]
     pub fn in_fours(&self, shell: &Shell) -> &[[u32; 4]] {
         let end = shell.first + shell.count.next_multiple_of(4);
         self.near[shell.first as usize..end as usize].as_chunks().0
     }
 
-    /// Calls the list of a shell into the cache.
+    /// Prefetches the neighbour list of a shell into the cache.
     #[inline]
     pub fn fetch_list(&self, shell: &Shell) {
         let (first, last) = (shell.first as usize, (shell.first + shell.count.saturating_sub(1)) as usize);
         (first..last).step_by(PER_LINE).chain([last]).for_each(|at| prefetch_index(&self.near, at));
     }
 
-    /// Adds to `found` all whose shells overlap that of `i`, and some that nearly do; returns how many were looked at.
+    /// Appends to `found` all particles whose shells overlap that of `i`, and some that nearly do. Returns the number
+    /// checked.
     fn look_around(
         &self,
         i: u32,
@@ -306,7 +312,7 @@ impl Shells {
         checks
     }
 
-    /// Gives particle `i` a new shell about where it is, inside the box.
+    /// Gives particle `i` a new shell about its position, which is inside the box.
     pub fn update_neighbour_list(
         &mut self,
         i: u32,
@@ -325,7 +331,7 @@ impl Shells {
         let mut found = std::mem::take(&mut self.found);
         found.clear();
         self.checks += self.look_around(i, next_events, bodies, domain, &mut found);
-        // most stay: only who comes and who goes is told
+        // most neighbours stay: only lists of new and of lost neighbours are changed
         self.marks.resize(next_events.len(), 0);
         let was_near = 2 * ((self.renewed + 1) as u32 & (u32::MAX >> 1));
         if was_near == 0 {
@@ -349,7 +355,8 @@ impl Shells {
         }
         let count = found.len() as u32;
         let shell = &mut next_events[i as usize].shell;
-        // also to a smaller one: rooms that only grew would all become as large as the longest list ever, and small ones would be left over
+        // also to a smaller room: otherwise all rooms would grow to the longest list ever, and small ones would be left
+        // unused
         let wanted = room_for(count);
         if wanted != shell.room {
             *shell = self.moved(shell, wanted);
@@ -363,13 +370,13 @@ impl Shells {
         self.renewed += 1;
     }
 
-    /// The shell with another room, where a list of that room was before, or at the end; what is there is of no meaning yet.
+    /// Returns the shell with another room: a free one of that size, or a new one at the end. Its content is undefined.
     fn moved(&mut self, shell: &Shell, room: u8) -> Shell {
         self.free.give(shell.room, shell.first);
         let first = self.free.take(room).unwrap_or_else(|| {
             let (first, more) = (self.near.len(), size(room) as usize);
             if self.near.capacity() < first + more {
-                // not twice as much, as it would by itself
+                // a default growth would double the capacity
                 self.near.reserve_exact(more.max(first / MORE));
             }
             self.near.resize(first + more, 0);
@@ -378,7 +385,7 @@ impl Shells {
         Shell { first, room, ..*shell }
     }
 
-    /// Takes `j` from the neighbours of `i`, whose shell is given.
+    /// Removes `j` from the neighbours of `i`, whose shell is given.
     fn remove(&mut self, shell: &mut Shell, i: u32, j: u32) {
         let list = &mut self.near[shell.first as usize..(shell.first + shell.count) as usize];
         if let Some(k) = list.iter().position(|&other| other == j) {
@@ -402,8 +409,8 @@ impl Shells {
         shell.count += 1;
     }
 
-    /// The same with all lists in ascending order and without gaps between them, and the next_events that go with them: what is stored must
-    /// not depend on how it came about.
+    /// Returns a copy with all lists in ascending order and without gaps between them, and the matching `next_events`.
+    /// Stored data must not depend on how they came about.
     pub fn tidy(&self, next_events: &[NextEvents]) -> (Self, Vec<NextEvents>) {
         let (mut near, mut next_events) = (Vec::new(), next_events.to_vec());
         for (place, NextEvents { shell, .. }) in (0..).zip(&mut next_events) {

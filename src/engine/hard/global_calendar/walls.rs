@@ -1,23 +1,24 @@
-//! The walls of a scene as the calendar asks them.
+//! Wall contacts of a scene, as the calendar needs them.
 
 use crate::encounter::AtWall;
 use crate::scene::Scene;
 use crate::walls::NearWalls;
 use std::ops::Range;
 
-/// All contacts that the walls of a scene may have with a sphere, in the order of the walls, and which walls are near a place.
+/// All contacts that the walls of a scene may have with a sphere, in the order of the walls, and a search for near
+/// walls.
 #[derive(Clone, Debug, Default)]
 pub struct WallContacts {
-    /// The contacts: events number them.
+    /// The contacts; events refer to them by number.
     pub contacts: Vec<AtWall>,
-    /// Those of each wall.
+    /// Numbers of the contacts of each wall.
     of: Vec<Range<u32>>,
-    /// Which of the walls are near.
+    /// Search for walls near a position.
     pub near: NearWalls,
 }
 
 impl WallContacts {
-    /// Of the walls of a scene.
+    /// Contacts of the walls of a scene.
     pub fn of(scene: &Scene) -> Self {
         let (mut contacts, mut of) = (Vec::new(), Vec::new());
         for (wall, shape) in (0u32..).zip(&scene.walls) {
@@ -28,7 +29,7 @@ impl WallContacts {
         Self { contacts, of, near: NearWalls::of(&scene.walls) }
     }
 
-    /// The contacts of a wall, by number.
+    /// Numbers of the contacts of a wall.
     pub fn of_wall(&self, wall: u32) -> Range<u32> {
         self.of[wall as usize].clone()
     }

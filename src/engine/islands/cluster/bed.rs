@@ -1,23 +1,24 @@
-//! What lies beside a crowd is taken into it before it is pushed.
+//! Particles beside a crowd, taken into it before they are pushed.
 
 use super::{Clusters, Member};
 
-/// [-] gap over the distance of touch below which a particle beside a crowd is taken into it: so few are so near in a gas that it costs
-/// little, and it spares doing a crowd again for each that it pushes.
+/// Gap, relative to the distance of touch, below which a particle beside a crowd is taken into it. In a gas so few
+/// particles are so near that this costs little. It avoids solving the crowd again for each particle that it pushes.
 const BESIDE: f64 = 0.05;
 
-/// Members that became hot late stand in no cells, and whoever looks around asks each of them: when they are more than this and an eighth of
-/// those in cells, all are sorted into cells again.
+/// Number of late members, beyond an eighth of those in cells, from which all members are sorted into cells again.
+/// Members that became hot late are in no cells, and each search of the surroundings has to check all of them.
 const MANY_LATE: usize = 64;
 
 impl Clusters<'_> {
-    /// Takes into a crowd what lies beside its members, what lies beside that, and so on. Who joins may make all of them faster, and then
-    /// more is beside them: members whose reach has grown look again, so that it does not matter who looked first.
+    /// Takes into a crowd all particles beside its members, then those beside these, and so on. A new member may raise
+    /// the reach of all, and then more particles are beside them. Members whose reach has grown search again, so that
+    /// the result does not depend on the order of the searches.
     pub(super) fn take_in_beside(&mut self, which: usize) {
         loop {
             let before = self.clusters[which].hot.len();
             let mut next = 0;
-            // those who join stand behind the others, and look in their turn
+            // new members stand behind the others, and search in their turn
             while let Some(&member) = self.clusters[which].hot.get(next) {
                 next += 1;
                 for place in self.find_beside(member) {
@@ -34,7 +35,7 @@ impl Clusters<'_> {
         }
     }
 
-    /// Makes a particle, by place, a member of a crowd.
+    /// Makes a particle, given by index, a member of a crowd.
     fn take_in(&mut self, which: usize, place: u32) {
         if self.search.label[place as usize].is_none() {
             let alone = self.cluster_of(place);
@@ -43,7 +44,8 @@ impl Clusters<'_> {
         }
     }
 
-    /// Particles in no island, by place, that a member of a crowd might hit and that lie beside it; none if it has looked already.
+    /// Indices of the particles in no island that lie beside a member of a crowd and might be hit by it. None if the
+    /// member has already searched with its present reach.
     fn find_beside(&mut self, member: u32) -> Vec<u32> {
         let Member { place, ball, took_in, .. } = self.members[member as usize];
         let mut beside = Vec::new();
@@ -63,7 +65,7 @@ impl Clusters<'_> {
         beside
     }
 
-    /// Whether two particles, by place, are so near that contacts which last would soon bring them together.
+    /// True if two particles, given by index, are so near that contacts in progress would soon bring them together.
     fn is_beside(&self, one: u32, other: u32) -> bool {
         let [a, b] =
             [one, other].map(|place| (self.particles.position[place as usize], self.particles.radius[place as usize]));

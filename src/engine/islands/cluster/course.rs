@@ -1,8 +1,10 @@
-//! Islands of an engine that says where flights turn: who meets whom is asked of the ways that all have gone, once islands are solved.
+//! Islands of an engine that reports velocity changes: encounters are found from the trajectories, after islands are
+//! solved.
 //!
-//! Each island is solved as if there were nobody else. Where the way of a particle then comes to that of another island, or of one that was to fly
-//! straight, they are one island, which is solved anew. In the end nobody meets anybody but in the islands, and then all have gone where they go together: from a start
-//! there is only one way on. What an island went through before that does not matter, so it does not matter either in which order islands are united.
+//! Each island is solved as if it were alone. Its trajectories may then meet those of another island, or of a particle
+//! that was to fly straight. In that case they form one island, which is solved again. In the end particles meet only
+//! within islands. The trajectories are then those of the whole system, because an initial state has only one solution.
+//! Earlier attempts leave no trace, so the order in which islands are united does not matter.
 
 use super::{BATCH, Clusters, Member};
 use crate::engine::islands::search::BoundingSphere;
@@ -14,61 +16,62 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
-/// [-] of the way of both: ways that pass at less than this from a touch are taken for touching, for they are rounded.
+/// Tolerance, relative to the paths of both particles: trajectories that miss a touch by less count as touching,
+/// because of rounding.
 const NEARLY: f64 = 1e-9;
 
-/// Where a flight turns.
+/// A velocity change that ends a straight piece of flight.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct VelocityChange {
-    /// [s] when, since the start of the part.
+    /// Time of the change [s] since the start of the part.
     pub time: f64,
-    /// [m] where the flight from then on would have been at the start of the part.
+    /// Position [m] at the start of the part, extrapolated back along the new flight.
     pub origin: Vector3<f64>,
-    /// [m/s] its velocity, relative to the frame of the search.
+    /// New velocity [m/s], relative to the frame of the search.
     pub velocity: Vector3<f64>,
 }
 
-/// The way of a particle through the part.
+/// Trajectory of a particle through the part.
 #[derive(Clone, Copy)]
 pub struct ParticleTrajectory<'a> {
-    /// Its place in the store.
+    /// Index of the particle in the store.
     pub place: u32,
-    /// Where it turns, in the order of time; `None`: that is not known, and it may be anywhere in its ball.
+    /// Velocity changes in the order of time; `None` if they are unknown and the particle may be anywhere in its ball.
     pub turns: Option<&'a [VelocityChange]>,
 }
 
-/// The way of a hot particle as it was solved.
+/// Trajectory of a hot particle as it was solved.
 #[derive(Clone)]
 pub struct PiecewiseTrajectory {
-    /// Where it turns, among the turns that came with it, in the order of time.
+    /// Range of the velocity changes, in the list that came with the trajectory, in the order of time.
     pub turns: Range<usize>,
-    /// The ball that holds it from the first turn on.
+    /// The ball that holds the trajectory from the first velocity change on.
     pub ball: BoundingSphere,
-    /// [m] reach about the middle of the straight flight that holds all of it.
+    /// Reach [m] about the middle of the straight flight that holds the whole trajectory.
     pub around: f64,
 }
 
-/// A straight piece of a way.
+/// A straight piece of a trajectory.
 struct Segment {
-    /// [s] its beginning and its end.
+    /// Beginning and end [s].
     span: [f64; 2],
-    /// [m] where it would have been at the start of the part.
+    /// Position [m] at the start of the part, extrapolated along this piece.
     origin: Vector3<f64>,
-    /// [m/s] relative to the frame of the search.
+    /// Velocity [m/s] relative to the frame of the search.
     velocity: Vector3<f64>,
 }
 
-/// The balls that hold the flights of some hot particles from their first turn on, in cells.
+/// Balls, in cells, that hold the flights of some hot particles from their first velocity change on.
 #[derive(Default)]
 pub struct DeflectedFlights {
-    /// Numbers of those members.
+    /// Numbers of these members.
     members: Vec<u32>,
     levels: SizeLevels,
     packed: PackedBalls,
 }
 
 impl DeflectedFlights {
-    /// Sorts the balls of `some` of all members, that are in `region`.
+    /// Sorts the balls of the members `some` of all, which are in `region`, into cells.
     fn sort(&mut self, some: Vec<u32>, all: &[Member], region: &Region) {
         let ball = |k: usize| all[some[k] as usize].ball;
         self.levels.sort_alike(&some, |&k| all[k as usize].ball.middle, |k| ball(k).reach, region);
@@ -76,7 +79,7 @@ impl DeflectedFlights {
         self.members = some;
     }
 
-    /// Calls `visit` with the numbers of the members whose ball overlaps another one, and of some that it only nearly does.
+    /// Calls `visit` with the numbers of the members whose balls overlap the given one; a few others only nearly do.
     fn for_each_beside(&self, ball: &BoundingSphere, region: &Region, mut visit: impl FnMut(u32)) {
         if self.members.is_empty() {
             return;
@@ -88,19 +91,20 @@ impl DeflectedFlights {
 }
 
 impl Clusters<'_> {
-    /// The way of a member.
+    /// Trajectory of a member.
     pub(super) fn course(&self, member: &Member) -> ParticleTrajectory<'_> {
         ParticleTrajectory { place: member.place, turns: member.turns.clone().map(|turns| &self.turns[turns]) }
     }
 
-    /// The way of a hot particle, by place, that turns as said; `first` is the number of the first turn.
+    /// Trajectory of a hot particle, given by index, with these velocity changes; `first` is the number of the first
+    /// one.
     pub fn way(&self, place: u32, turns: &[VelocityChange], first: usize) -> PiecewiseTrajectory {
         let flight = self.search.flights[place as usize];
         let turned = first..first + turns.len();
         let Some(begin) = turns.first().map(|turn| turn.origin + turn.velocity * turn.time) else {
             return PiecewiseTrajectory { turns: turned, ball: flight, around: flight.reach };
         };
-        // a ball about the middle between the beginning and the end holds all, if it holds every turn
+        // a ball about the middle between the beginning and the end holds the path if it holds every velocity change
         let corner = |turn: &VelocityChange| turn.origin + turn.velocity * turn.time;
         let end = turns.last().map_or(begin, |turn| turn.origin + turn.velocity * self.part);
         let middle = (begin + end) * 0.5;
@@ -112,7 +116,7 @@ impl Clusters<'_> {
         PiecewiseTrajectory { turns: turned, ball, around: flight.reach.max(reach + apart * (1.0 + NEARLY)) }
     }
 
-    /// Takes note of where the members of an island have flown.
+    /// Stores the trajectories of the members of an island.
     pub fn follow(&mut self, which: usize, ways: &[PiecewiseTrajectory], turns: &[VelocityChange]) {
         for (number, way) in ways.iter().enumerate() {
             let first = self.turns.len();
@@ -122,8 +126,9 @@ impl Clusters<'_> {
         }
     }
 
-    /// Unites islands whose ways meet, and takes in whom they hit: those are to be solved anew. Returns how many have been solved in vain, of those that one of the
-    /// particles chosen by `mine` leads; `None` if one grows too large.
+    /// Unites islands whose trajectories meet, and takes in the particles that they hit; these islands are to be solved
+    /// again. Returns the number of islands solved in vain, among those whose leading particle is chosen by `mine`.
+    /// Returns `None` if an island grows too large.
     pub fn meet(&mut self, mine: impl Fn(u32) -> bool) -> Option<u64> {
         if !self.traces {
             return Some(0);
@@ -161,7 +166,8 @@ impl Clusters<'_> {
         changed.iter().all(|&which| !self.clusters[which].is_crowd()).then_some(in_vain)
     }
 
-    /// Sorts the balls of all members into cells, and again those of islands that have been solved anew since.
+    /// Sorts the balls of all members into cells the first time; later only those of islands that were solved again
+    /// since.
     fn lay_out(&mut self, new: &[usize]) {
         let region = &self.search.region;
         self.widest = self.members.iter().map(|member| member.around).fold(0.0, f64::max);
@@ -177,21 +183,23 @@ impl Clusters<'_> {
         anew.sort(members, &self.members, region);
     }
 
-    /// Calls `visit` with the members whose ball overlaps another one, some of them twice, and with some of which it only nearly does.
+    /// Calls `visit` with the members whose balls overlap the given one. Some members come twice, and some only nearly
+    /// overlap.
     pub(super) fn for_each_turned_beside(&self, ball: &BoundingSphere, mut visit: impl FnMut(&Member)) {
         for turned in &self.turned {
             turned.for_each_beside(ball, &self.search.region, |member| visit(&self.members[member as usize]));
         }
     }
 
-    /// Who, by place, comes to the ways of the members of an island; `None` if one goes too far.
+    /// Indices of the particles that meet the trajectories of an island; `None` if one of its members reaches too far.
     fn met_by(&self, which: usize) -> Option<Vec<u32>> {
         let mut met = Vec::new();
-        // as long as nobody has been solved anew, whose turned flight comes to a straight one finds it
+        // until an island is solved again, a deflected flight that meets a straight one finds it, so one direction is
+        // enough
         let all_look = self.search.region.is_all() && self.turned[1].members.is_empty();
         for &member in &self.clusters[which].hot {
             let member = &self.members[member as usize];
-            // beyond half a period the nearest image is not the only one to meet
+            // beyond half a period, images other than the nearest may be met
             if member.around + self.widest.max(self.search.levels.largest_reach()) > self.half_period {
                 return None;
             }
@@ -215,7 +223,7 @@ impl Clusters<'_> {
         Some(met)
     }
 
-    /// Whether two may touch on their ways, at least one of them after a turn.
+    /// True if two particles may touch on their trajectories, at least one of them after a velocity change.
     pub(super) fn may_touch(&self, one: &ParticleTrajectory, other: &ParticleTrajectory) -> bool {
         let (Some(turns), Some(others)) = (one.turns, other.turns) else { return true };
         let reach = self.particles.radius[one.place as usize] + self.particles.radius[other.place as usize];
@@ -227,7 +235,7 @@ impl Clusters<'_> {
         })
     }
 
-    /// A piece of a way, the first being the straight flight before the first turn.
+    /// Piece of a trajectory by number; the first is the straight flight before the first velocity change.
     fn leg(&self, place: u32, turns: &[VelocityChange], number: usize) -> Segment {
         let end = turns.get(number).map_or(self.part, |turn| turn.time);
         match number.checked_sub(1).and_then(|before| turns.get(before)) {
@@ -240,7 +248,7 @@ impl Clusters<'_> {
         }
     }
 
-    /// Whether two come as near as `reach` [m] while both are on these pieces of their ways.
+    /// True if two particles come as near as `reach` [m] while both are on these pieces of their trajectories.
     fn pass(&self, one: &Segment, other: &Segment, reach: f64) -> bool {
         let (from, to) = (one.span[0].max(other.span[0]), one.span[1].min(other.span[1]));
         if from > to {
@@ -249,7 +257,7 @@ impl Clusters<'_> {
         let at = |leg: &Segment| leg.origin + leg.velocity * from;
         let (apart, relative) = (self.domain.separation(&at(one), &at(other)), one.velocity - other.velocity);
         let nearest = -apart.dot(&relative) / relative.norm_squared();
-        // with equal velocities they stay as far apart as they are
+        // with equal velocities the distance is constant
         let nearest = if nearest.is_finite() { nearest.clamp(0.0, to - from) } else { 0.0 };
         let way = (one.velocity.norm() + other.velocity.norm()) * self.part;
         let reach = (reach + way * NEARLY) * (1.0 + NEARLY);

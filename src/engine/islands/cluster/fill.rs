@@ -1,4 +1,4 @@
-//! An island handed to an engine: its particles, and who may touch whom.
+//! An island handed to an engine: its particles, and the pairs that may touch.
 
 use super::Clusters;
 use crate::encounter::AtWall;
@@ -9,8 +9,8 @@ use crate::scene::Scene;
 use nalgebra::Vector3;
 
 impl Clusters<'_> {
-    /// Makes the small scene of an island, but for what is carried; `fallen` [m/s] is what gravity has added to the
-    /// velocities of the store.
+    /// Fills the small scene of an island, except for the carried state. `fallen` [m/s] is the velocity that gravity
+    /// has added to those of the store.
     pub fn fill<C>(&self, island: &mut Island<C>, which: usize, scene: &Scene, fallen: Vector3<f64>) {
         let cluster = &self.clusters[which];
         let members = || cluster.hot.iter().map(|&member| &self.members[member as usize]);
@@ -27,7 +27,7 @@ impl Clusters<'_> {
             if self.traces {
                 list.pairs.extend((a + 1..places.len()).map(pair));
             } else {
-                // a touch at the very start of the ball is not to be lost by rounding
+                // a touch at the very start of the ball must not be lost by rounding
                 let here = BoundingSphere { reach: member.ball.reach * (1.0 + 1e-9), ..member.ball };
                 let others =
                     (a + 1..places.len()).filter(|&b| here.meets(&self.ball_of(places[b], b < *hot), self.domain));
@@ -43,14 +43,15 @@ impl Clusters<'_> {
                 }
             });
             if !self.search.near_walls.are_few() {
-                // in the order of the case, each once
+                // in the order of the case, each wall once
                 list.walls[first..].sort_unstable_by_key(|near| (near.at.wall, near.at.which));
                 list.walls.dedup();
             }
         }
     }
 
-    /// The ball that holds a particle of an island, by place: a member from the first touch on, whoever stands by flies straight.
+    /// Ball that holds a particle of an island, given by index: of a member from the first touch on, of a bystander
+    /// throughout its straight flight.
     fn ball_of(&self, place: u32, is_member: bool) -> BoundingSphere {
         match self.search.label[place as usize] {
             Some(label) if is_member => self.members[label.member()].ball,

@@ -1,32 +1,34 @@
-//! What islands see around them, and with whom they are united for that.
+//! Search of the surroundings of islands for bystanders and for other islands to unite with.
 
 use super::{Cluster, Clusters, Few, Member};
 use crate::engine::islands::search::BoundingSphere;
 use crate::work_sharing;
 
-/// Islands that a thread has look around at once.
+/// Islands whose surroundings a thread searches at once.
 const BATCH: usize = 16;
 
-/// What an island sees around it.
+/// Result of a search of the surroundings of an island.
 enum Surroundings {
-    /// Cold particles it might hit, by place.
+    /// Cold particles that the island might hit, by index.
     Bystanders(Few),
-    /// Other islands that it might meet; where there may be crowds all of them, else one.
+    /// Other islands that it might meet; all of them if there may be crowds, otherwise one.
     Islands(Vec<usize>),
-    /// It has grown too large to be one.
+    /// The island has grown too large.
     TooLarge,
 }
 
 impl Clusters<'_> {
-    /// Has islands look around until none of them meets another one: each finds its bystanders then. False if one grows too large. They do so in rounds, in which
-    /// nothing changes while all look, in parallel; who meets whom in the end does not depend on who looked first, since islands only grow.
+    /// Searches the surroundings of islands until no two of them meet; each then knows its bystanders. Returns false if
+    /// one grows too large. The searches run in rounds, in parallel, and change nothing during a round. Islands only
+    /// grow, so the result does not depend on the order of the searches.
     pub(super) fn expand_all(&mut self, changed: Vec<usize>) -> bool {
         let mut waiting = changed;
         while !waiting.is_empty() {
             waiting.sort_unstable();
             waiting.dedup();
             self.settle_changed(&waiting);
-            // crowds first: each takes in all that it meets at once, where the others would come to it one by one
+            // crowds first: each takes in at once all that it meets; otherwise the islands around it would be united
+            // with it one by one
             if self.crowds && !waiting.iter().all(|&which| !self.clusters[which].is_crowd() || self.expand_crowd(which))
             {
                 return false;
@@ -38,7 +40,7 @@ impl Clusters<'_> {
             let seen = work_sharing::map(looks, |some| some.iter().map(look).collect::<Vec<_>>()).into_iter().flatten();
             let mut united = Vec::new();
             for (which, version, seen) in seen {
-                // else it has been united with another one in this round, which looks in the next
+                // otherwise it has been united with another one in this round, which searches in the next
                 if self.clusters[which].alive && self.clusters[which].version == version {
                     match seen {
                         Surroundings::Bystanders(bystanders) => self.has_seen(which, bystanders),
@@ -52,7 +54,7 @@ impl Clusters<'_> {
         true
     }
 
-    /// Works out how far the members of islands reach, where that is not known.
+    /// Computes the reach of the members of islands where it is not known.
     fn settle_changed(&mut self, islands: &[usize]) {
         for &which in islands {
             let cluster = &self.clusters[which];
@@ -62,7 +64,8 @@ impl Clusters<'_> {
         }
     }
 
-    /// Takes into a crowd what lies beside it, finds its bystanders, and unites it with islands that it may meet; false if it grows too large.
+    /// Takes into a crowd all particles beside it, finds its bystanders, and unites it with islands that it may meet.
+    /// Returns false if it grows too large.
     fn expand_crowd(&mut self, which: usize) -> bool {
         let mut which = which;
         while self.clusters[which].has_to_look() {
@@ -82,14 +85,14 @@ impl Clusters<'_> {
         others.into_iter().fold(which, |which, other| self.unite(which, other))
     }
 
-    /// Notes that an island, as it is now, meets no other one.
+    /// Records that an island, in its present version, meets no other one.
     fn has_seen(&mut self, which: usize, bystanders: Few) {
         let cluster = &mut self.clusters[which];
         cluster.bystanders = bystanders;
         cluster.seen = Some(cluster.version);
     }
 
-    /// Finds the particles that are near enough to be hit by an island.
+    /// Finds the particles and islands that an island might hit.
     fn look_around(&self, which: usize) -> Surroundings {
         let cluster = &self.clusters[which];
         if cluster.is_too_large(self.most) && !self.crowds {
@@ -101,7 +104,7 @@ impl Clusters<'_> {
         let largest_reach = search.levels.largest_reach();
         for &member in &cluster.hot {
             let here = self.members[member as usize].ball;
-            // beyond half a period the nearest image is not the only one to meet
+            // beyond half a period, images other than the nearest may be met
             if here.reach + self.widest.max(largest_reach) > self.half_period {
                 return Surroundings::TooLarge;
             }
@@ -138,12 +141,13 @@ impl Clusters<'_> {
 }
 
 impl Cluster {
-    /// True if it has more than `most` members that a shorter part would leave out: those of contacts that last are there in any part.
+    /// True if the island is a crowd, or has more than `most` members and a shorter part would have fewer. Contacts in
+    /// progress are there in any part, so each of them allows for two members.
     fn is_too_large(&self, most: usize) -> bool {
         self.is_crowd() || self.hot.len() > most.max(2 * self.carried.len())
     }
 
-    /// Whether it has changed since it looked around.
+    /// True if the island has changed since its surroundings were last searched.
     fn has_to_look(&self) -> bool {
         self.alive && self.seen != Some(self.version)
     }

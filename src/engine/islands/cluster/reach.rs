@@ -1,4 +1,4 @@
-//! How fast the particles of an island may get, and how far they reach.
+//! Speed limits of the particles of an island, and their reach.
 
 use super::{BATCH, Cluster, Clusters, Member};
 use crate::engine::islands::search::BoundingSphere;
@@ -6,31 +6,33 @@ use crate::particles::Particles;
 use crate::work_sharing;
 use nalgebra::Vector3;
 
-/// Speeds may pass the bound of energy conservation by this factor before an island is done again: contacts of finite
-/// steps may gain a little.
+/// Factor by which speeds may pass the bound of energy conservation before an island is solved again: contacts with
+/// finite time steps may gain a little energy.
 const MARGIN: f64 = 1.05;
 
-/// The two largest of two pairs, each in descending order.
+/// The two largest of four values, given as two pairs in descending order.
 pub(super) fn two_largest([a, b]: [f64; 2], [c, d]: [f64; 2]) -> [f64; 2] {
     if a >= c { [a, b.max(c)] } else { [c, d.max(a)] }
 }
 
-/// [J] kinetic energy and [m/s] speed of a particle, by place, seen from a frame [m/s].
+/// Kinetic energy [J] and speed [m/s] of a particle, given by index, seen from a frame [m/s].
 pub(super) fn motion(particles: &Particles, frame: Vector3<f64>, place: u32) -> (f64, f64) {
     let square = (particles.velocity[place as usize] - frame).norm_squared();
     (0.5 * particles.mass[place as usize] * square, square.sqrt())
 }
 
 impl Clusters<'_> {
-    /// [m/s] how fast a hot particle may get: as fast as the two most energetic of its island could make it, or the two fastest, whichever
-    /// is less. Both are bounds for two; among more they are rarely passed, and then the island is done again with a higher one.
+    /// Speed limit [m/s] of a hot particle: the lesser of two bounds. One assumes the two most energetic particles of
+    /// the island, the other the two fastest. Both hold for two particles. Among more they are rarely passed; then the
+    /// island is solved again with a higher limit.
     ///
-    /// The two most energetic may give one particle all their energy. The two fastest, of speeds s₁ ≥ s₂, have a centre of mass that is not
-    /// faster than s₁, and move at most at s₁ + s₂ relative to it: neither leaves at more than 2 s₁ + s₂. Energy E that a contact
-    /// gives back adds at most √(2E/m) to that. It is the lesser bound for light particles among heavy ones.
+    /// The two most energetic particles may give one particle all their energy. The two fastest have speeds s₁ ≥ s₂.
+    /// Their centre of mass is not faster than s₁, and relative to it they move at most at s₁ + s₂. So neither leaves
+    /// at more than 2 s₁ + s₂. Energy E that a contact gives back adds at most √(2E/m). This is the lesser bound for
+    /// light particles among heavy ones.
     ///
-    /// The contacts of a crowd hold far more energy together than any of its particles ever gets: there the two deepest count, and
-    /// all are allowed the same.
+    /// The contacts of a crowd together hold far more energy than any of its particles ever gets. There only twice the
+    /// largest contact energy counts, and all particles have equal limits.
     pub(super) fn limit(&self, cluster: &Cluster, place: u32) -> f64 {
         let crowd = cluster.is_crowd();
         let stored = if crowd { 2.0 * cluster.deepest } else { cluster.stored };
@@ -40,8 +42,8 @@ impl Clusters<'_> {
         (of_energy.min(of_momentum) * MARGIN).max(cluster.floor) + self.fall
     }
 
-    /// Works out how far the members of all islands reach. Each island looks at its own members only, and each member at its island, so the
-    /// threads share them.
+    /// Computes the reach of the members of all islands, in parallel. Each island needs only its members, and each
+    /// member only its island.
     pub(super) fn settle_all(&mut self) {
         let mut clusters = std::mem::take(&mut self.clusters);
         work_sharing::for_each(clusters.chunks_mut(BATCH), |some| {
@@ -55,7 +57,7 @@ impl Clusters<'_> {
         self.members = members;
     }
 
-    /// Works out how far the members of an island reach.
+    /// Computes the reach of the members of an island.
     pub(super) fn settle(&mut self, which: usize) {
         let mut clusters = std::mem::take(&mut self.clusters);
         self.put_in_order(&mut clusters[which]);
@@ -65,15 +67,16 @@ impl Clusters<'_> {
         }
     }
 
-    /// Works out how far a member of an island reaches.
+    /// Computes the reach of a member of an island.
     pub(super) fn settle_member(&mut self, member: u32) {
         let mut members = std::mem::take(&mut self.members);
         self.widest = self.widest.max(self.reach_out(&mut members[member as usize]));
         self.members = members;
     }
 
-    /// Puts what an island holds in an order that does not depend on that of the store, or on who was united first, works out how fast it is, and sums up the
-    /// energy of what is carried.
+    /// Sorts the members and the carried state of an island, computes its largest energies and speeds, and sums the
+    /// energy of its carried state. The order does not depend on that of the store, nor on the order in which islands
+    /// were united.
     fn put_in_order(&self, cluster: &mut Cluster) {
         cluster.hot.sort_unstable_by_key(|&member| self.particles.id[self.members[member as usize].place as usize]);
         cluster.carried.sort_unstable();
@@ -88,7 +91,7 @@ impl Clusters<'_> {
         cluster.settled = Some(cluster.version);
     }
 
-    /// Works out the ball of a member of an island, and returns how far it reaches about the middle of its flight [m].
+    /// Computes the ball of a member of an island, and returns the reach [m] about the middle of its flight.
     fn reach_out(&self, member: &mut Member) -> f64 {
         let (cluster, i) = (&self.clusters[member.cluster as usize], member.place as usize);
         member.flight = self.search.flights[i];

@@ -1,22 +1,23 @@
-//! What islands that could not be ended teach, before they are done again.
+//! Changes to unfinished islands before they are solved again.
 
 use super::{Cluster, Clusters};
 use crate::engine::islands::batch::Retry;
 use crate::engine::islands::search::Label;
 use crate::work_sharing;
 
-/// When a bound was passed, the next is this factor above what was seen: few repetitions find the bound.
+/// Factor from the observed speed to the next speed limit, after a limit was passed: few repetitions find a sufficient
+/// limit.
 const RAISE: f64 = 1.5;
 
-/// Islands whose bystanders a thread looks through at once.
+/// Islands whose bystanders a thread checks at once.
 const BATCH: usize = 512;
 
 impl Clusters<'_> {
-    /// Takes in what all islands of a round have taught, before any of them looks around again: so it does not matter in which order they
-    /// are told. False if an island grows too large.
+    /// Applies the changes of all islands of a round, before the surroundings of any are searched again. So the order
+    /// of the changes does not matter. Returns false if an island grows too large.
     pub fn apply_retries(&mut self, retries: Vec<(usize, Retry)>) -> bool {
         let mut known = self.members.len();
-        // an island may be another one by the time that its turn comes, but its members stay
+        // an island may be united with another one before its turn comes, but its members stay
         let taught: Vec<(u32, Retry)> =
             retries.into_iter().map(|(which, lesson)| (self.clusters[which].hot[0], lesson)).collect();
         for (member, lesson) in &taught {
@@ -38,7 +39,7 @@ impl Clusters<'_> {
         true
     }
 
-    /// Particles got out of bounds: a bystander becomes hot, a hot one may be faster; or the island is a crowd.
+    /// Changes one island: a bystander becomes a member, a speed limit rises, or the island becomes a crowd.
     fn apply_retry(&mut self, member: u32, lesson: &Retry) {
         let mut which = self.members[member as usize].cluster as usize;
         match lesson {
@@ -59,8 +60,8 @@ impl Clusters<'_> {
         self.clusters[which].version += 1;
     }
 
-    /// Unites islands with those of their bystanders that are hot now: the members from the number `known` on. Returns a member of each island
-    /// that has changed.
+    /// Unites islands with those of their bystanders that are hot now: members from number `known` on. Returns a member
+    /// of each island that has changed.
     fn unite_with_bystanders(&mut self, known: usize) -> Vec<u32> {
         let mut changed = Vec::new();
         if self.members.len() == known {

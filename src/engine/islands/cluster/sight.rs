@@ -1,4 +1,4 @@
-//! What a process that shares a run sees of the islands around its own, and what it tells others about them.
+//! Islands near the border of a process that shares a run, and messages about them to other processes.
 
 use super::course::{ParticleTrajectory, VelocityChange};
 use super::{Cluster, Clusters, Member};
@@ -10,27 +10,27 @@ use rustc_hash::FxHashMap;
 use serde::{Deserialize, Serialize};
 use std::hash::Hasher;
 
-/// What a process tells others about a hot particle of its own.
+/// Message of a process to others about one of its hot particles.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct HotParticleDigest {
-    /// Its id.
+    /// Id of the particle.
     pub id: u32,
-    /// Checksum of its island.
+    /// Checksum of the island of the particle.
     mark: u64,
-    /// The ball that holds it.
+    /// The ball that holds the particle.
     ball: BoundingSphere,
-    /// Where its flight turns, if that is known.
+    /// Velocity changes of the particle, if they are known.
     turns: Option<Vec<VelocityChange>>,
 }
 
 impl Clusters<'_> {
-    /// How far flights and islands reach.
+    /// Largest reach of flights and islands.
     pub fn reach(&self) -> Reach {
         let ball = self.members.iter().map(|member| member.ball.reach).fold(0.0, f64::max);
         Reach { flight: self.search.levels.largest_reach(), around: self.widest, ball }
     }
 
-    /// [m] from an island to the end of the region that is seen; infinite where everything is.
+    /// Distance [m] from an island to the end of the region seen; infinite if everything is seen.
     pub(super) fn room(&self, which: usize) -> f64 {
         if self.search.region.is_all() {
             return f64::INFINITY;
@@ -42,7 +42,7 @@ impl Clusters<'_> {
         members.map(room).fold(f64::INFINITY, f64::min)
     }
 
-    /// [m] the least room of any island that one of the chosen particles, by place, belongs to.
+    /// Least distance [m] to the end of the region seen, over the islands with a chosen particle, given by index.
     pub fn least_room(&self, chosen: impl Fn(u32) -> bool) -> f64 {
         if self.search.region.is_all() {
             return f64::INFINITY;
@@ -51,13 +51,14 @@ impl Clusters<'_> {
         theirs.map(|which| self.room(which)).fold(f64::INFINITY, f64::min)
     }
 
-    /// Whether one of the chosen particles belongs to an island.
+    /// True if one of the chosen particles belongs to the island.
     fn has(&self, which: usize, chosen: &impl Fn(u32) -> bool) -> bool {
         let Cluster { alive, hot, .. } = &self.clusters[which];
         *alive && hot.iter().any(|&member| chosen(self.members[member as usize].place))
     }
 
-    /// Place of the member of an island with the smallest id: whoever has it counts what happens there.
+    /// Index of the member of an island with the smallest id. The process that has this particle counts the events of
+    /// the island.
     pub fn leader(&self, which: usize) -> Option<u32> {
         self.clusters[which].hot.first().map(|&member| self.members[member as usize].place)
     }
@@ -67,7 +68,8 @@ impl Clusters<'_> {
         self.domain
     }
 
-    /// Tells what came out about the chosen particles, each with the middle of its flight, if it is `near` to somebody who wants to know.
+    /// Calls `tell` with the result for each chosen particle and the middle of its flight, if that is `near` another
+    /// process.
     pub fn tell(
         &self,
         chosen: impl Fn(u32) -> bool,
@@ -86,15 +88,15 @@ impl Clusters<'_> {
         }
     }
 
-    /// Whether what others tell of theirs, by place, is what came out here for the islands of the chosen particles: the same members, and nobody else
-    /// who would have met them.
+    /// True if the messages of other processes, by particle index, agree with the results here for the islands of the
+    /// chosen particles. The islands must have equal members, and no other particle of those messages may meet them.
     pub fn agree_with(&self, chosen: impl Fn(u32) -> bool, told: Vec<(u32, HotParticleDigest)>) -> bool {
         let own: Vec<bool> = (0..self.clusters.len()).map(|which| self.has(which, &chosen)).collect();
         let marks: FxHashMap<u32, u64> = told.iter().map(|(place, told)| (*place, told.mark)).collect();
         let widest = told.iter().map(|(_, told)| told.ball.reach).fold(self.widest, f64::max);
         let mut known = self.members.iter().filter(|member| own[member.cluster as usize] && !chosen(member.place));
         let alike = known.all(|member| marks.get(&member.place) == Some(&self.mark(member.cluster as usize)));
-        // of those that became hot late, which are in no cells, most are too deep inside to meet anybody of another process
+        // late members are in no cells; most are too deep inside to meet a particle of another process
         let depth = |middle: &Vector3<f64>| self.search.region.depth(middle, self.domain);
         let deeper = |deepest: f64, (place, told): &(u32, HotParticleDigest)| {
             deepest.max(depth(&told.ball.middle)).max(depth(&self.search.flights[*place as usize].middle))
@@ -139,7 +141,7 @@ impl Clusters<'_> {
         alike && told.iter().all(|(place, told)| is_known(*place) || !meets(*place, told))
     }
 
-    /// A checksum of all that the result of an island depends on, but for the state of its particles.
+    /// Checksum of all data that the result of an island depends on, except the state of its particles.
     fn mark(&self, which: usize) -> u64 {
         let cluster = &self.clusters[which];
         let id = |place: u32| u64::from(self.particles.id[place as usize]);
@@ -152,7 +154,7 @@ impl Clusters<'_> {
         mark.finish()
     }
 
-    /// [m] half the shortest period of the box.
+    /// Half the shortest period [m] of the box.
     pub fn half_period(&self) -> f64 {
         self.half_period
     }

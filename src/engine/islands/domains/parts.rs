@@ -1,4 +1,5 @@
-//! What a process has, as bytes that can be stored, and what is stored so, dealt out anew to however many processes.
+//! Packing of the particles of a process into bytes that can be stored, and distribution of stored parts to any number
+//! of processes.
 
 use super::{Domains, ids_of, pack, take_aboard};
 use crate::domain::Domain;
@@ -7,7 +8,7 @@ use crate::engine::islands::Solve;
 use crate::particles::Particles;
 use rustc_hash::FxHashMap;
 
-/// The particles of this process and what lasts of them, its places being ids.
+/// Packs the particles of this process and their carried state, in which ids stand for the particles.
 pub fn packed_part<S: Solve>(
     particles: &Particles,
     home: &[S::Carried],
@@ -18,13 +19,13 @@ pub fn packed_part<S: Solve>(
     pack(particles, &(0..particles.len() as u32).collect::<Vec<u32>>(), &lasting)
 }
 
-/// Puts what lasts, its places being ids, where its particles are.
+/// Turns carried state with ids into carried state with indices, at the process that has its particles.
 pub fn settle<S: Solve>(lasting: Vec<S::Carried>, work: &mut Work<S::Carried>) {
     let places: FxHashMap<u32, u32> = work.particles.id.iter().copied().zip(0..).collect();
     for carried in lasting {
         let here: Vec<Option<u32>> = S::places(&carried).iter().flatten().map(|id| places.get(id).copied()).collect();
         match here.iter().flatten().next() {
-            // how far two overlap is known when a part has been done
+            // the overlap of the two is known when a part has been done
             Some(&own) if here.iter().any(Option::is_none) => {
                 work.abroad.push(CrossRankContact { carried, own, overlap: None })
             }
@@ -35,7 +36,8 @@ pub fn settle<S: Solve>(lasting: Vec<S::Carried>, work: &mut Work<S::Carried>) {
 }
 
 impl Domains {
-    /// Gives each process what is its of a part that the lead has; the others have none to give.
+    /// Distributes a part that the lead process has: each process gets its particles and their carried state. The other
+    /// processes pass no bytes.
     pub fn deal<S: Solve>(&self, bytes: &[u8], domain: &Domain) -> Vec<u8> {
         let mut outgoing = vec![Vec::new(); self.communicator.size()];
         let mut part = Particles::default();

@@ -1,4 +1,4 @@
-//! All particles at the lead: cut into domains there, and brought together there.
+//! All particles at the lead process: cut into domains there, and gathered there.
 
 use super::{Domains, ids_of, keep, pack, packed, settle, take_aboard, unpacked};
 use crate::domain::Domain;
@@ -8,29 +8,30 @@ use crate::engine::islands::{Solve, in_order};
 use crate::particles::Particles;
 use nalgebra::Vector3;
 
-/// [-] of the mean: with more particles than that a process keeps others waiting, and the box is cut anew.
+/// Ratio of the largest particle number of a process to the mean above which the box is cut anew: the process keeps
+/// others waiting.
 const FULLEST: f64 = 1.1;
 
-/// Particles whose places say where the borders of blocks are to be, when they are put elsewhere.
+/// Number of sampled particles whose positions determine new borders of the blocks.
 const ASKED: usize = 1 << 16;
 
-/// Particles that a process sends at a time: what travels then takes little room, of however many.
+/// Particles that a process sends at a time: this bounds the memory for messages, whatever the number of particles.
 const SLICE: usize = 1 << 17;
 
-/// What the lead goes on with after it has been shown the particles of others.
+/// Own part of the lead process, kept while it has been shown the particles of other processes.
 pub struct GatheredPart<C> {
-    /// Its particles.
+    /// Particles of the lead process.
     pub particles: Particles,
-    /// What lasts among them.
+    /// State carried among the particles of the lead process.
     pub lasting: Vec<C>,
-    /// What lasts between one of them and another's.
+    /// State carried between a particle of the lead process and one of another process.
     pub abroad: Vec<CrossRankContact<C>>,
-    /// Places of those that were in islands in the last part.
+    /// Indices of the particles that were in islands in the last part.
     pub members: Vec<u32>,
 }
 
 impl Domains {
-    /// Gives each process the particles of its block, which the lead has, and what lasts between one of them and another.
+    /// Gives each process the particles of its block, which the lead process has, and their carried state.
     pub fn cut<S: Solve>(&mut self, solver: &S, work: &mut Work<S::Carried>) {
         let (domain, size) = (&work.scene.domain, self.communicator.size());
         work.particles.wrap(domain);
@@ -62,7 +63,7 @@ impl Domains {
         settle::<S>(lasting, work);
     }
 
-    /// Gives the lead all particles, who is the only one to have any then. `members`, by place, are followed.
+    /// Gives all particles to the lead process; the others then have none. The indices in `members` are updated.
     pub fn assemble<S: Solve>(&mut self, solver: &S, work: &mut Work<S::Carried>, members: &mut Vec<u32>) {
         drop(self.bring_together(solver, work, members, 1));
         if !self.is_lead() {
@@ -74,8 +75,8 @@ impl Domains {
         self.is_cut = false;
     }
 
-    /// Gives the lead copies of every so manieth particle by id, and of those that something lasts with. Everybody goes on with its own part, which the
-    /// lead gets for that.
+    /// Gives the lead process copies of the particles with an id divisible by `every`, and of those with carried state
+    /// that involves such a particle. Returns the lead's own part; all processes continue with their own.
     pub fn show<S: Solve>(
         &mut self,
         solver: &S,
@@ -86,21 +87,21 @@ impl Domains {
         self.bring_together(solver, work, members, every)
     }
 
-    /// Each process has the particles of its block among blocks of one size.
+    /// Starts with blocks of equal size; each process has the particles of its block.
     pub fn begin_cut(&mut self, domain: &Domain) {
         self.blocks = Blocks::of_one_size(self.communicator.size(), domain);
         self.is_cut = true;
     }
 
-    /// Puts the borders of blocks elsewhere if a process has many more particles than others: who is then in the block of another goes there with the next
-    /// part of a window.
+    /// Moves the borders of blocks if one process has many more particles than others. A particle that is then in the
+    /// block of another process goes there with the next part of a window.
     pub fn balance(&mut self, particles: &Particles, domain: &Domain) {
         let (mut most, count) = ([particles.len() as f64], self.population.count);
         self.communicator.largest(&mut most);
         if most[0] * self.communicator.size() as f64 <= FULLEST * count as f64 {
             return;
         }
-        // a few of all, by their ids, stand for all
+        // a sample of all particles, chosen by id, stands for all
         let every = count.div_ceil(ASKED).max(1) as u32;
         let asked = particles.id.iter().zip(&particles.position).filter(|(id, _)| id.is_multiple_of(every));
         let mut places = Particles::default();
@@ -109,13 +110,14 @@ impl Domains {
         places.pack(&places.id, &mut bytes);
         let mut all = Particles::default();
         for bytes in self.communicator.collect(bytes) {
-            // what a process has packed can be read
+            // bytes that a process has packed can always be read
             let _ = all.unpack(&bytes);
         }
         self.blocks = self.of_lead(Blocks::of(&all.position, self.communicator.size(), domain));
     }
 
-    /// Gives the lead, in place of its own particles, copies of those of all that are asked for. Returns its own.
+    /// Gives the lead process, in place of its own particles, copies of the chosen particles of all processes. Returns
+    /// the lead's own part.
     fn bring_together<S: Solve>(
         &self,
         solver: &S,
@@ -169,7 +171,8 @@ impl Domains {
     }
 }
 
-/// Places of every so manieth particle by id and of all that something lasts with, in order; and what lasts with the former, its places being ids.
+/// Indices, in order, of the particles with an id divisible by `every` and of those that share carried state with them.
+/// Also returns that carried state, in which ids stand for particles.
 fn chosen<S: Solve>(work: &Work<S::Carried>, every: u32) -> (Vec<u32>, Vec<S::Carried>) {
     let id = &work.particles.id;
     let followed = |id: u32| id.is_multiple_of(every.max(1));

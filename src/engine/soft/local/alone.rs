@@ -1,60 +1,60 @@
-//! A contact that nobody else takes part in, without friction: one coordinate is enough.
+//! Isolated contact of two bodies without friction: one coordinate is enough.
 //!
-//! Two spheres without friction keep their angular momentum about each other, and a sphere at a plane its velocity along
-//! it. What is left is the distance q: q'' = l²/q³ + (k_n δ - 2 γ_n M q')/M + g_n, with the specific angular momentum l =
-//! q u_t (pairs) and gravity along the normal g_n (walls). The same Runge-Kutta steps as for several contacts solve it at a
-//! tenth of the cost.
+//! Two spheres without friction keep their angular momentum about each other, and a sphere at a plane keeps its
+//! velocity along the plane. What is left is the distance q: q'' = l²/q³ + (k_n δ - 2 γ_n M q')/M + g_n (linear law).
+//! For pairs, l = q u_t is the specific angular momentum; for walls, g_n is gravity along the normal. The Runge-Kutta
+//! steps are those for several contacts, at a tenth of the cost.
 
 use super::{RungeKuttaStage, crossing};
 use crate::contact_law::{ContactLaw, Law, with_law};
 use crate::engine::soft::contact::{AlongNormal, Rates, TouchingPair};
 use nalgebra::Vector3;
 
-/// A touch found to this fraction of a diameter is found: rounding of positions is not much less.
+/// [-] accuracy of a touch, as a fraction of the diameter: rounding of positions is not much less.
 pub const TOUCH: f64 = 1e-11;
 
-/// Trials for one touch; each gains several digits.
+/// Largest number of trials for one touch; each gains several digits.
 pub const TRIALS: usize = 6;
 
-/// Distance and its rate, and the angle swept.
+/// Distance of two bodies, its rate, and the angle swept.
 #[derive(Clone, Copy, Debug)]
 pub struct OrbitState {
     /// [m] between the centres, or of the centre from the wall.
     pub distance: f64,
-    /// [m/s] its rate: positive, separating.
+    /// [m/s] rate of the distance; positive: separating.
     pub rate: f64,
-    /// [rad] by which the normal has turned.
+    /// [rad] angle by which the normal has turned.
     pub angle: f64,
 }
 
-/// What does not change during the contact.
+/// Constants of an isolated contact.
 #[derive(Clone, Copy, Debug)]
 pub struct IsolatedContact<'a> {
     /// The contact law.
     pub law: &'a ContactLaw,
-    /// The two bodies, and their surfaces.
+    /// The two bodies and their contact constants.
     pub touch: TouchingPair,
-    /// [m] distance at which it touches.
+    /// [m] distance at touch.
     pub reach: f64,
     /// [m²/s] specific angular momentum, distance times slip.
     pub spin: f64,
     /// [m/s²] gravity along the normal.
     pub gravity: f64,
-    /// From the other body to particle i, at the start.
+    /// [-] unit normal from the other body to particle i, at the start.
     pub normal: Vector3<f64>,
-    /// The Runge-Kutta method.
+    /// Stages of the Runge-Kutta method.
     pub stages: &'a [RungeKuttaStage],
 }
 
 impl IsolatedContact<'_> {
-    /// One step of `dt` [s]; its forces and powers go to `sums`.
+    /// Makes one step of `dt` [s]; adds its forces and powers to `sums`.
     #[inline(always)]
     fn step(&self, from: &OrbitState, dt: f64, sums: &mut AlongNormal) -> OrbitState {
-        // the law is told apart once a step, not at every stage
+        // the law is selected once a step, not at every stage
         with_law!(self.law, law => self.step_by(law, from, dt, sums))
     }
 
-    /// [`step`](Self::step) by a law that is known.
+    /// [`step`](Self::step) for a selected law.
     #[inline(always)]
     fn step_by(&self, law: &(impl Law + ?Sized), from: &OrbitState, dt: f64, sums: &mut AlongNormal) -> OrbitState {
         let (mut moved, mut kicked, mut turned) = (0.0, 0.0, 0.0);
@@ -82,7 +82,8 @@ impl IsolatedContact<'_> {
         }
     }
 
-    /// One step of up to `dt` [s] that ends where the contact does; gives the state, the time it took and its rates.
+    /// Makes one step of up to `dt` [s] that ends where the contact ends. Returns the state, the time taken [s] and the
+    /// mean rates.
     pub fn advance(&self, from: &OrbitState, dt: f64) -> (OrbitState, f64, Rates) {
         let rates = |sums: &AlongNormal| Rates::along(&self.touch.couple, &self.normal, sums);
         let mut sums = AlongNormal::default();
@@ -102,7 +103,7 @@ impl IsolatedContact<'_> {
             if open.abs() <= TOUCH * self.touch.diameter {
                 break;
             }
-            // Newton, kept between the signs
+            // Newton's method, kept between the two signs of the gap
             if open > 0.0 {
                 high = fraction
             } else {

@@ -1,7 +1,8 @@
-//! Local stepping: an island flies to its first touch exactly, is stepped while something touches, and flies on.
+//! Local stepping of one island: straight flight to the first touch, time steps while bodies touch, then flight again.
 //!
-//! The instants at which contacts begin and end are found within a step, so the realised restitution has the order of the
-//! integrator: no phase error of contacts that are noticed late. Runge-Kutta of fourth order, or the paper's second.
+//! The instants at which contacts begin and end are found within a step. So no contact is noticed late, and the
+//! realised restitution has the order of the integrator. The steps are Runge-Kutta of fourth order, or of second order
+//! for comparison with the paper.
 
 mod alone;
 mod single;
@@ -21,27 +22,27 @@ use nalgebra::Vector3;
 
 /// A touch that has just been reached.
 pub struct ReachedTouch<'a> {
-    /// The two bodies.
+    /// The two bodies and their contact constants.
     pub touch: TouchingPair,
-    /// How they stand to one another.
+    /// Gap, normal and relative velocity of the two bodies.
     pub met: Encounter,
     /// Walls, surfaces and gravity.
     pub scene: &'a Scene,
-    /// [s] of the window that are left.
+    /// [s] time left in the window.
     pub remaining: f64,
 }
 
-/// Which touches are over at once, instead of being the beginning of a contact.
+/// Rule that decides which touches are instantaneous; all others begin a contact.
 pub trait InstantaneousRule: Sync {
-    /// [s] for how long nobody else may come to the two bodies for their touch to be over at once; `None`: it is the beginning of a
-    /// contact, whoever comes.
+    /// [s] time for which no other body may come to the two bodies, for their touch to be instantaneous. `None`: the
+    /// touch begins a contact in any case.
     fn clear_for(&self, meeting: &ReachedTouch) -> Option<f64>;
 
-    /// Applies the impulse of a touch that is over at once, and books it.
+    /// Applies the impulse of an instantaneous touch, and records it in `log`.
     fn strike(&self, meeting: &ReachedTouch, particles: &mut Particles, log: &mut Log);
 }
 
-/// All touches are the beginning of contacts.
+/// Rule by which every touch begins a contact.
 pub struct NoInstants;
 
 impl InstantaneousRule for NoInstants {
@@ -53,31 +54,31 @@ impl InstantaneousRule for NoInstants {
     fn strike(&self, _meeting: &ReachedTouch, _particles: &mut Particles, _log: &mut Log) {}
 }
 
-/// Solves islands of soft spheres.
+/// Solver of islands of soft spheres.
 pub struct SoftIslands<I = NoInstants> {
     /// The contact law.
     pub law: ContactLaw,
-    /// Which Runge-Kutta method.
+    /// Time integrator: `VelocityVerlet` stands for fourth-order Runge-Kutta here, `Rk2` for Heun's method.
     pub integrator: Integrator,
     /// [s] time step within contacts.
     pub step: f64,
-    /// An island that costs more is given up.
+    /// Highest cost of an island; a more expensive island is given up.
     pub allowance: Allowance,
-    /// Which touches are over at once.
+    /// Rule that decides which touches are instantaneous.
     pub instants: I,
 }
 
-/// [ns/s] what an island may cost per simulated time; infinite: none is given up.
+/// [ns/s] highest cost of an island per simulated time; infinite: no island is given up.
 #[derive(Clone, Copy, Debug)]
 pub struct Allowance {
-    /// Whatever its size.
+    /// Part that does not depend on the size of the island.
     pub each: f64,
-    /// For each of its particles.
+    /// Part for each hot particle of the island.
     pub per_particle: f64,
 }
 
 impl<I> SoftIslands<I> {
-    /// The stages of a step.
+    /// Runge-Kutta stages of a step.
     pub fn stages(&self) -> &'static [RungeKuttaStage] {
         match self.integrator {
             Integrator::VelocityVerlet => &FOURTH_ORDER,
@@ -90,11 +91,11 @@ impl<I> SoftIslands<I> {
 #[derive(Default)]
 pub struct IslandScratch {
     contacts: Vec<Contact>,
-    /// The two bodies of every slot.
+    /// Bodies and contact constants of every slot.
     touches: Vec<TouchingPair>,
-    /// Whether each slot is in contact.
+    /// True for each slot in contact.
     touching: Vec<bool>,
-    /// Gap [m] and its rate [m/s] of every slot, now.
+    /// Present gap [m] and its rate [m/s] of every slot.
     gaps: Vec<(f64, f64)>,
     /// Gap [m] and its rate [m/s] of every slot before the step.
     before: Vec<(f64, f64)>,
@@ -105,16 +106,16 @@ pub struct IslandScratch {
     kicked: Vec<Vector3<f64>>,
 }
 
-/// Stage of an explicit Runge-Kutta method whose stages each use only the one before.
+/// Stage of an explicit Runge-Kutta method in which each stage uses only the stage before.
 #[derive(Clone, Copy, Debug)]
 pub struct RungeKuttaStage {
-    /// [-] fraction of the step it is at.
+    /// [-] time of the stage, as a fraction of the step.
     pub at: f64,
-    /// [-] its weight in the mean.
+    /// [-] weight of the stage in the mean over the step.
     pub weight: f64,
 }
 
-/// The classical method of fourth order.
+/// Classical Runge-Kutta method of fourth order.
 const FOURTH_ORDER: [RungeKuttaStage; 4] = [
     RungeKuttaStage { at: 0.0, weight: 1.0 / 6.0 },
     RungeKuttaStage { at: 0.5, weight: 1.0 / 3.0 },
@@ -190,12 +191,12 @@ struct IslandRun<'a, I> {
     window: Window,
     particles: &'a mut Particles,
     now: f64,
-    /// The two of the last touch that was over at once, until somebody has asked whether they are within bounds.
+    /// The two bodies of the last instantaneous touch, until their velocities have been checked against the bounds.
     struck: Option<Couple>,
 }
 
 impl<I: InstantaneousRule> IslandRun<'_, I> {
-    /// Until `end` [s], or until a particle gets out of bounds: then its place.
+    /// Moves the island until `end` [s], or until a particle gets out of bounds; returns the index of that particle.
     fn until(&mut self, end: f64) -> Result<Option<usize>, GivenUp> {
         self.look();
         while self.now < end {
@@ -233,7 +234,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         Ok(None)
     }
 
-    /// True if the island has cost more so far than it may until `end` [s]: steps, and looks at all of its pairs between two contacts.
+    /// True if the island has cost more so far than it may until `end` [s]. Steps count, and so do the tests of all
+    /// pairs between two contacts.
     fn costs_too_much(&self, end: f64) -> bool {
         let Allowance { each, per_particle } = self.engine.allowance;
         let allowed = (each + per_particle * self.island.hot as f64) * end;
@@ -241,7 +243,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         steps_cost(*force_evaluations, updates + pair_checks) > allowed
     }
 
-    /// Who was touched but only stands by, or is faster than the island allows for.
+    /// Index of a touched particle that is a bystander, or faster than the island allows.
     fn out_of_bounds(&mut self) -> Option<usize> {
         let struck = self.struck.take();
         let couples = self.scratch.contacts.iter().map(|contact| contact.touch.couple).chain(struck);
@@ -250,7 +252,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         places.find(|&place| !self.island.allows(place, &self.particles.velocity[place]))
     }
 
-    /// Straight flight of all until `time` [s].
+    /// Moves all particles along straight lines until `time` [s].
     fn fly(&mut self, time: f64) {
         let dt = time - self.now;
         for (x, v) in self.particles.position.iter_mut().zip(&self.particles.velocity) {
@@ -259,7 +261,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         self.now = time;
     }
 
-    /// The first touch on the straight flights from now on, before `end`.
+    /// First touch on straight flights from now until `end` [s]: time [s] of the touch, and its slot.
     fn next_touch(&mut self, end: f64) -> Option<(f64, usize)> {
         let left = end - self.now;
         self.island.pair_checks += self.island.list.slots() as u64;
@@ -271,12 +273,12 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         (first.0 < left).then_some((self.now + first.0, first.1))
     }
 
-    /// The present of this island.
+    /// Present time of the island, in the falling frame.
     fn moment(&self) -> FrameTime {
         FrameTime::in_free_fall(self.now)
     }
 
-    /// A contact begins now, unless it is over at once.
+    /// Begins a contact at a slot, unless the touch is instantaneous.
     fn open(&mut self, slot: usize) {
         let touch = self.scratch.touches[slot];
         if self.strike(slot) {
@@ -288,19 +290,19 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         self.scratch.contacts.push(contact);
     }
 
-    /// Gap [m] of a slot and its rate [m/s].
+    /// Present gap [m] of a slot and its rate [m/s].
     fn gap(&self, slot: usize) -> (f64, f64) {
         let met = self.scratch.touches[slot].couple.meet(self.particles, self.scene, self.moment());
         (met.gap, met.normal_velocity)
     }
 
-    /// Looks at all gaps.
+    /// Computes all gaps.
     fn look(&mut self) {
         let mut gaps = std::mem::take(&mut self.scratch.gaps);
         self.island.updates += self.island.list.slots() as u64;
         gaps.clear();
         for (slot, touch) in self.scratch.touches.iter().enumerate() {
-            // further contacts of a wall that is not touched are at least as far away
+            // if the nearest contact of a wall is open, its further contacts are at least as far away
             let before = if touch.couple.is_further() { slot.checked_sub(1) } else { None };
             let nearer = before.and_then(|slot| Some((self.scratch.touches.get(slot)?, gaps.get(slot)?)));
             let beyond =
@@ -310,8 +312,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         self.scratch.gaps = gaps;
     }
 
-    /// One step of up to `dt` [s]: cut short at the first instant at which a contact begins or ends. `gaps` are those of now,
-    /// before and after.
+    /// Makes one step of up to `dt` [s], cut short at the first instant at which a contact begins or ends. `gaps` holds
+    /// the present gaps, both before and after the step.
     fn step(&mut self, dt: f64) -> Result<(), Failure> {
         self.scratch.position.clone_from(&self.particles.position);
         self.scratch.velocity.clone_from(&self.particles.velocity);
@@ -329,7 +331,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         let mut first: Option<(f64, usize)> = None;
         for (slot, (&was, &(gap, rate))) in self.scratch.before.iter().zip(&self.scratch.gaps).enumerate() {
             let touching = self.scratch.touching[slot];
-            // one that has just ended may still be closed by rounding, but it opens; one that was apart has touched
+            // a contact that has just ended may still overlap by rounding, but its gap grows; a gap that was open has
+            // closed
             let turns = if touching { gap > 0.0 } else { gap < 0.0 && (rate < 0.0 || was.0 > 0.0) };
             if turns {
                 let fraction = crossing(was, (gap, rate), dt);
@@ -350,7 +353,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         Ok(())
     }
 
-    /// Refuses a step since `start` [s] that has taken the centre of a sphere through a thin wall: neither end of it may show an overlap.
+    /// Refuses a step since `start` [s] in which the centre of a sphere has passed a thin wall. Such a step may show no
+    /// overlap at either end.
     fn refuse_to_pass(&self, start: f64) -> Result<(), Failure> {
         for touch in &self.scratch.touches {
             let (i, Other::Wall(at)) = (touch.couple.i as usize, touch.couple.other) else { continue };
@@ -367,12 +371,13 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         Ok(())
     }
 
-    /// Repeats the step from `start` with the length at which the gap of `slot` is zero; begins with a fraction of `dt`.
+    /// Repeats the step from `start` with the length at which the gap of `slot` is zero. The first guess of that length
+    /// is `fraction` of `dt`.
     ///
-    /// The contact of that slot ends where its gap becomes positive, or begins where it becomes negative. Two turns nearly at
-    /// once may be met in the other order than they were estimated in; the later one is then due at the very start of its
-    /// step, and the search must end there: a sign taken from the gap before would lead it to the end of the step, past
-    /// every other turn.
+    /// The contact of that slot ends where its gap becomes positive, or begins where the gap becomes negative. Two such
+    /// instants that nearly coincide may come in another order than estimated. The later one is then due at the very
+    /// start of its step, and the search must end there. A search that compared signs with the gap before the step
+    /// would run to the end of the step instead, past all other such instants.
     fn find_turn(&mut self, start: f64, dt: f64, fraction: f64, slot: usize) -> Rates {
         let touching = self.scratch.contacts.iter().any(|c| c.slot as usize == slot);
         let (mut low, mut high) = (0.0, 1.0);
@@ -388,7 +393,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
             if gap.abs() <= TOUCH * diameter {
                 break;
             }
-            // Newton, kept between not yet and already
+            // Newton's method, kept between a time before the change and one after it
             let turned = if touching { gap > 0.0 } else { gap < 0.0 };
             if turned {
                 high = fraction
@@ -401,7 +406,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         rates
     }
 
-    /// The contact of a slot ends if it lasts, or else begins.
+    /// Ends the contact of a slot if there is one, and begins one otherwise.
     fn turn(&mut self, slot: usize) {
         match self.scratch.contacts.iter().position(|c| c.slot as usize == slot) {
             None => self.open(slot),
@@ -418,7 +423,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         }
     }
 
-    /// Books what the step did, and notes how deep the contacts are.
+    /// Records powers and forces of a step of `dt` [s] in the log, and the overlaps in the contacts.
     fn book(&mut self, rates: Rates, dt: f64) -> Result<(), Failure> {
         let remaining = self.window.duration - (self.now - 0.5 * dt);
         rates.add(dt, remaining, self.scene, &mut self.island.log);
@@ -430,12 +435,13 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         Ok(())
     }
 
-    /// Notes how deep a contact is after another `dt` [s].
+    /// Records the overlap of a contact after a further `dt` [s]; fails if the overlap is too large or the centre has
+    /// passed.
     fn deepen(&mut self, contact: usize, met: &Encounter, dt: f64) -> Result<(), Failure> {
         let contact = &mut self.scratch.contacts[contact];
         let instant = (self.window.start + self.now, dt);
         contact.course.check(&contact.touch, met, (self.particles, self.scene), instant)?;
-        // the cubic through both overlaps and their rates
+        // integral of the cubic through both overlaps and their rates
         let course = &mut contact.course;
         let (before, growing) = (course.overlap, course.growth);
         course.note(met);
@@ -443,7 +449,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         Ok(())
     }
 
-    /// Moves all particles by `dt` [s] with the contacts there are; gives the mean powers and wall forces.
+    /// Moves all particles by `dt` [s] with the present contacts; returns the mean powers and wall forces.
     fn integrate(&mut self, dt: f64) -> Rates {
         let stages = self.engine.stages();
         let mut rates = Rates::default();
@@ -496,15 +502,14 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
     }
 }
 
-/// Fraction of a step of `dt` [s] at which a gap changes sign, from gap and rate at both ends: the first root of the cubic
-/// through them.
+/// Fraction of a step of `dt` [s] at which a gap changes sign: a root of the cubic through gap and rate at both ends.
 pub fn crossing((gap0, rate0): (f64, f64), (gap1, rate1): (f64, f64), dt: f64) -> f64 {
     let value = |t: f64| {
         let (u, t2) = (1.0 - t, t * t);
         (1.0 + 2.0 * t) * u * u * gap0 + t * u * u * dt * rate0 + t2 * (3.0 - 2.0 * t) * gap1 - t2 * u * dt * rate1
     };
     let (mut low, mut high) = (0.0, 1.0);
-    // bisection to the accuracy of the cubic itself; Newton on the true motion does the rest
+    // bisection to the accuracy of the cubic itself; Newton's method on the true motion does the rest
     for _ in 0..20 {
         let middle = 0.5 * (low + high);
         if (value(middle) > 0.0) == (gap1 > 0.0) { high = middle } else { low = middle }

@@ -1,4 +1,4 @@
-//! The only contact of an island, without friction: for how long it is sure to stay so, and taking it to its end.
+//! Single contact of an island, without friction: the time for which it surely stays single, and its motion to the end.
 
 use super::alone::{IsolatedContact, OrbitState};
 use super::{InstantaneousRule, IslandRun, ReachedTouch};
@@ -7,14 +7,14 @@ use crate::engine::Failure;
 use crate::engine::soft::contact::TouchingPair;
 use nalgebra::Vector3;
 
-/// Whether the particle at a place is one of the two.
+/// True if the particle at index `place` is one of the two bodies of `couple`.
 fn is_of(couple: &Couple, place: u32) -> bool {
     couple.places().contains(&Some(place))
 }
 
 impl<I: InstantaneousRule> IslandRun<'_, I> {
-    /// [s] for how long a single contact without friction is sure to remain the only one, up to `end`; 0 where there are
-    /// several, or friction, or a curved wall.
+    /// [s] time for which a single contact without friction surely remains the only one, up to `end`. 0 if there are
+    /// several contacts, or friction, or a curved wall.
     pub(super) fn clear_time(&self, end: f64) -> f64 {
         let [contact] = self.scratch.contacts.as_slice() else { return 0.0 };
         let TouchingPair { couple, spring, friction, .. } = contact.touch;
@@ -23,7 +23,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
             return 0.0;
         }
         let left = end - self.now;
-        // the speed of the two relative to each other stays below this, so neither velocity changes by more than twice it
+        // the relative speed of the two stays below this root, so neither velocity changes by more than twice the root
         let met = couple.meet(self.particles, self.scene, self.moment());
         let stored = 2.0 * self.engine.law.available_energy(&spring, contact.course.overlap) / spring.effective_mass;
         let change = 2.0 * (met.normal_velocity.powi(2) + met.slip().norm_squared() + stored).sqrt();
@@ -32,14 +32,14 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         clear.fold(left, |least, time| if time >= 0.0 { least.min(time) } else { 0.0 })
     }
 
-    /// How many particles of a slot are of those two.
+    /// Number of particles of a slot that belong to `couple`.
     fn shared(&self, slot: usize, couple: &Couple) -> usize {
         let places = self.scratch.touches[slot].couple.places();
         places.into_iter().flatten().filter(|&place| is_of(couple, place)).count()
     }
 
-    /// [s] before which the gap of a slot cannot close, within a part that ends at `end` [s]: the velocities of the two of `couple` may
-    /// change by `change` [m/s] each. Negative if it is closed.
+    /// [s] time before which the gap of a slot cannot close, within a part that ends at `end` [s]. The velocities of
+    /// the two bodies of `couple` may change by `change` [m/s] each. Negative if the gap is closed.
     fn clear_of(&self, slot: usize, couple: &Couple, change: f64, end: f64) -> f64 {
         let velocity = |place: u32| self.particles.velocity[place as usize];
         let (gap, rate) = self.scratch.gaps[slot];
@@ -54,8 +54,10 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         gap / (speed + self.shared(slot, couple) as f64 * change)
     }
 
-    /// Whether the gap of a slot that one of two bodies has a part in may close within `time` [s] of their touch. Between bodies
-    /// that fly straight a gap closes ever more slowly, and an impulse changes the velocity of a particle by at most 2 (1 + μ) M |u_n|/m.
+    /// True if the gap of a slot that shares a particle with a touch may close within `time` [s] of the touch.
+    ///
+    /// Between bodies that fly straight a gap closes ever more slowly. An impulse changes the velocity of a particle by
+    /// at most 2 (1 + μ) M |u_n|/m.
     fn may_come(&self, slot: usize, meeting: &ReachedTouch, time: f64) -> bool {
         let other = self.scratch.touches[slot].couple;
         let ReachedTouch { touch, met, scene, .. } = meeting;
@@ -75,7 +77,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         (curved + change - rate) * time > gap
     }
 
-    /// Whether the touch of a slot is over at once: then its impulse has been applied.
+    /// True if the touch of a slot is instantaneous; its impulse has then been applied.
     pub(super) fn strike(&mut self, slot: usize) -> bool {
         let touch = self.scratch.touches[slot];
         let met = touch.couple.meet(self.particles, self.scene, self.moment());
@@ -94,7 +96,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         true
     }
 
-    /// Takes the only contact there is to its end, or for `clear` [s]; everybody else flies. Gives who got out of bounds.
+    /// Takes the only contact to its end, or through `clear` [s], while all other particles fly. Returns the index of a
+    /// particle that got out of bounds.
     pub(super) fn resolve_alone(&mut self, clear: f64) -> Result<Option<usize>, Failure> {
         let start = self.now;
         let touch = self.scratch.contacts[0].touch;
@@ -142,8 +145,9 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         Ok(places.into_iter().flatten().find(|&place| !self.island.allows(place, &self.particles.velocity[place])))
     }
 
-    /// Moves all by `time` [s], in which the only contact went from one state to another: everybody else flies straight, and so
-    /// does the centre of mass of its two bodies. `slip`: their tangential velocity [m/s] at the start.
+    /// Moves all particles by `time` [s], in which the only contact went from state `begin` to `state`. All other
+    /// particles fly straight, and so does the centre of mass of the two bodies. `slip` is their tangential velocity
+    /// [m/s] at the start.
     fn part(&mut self, alone: &IsolatedContact, slip: Vector3<f64>, [begin, state]: [OrbitState; 2], time: f64) {
         let couple = alone.touch.couple;
         let (i, j) = (couple.i as usize, couple.j().map(|j| j as usize));
@@ -157,7 +161,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
                 let along = if spin > 0.0 { slip / spin } else { Vector3::zeros() };
                 let (sin, cos) = state.angle.sin_cos();
                 let (normal, along) = (alone.normal * cos + along * sin, along * cos - alone.normal * sin);
-                // how much more than on a straight flight the two have moved, and changed their velocity
+                // relative displacement and velocity change of the two, beyond those of a straight flight
                 let straight = self.scene.domain.separation(&x, &xj) + (v - vj) * time;
                 let moved = normal * state.distance - straight;
                 let kicked = normal * state.rate + along * (alone.spin / state.distance) - (v - vj);
