@@ -55,7 +55,14 @@ fn cloud(count: usize) -> Particles {
 /// The paper's 406 um and 1.5 mm.
 fn spheres(gas: &Fluid) -> [Sphere; 2] {
     [(406e-6, 1038.0), (1.5e-3, 1032.0)].map(|(diameter, density)| {
-        gas.sphere(&Species { name: String::new(), diameter, density, elasticity: None, sizes: None })
+        gas.sphere(&Species {
+            name: String::new(),
+            diameter,
+            density,
+            elasticity: None,
+            sizes: None,
+            inertia_factor: 0.4,
+        })
     })
 }
 
@@ -133,7 +140,14 @@ const JITTER: f64 = 0.999;
 
 /// A periodic cube with case D's volume fraction of 1e-2, or any other, and no gas.
 fn cube(count: usize, volume_fraction: f64) -> Scene {
-    let species = Species { name: String::new(), diameter: DIAMETER, density: DENSITY, elasticity: None, sizes: None };
+    let species = Species {
+        name: String::new(),
+        diameter: DIAMETER,
+        density: DENSITY,
+        elasticity: None,
+        sizes: None,
+        inertia_factor: 0.4,
+    };
     let side = (count as f64 * species.volume() / volume_fraction).cbrt();
     Scene {
         domain: Domain::new(Vector3::repeat(side), [true; 3]),
@@ -142,6 +156,7 @@ fn cube(count: usize, volume_fraction: f64) -> Scene {
         walls: Vec::new(),
         contact: Surface { restitution: 1.0, friction: 0.0 },
         pairs: Default::default(),
+        rotation: None,
         species: vec![species],
     }
 }

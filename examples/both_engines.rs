@@ -12,7 +12,15 @@ fn scene() -> Scene {
         walls: Vec::new(),
         contact: Surface { restitution: 0.9, friction: 0.0 },
         pairs: Default::default(),
-        species: vec![Species { name: "glass".into(), diameter: 2e-4, density: 2500.0, elasticity: None, sizes: None }],
+        rotation: None,
+        species: vec![Species {
+            name: "glass".into(),
+            diameter: 2e-4,
+            density: 2500.0,
+            elasticity: None,
+            sizes: None,
+            inertia_factor: 0.4,
+        }],
     }
 }
 

@@ -25,8 +25,14 @@ impl DragLaw for CliftGauvin {
 
 /// One sphere from rest in a uniform wind.
 pub fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let sphere =
-        Species { name: "polystyrene".into(), diameter: 1.5e-3, density: 1032.0, elasticity: None, sizes: None };
+    let sphere = Species {
+        name: "polystyrene".into(),
+        diameter: 1.5e-3,
+        density: 1032.0,
+        elasticity: None,
+        sizes: None,
+        inertia_factor: 0.4,
+    };
     let (profile, drag) = (Profile::Uniform(15.0), Some(Drag::Other(Arc::new(CliftGauvin))));
     let air = Fluid { density: 1.205, kinematic_viscosity: 1.515e-5, profile, drag };
     let domain = Domain::new(Vector3::repeat(0.1), [true; 3]);
@@ -40,6 +46,7 @@ pub fn main() -> Result<(), Box<dyn std::error::Error>> {
         walls,
         contact,
         pairs: Default::default(),
+        rotation: None,
         species: vec![sphere],
     };
     let mut simulation = Simulation::with_engine(scene, particles, Box::new(Hard::new()));

@@ -8,6 +8,7 @@
 
 use crate::contact_law::Bodies;
 use crate::particles::Particles;
+use crate::rotation::tangential_mass;
 use crate::scene::{Kind, Scene, Surface};
 pub use crate::walls::{first_touch, may_touch};
 
@@ -251,6 +252,37 @@ impl Couple {
     pub fn effective_mass(&self, particles: &Particles) -> f64 {
         let mass = particles.mass[self.i as usize];
         self.j().map_or(mass, |j| 1.0 / (1.0 / mass + 1.0 / particles.mass[j as usize]))
+    }
+
+    /// [kg] effective mass M_t of the slip of two bodies that rotate ([`tangential_mass`]); 0 if the store holds no moments of inertia.
+    pub fn tangential_mass(&self, particles: &Particles) -> f64 {
+        let Some(inertia) = &particles.inertia else { return 0.0 };
+        let of = |place: u32| {
+            let place = place as usize;
+            (particles.mass[place], particles.radius[place], inertia[place])
+        };
+        tangential_mass(self.places().into_iter().flatten().map(of))
+    }
+
+    /// [m/s] velocity w = l_i ω_i + l_j ω_j of two surfaces by their spins, and the lever arms l [m] per radius: the arms add up to the distance of the
+    /// centres, `reach` + `gap` [m], so that a contact keeps both energy and angular momentum. At a wall the arm is the radius.
+    #[inline(always)]
+    pub fn surface_velocity(&self, particles: &Particles, reach: f64, gap: f64) -> (Vector3<f64>, f64) {
+        let of = |place: u32| particles.spin_of(place as usize) * particles.radius[place as usize];
+        match self.other {
+            Other::Particle(j) => {
+                let arm = 1.0 + gap / reach;
+                ((of(self.i) + of(j)) * arm, arm)
+            }
+            Other::Wall(_) => (of(self.i), 1.0),
+        }
+    }
+
+    /// [rad/s] mean spin of the two bodies about their normal; a wall has none.
+    #[inline(always)]
+    pub fn twist(&self, particles: &Particles, normal: &Vector3<f64>) -> f64 {
+        let other = self.j().map_or_else(Vector3::zeros, |j| particles.spin_of(j as usize));
+        0.5 * (particles.spin_of(self.i as usize) + other).dot(normal)
     }
 
     /// [m] the smaller diameter, the unit in which overlaps are given.

@@ -121,6 +121,22 @@ pub struct Population {
     /// [m/s] standard deviation of each velocity component of a random start, met exactly by two spheres and more. A
     /// single sphere draws from a normal law of this width about the mean.
     pub velocity_fluctuation: Vector3<f64>,
+    /// [rad/s] mean spin of a random start.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub spin_mean: Vector3<f64>,
+    /// [rad/s] standard deviation of each spin component of a random start.
+    #[serde(skip_serializing_if = "is_none")]
+    pub spin_fluctuation: f64,
+}
+
+/// True for the spin of spheres that do not rotate at the start, which a stored experiment does not need.
+fn is_zero(spin: &Vector3<f64>) -> bool {
+    *spin == Vector3::zeros()
+}
+
+/// As [`is_zero`], for the deviation.
+fn is_none(deviation: &f64) -> bool {
+    *deviation == 0.0
 }
 
 impl Population {

@@ -30,6 +30,8 @@ pub mod domain;
 pub mod exact;
 
 pub mod communicator;
+pub mod rotation;
+
 pub mod particles;
 pub mod scene;
 

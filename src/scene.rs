@@ -8,6 +8,8 @@ pub use start_region::StartRegion;
 
 use crate::domain::Domain;
 use crate::fluid::Fluid;
+use crate::particles::Particles;
+use crate::rotation::{Rotation, SOLID_SPHERE, tangential_mass};
 use crate::walls::Wall;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -148,6 +150,14 @@ pub struct Species {
     /// Distribution of the diameters; `None`: all are `diameter`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sizes: Option<SizeDistribution>,
+    /// [-] moment of inertia about the centre over m r²: 2/5 of a solid sphere, 2/3 of a thin shell.
+    #[serde(skip_serializing_if = "is_solid")]
+    pub inertia_factor: f64,
+}
+
+/// True if a moment of inertia is that of a solid sphere, of which a case needs to say nothing.
+fn is_solid(factor: &f64) -> bool {
+    *factor == SOLID_SPHERE
 }
 
 impl Species {
@@ -191,7 +201,8 @@ impl Species {
 ///     walls: vec![Wall::new(WallGeometry::Plane(floor), surface)],
 ///     contact: surface,
 ///     pairs: Default::default(),
-///     species: vec![Species { name: "glass".into(), diameter: 1e-3, density: 2500.0, elasticity: None, sizes: None }],
+///     rotation: None,
+///     species: vec![Species { name: "glass".into(), diameter: 1e-3, density: 2500.0, elasticity: None, sizes: None, inertia_factor: 0.4 }],
 /// };
 /// assert!((scene.species[0].mass() - 1.309e-6).abs() < 1e-9); // kg
 /// ```
@@ -212,6 +223,9 @@ pub struct Scene {
     pub pairs: Pairs,
     /// Kinds of particles; `Particles::species` points here.
     pub species: Vec<Species>,
+    /// Tangential behaviour of spheres that rotate; `None`: no sphere rotates, and friction has no memory.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rotation: Option<Rotation>,
 }
 
 impl Scene {
@@ -219,6 +233,35 @@ impl Scene {
     pub fn room(&self) -> f64 {
         let vessels = self.walls.iter().filter_map(|wall| wall.geometry.vessel_volume(&self.domain.size));
         vessels.fold(self.domain.volume(), f64::min)
+    }
+
+    /// Gives particles what they need to rotate, if spheres of the scene do.
+    pub fn let_rotate(&self, particles: &mut Particles) {
+        if self.rotation.is_some() {
+            particles.let_rotate(&self.species.iter().map(|species| species.inertia_factor).collect::<Vec<_>>());
+        }
+    }
+
+    /// Restitution e and M_t/M [-] of the impacts that can happen, each once; where sizes are spread, of mean spheres.
+    pub fn oblique_impacts(&self) -> Vec<(f64, f64)> {
+        let body = |species: u16| {
+            let species = &self.species[usize::from(species)];
+            let (mass, radius) = (species.mass(), 0.5 * species.diameter);
+            (mass, radius, species.inertia_factor * mass * radius * radius)
+        };
+        let ratio = |bodies: &[(f64, f64, f64)]| {
+            tangential_mass(bodies.iter().copied()) * bodies.iter().map(|(mass, ..)| 1.0 / mass).sum::<f64>()
+        };
+        let pairs = self.meetings().map(|(one, other, meeting)| (meeting, ratio(&[body(one), body(other)])));
+        let walls = self.meetings_at_walls().map(|(one, _, meeting)| (meeting, ratio(&[body(one)])));
+        let mut impacts: Vec<(f64, f64)> = Vec::new();
+        for (meeting, ratio) in pairs.chain(walls) {
+            let restitution = meeting.surface.restitution;
+            if !impacts.iter().any(|(e, of)| *e == restitution && (of - ratio).abs() <= 1e-9 * ratio) {
+                impacts.push((restitution, ratio));
+            }
+        }
+        impacts
     }
 
     /// Contact properties of particles of a species with a species or a wall.

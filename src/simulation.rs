@@ -48,7 +48,8 @@ const TABULATE: usize = 1000;
 /// #     walls: Vec::new(),
 /// #     contact: Surface { restitution: 0.5, friction: 0.0 },
 /// #     pairs: Default::default(),
-/// #     species: vec![Species { name: "sphere".into(), diameter: 1.0, density: 1.0, elasticity: None, sizes: None }],
+/// #     rotation: None,
+/// #     species: vec![Species { name: "sphere".into(), diameter: 1.0, density: 1.0, elasticity: None, sizes: None, inertia_factor: 0.4 }],
 /// # };
 /// // two spheres of 1 m and 1 kg, 2 m apart, approach at 1 m/s; the scene's restitution is 0.5
 /// let mut particles = Particles::default();
@@ -145,8 +146,9 @@ impl Simulation {
     }
 
     fn with_totals(scene: Scene, particles: Particles, totals: SimulationTotals, engine: Box<dyn Engine>) -> Self {
-        let mut scene = scene;
+        let (mut scene, mut particles) = (scene, particles);
         scene.walls = Repeated::all(&scene.walls, &scene.domain);
+        scene.let_rotate(&mut particles);
         let spheres = match &scene.fluid {
             Some(fluid) => scene.species.iter().map(|species| fluid.sphere(species)).collect(),
             None => Vec::new(),

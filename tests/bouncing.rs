@@ -19,7 +19,7 @@ fn dropped(species: Species, restitution: f64, height: f64) -> (Scene, Particles
 }
 
 fn mfix_ball() -> Species {
-    Species { name: "ball".into(), diameter: 0.2, density: 2600.0, elasticity: None, sizes: None }
+    Species { name: "ball".into(), diameter: 0.2, density: 2600.0, elasticity: None, sizes: None, inertia_factor: 0.4 }
 }
 
 /// Height of the apex of the present flight [m].
@@ -157,6 +157,7 @@ fn two_stacked_particles_squeezed_between_walls() {
             density,
             elasticity: None,
             sizes: None,
+            inertia_factor: 0.4,
         });
         let mut scene = empty([0.01, 0.0018, 0.01], [false; 3], species[0].clone(), surface(e, 0.0));
         scene.species = species.to_vec();

@@ -156,6 +156,7 @@ fn simulation_follows_the_exact_flow() {
         walls: Vec::new(),
         contact: surface(1.0, 0.0),
         pairs: Default::default(),
+        rotation: None,
         species: vec![small(), large()],
     };
     let mut particles = Particles::default();

@@ -39,12 +39,14 @@ fn scene() -> Scene {
         walls: vec![wall(0.0, 1.0), wall(0.04, -1.0)],
         contact: Surface { restitution: 1.0, friction: 0.0 },
         pairs: Default::default(),
+        rotation: None,
         species: vec![Species {
             name: "polystyrene, 406 um".into(),
             diameter: 406e-6,
             density: 1038.0,
             elasticity: None,
             sizes: None,
+            inertia_factor: 0.4,
         }],
     }
 }

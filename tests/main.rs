@@ -58,6 +58,7 @@ mod pieces; // trajectories of a run over threads in place of processes, each of
 mod plan; // predictions against short runs, recommendations, the plan command
 mod player; // recordings of particles: same bits, bounded, complete in the page
 mod resume; // runs that are killed or stopped go on with the same bits; damaged checkpoints; full disks
+mod rotation;
 mod schedule; // the windows that are chosen, against shorter ones
 mod schema; // the schema for editors: what it refuses, and what it takes
 mod seams; // drag laws and wall shapes of the caller, given by the least that one must answer

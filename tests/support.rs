@@ -21,12 +21,12 @@ use std::path::Path;
 
 /// The paper's small particle: 406 um, 1038 kg/m3.
 pub fn small() -> Species {
-    Species { name: "S".into(), diameter: 406e-6, density: 1038.0, elasticity: None, sizes: None }
+    Species { name: "S".into(), diameter: 406e-6, density: 1038.0, elasticity: None, sizes: None, inertia_factor: 0.4 }
 }
 
 /// The paper's large particle: 1.5 mm, 1032 kg/m3.
 pub fn large() -> Species {
-    Species { name: "L".into(), diameter: 1.5e-3, density: 1032.0, elasticity: None, sizes: None }
+    Species { name: "L".into(), diameter: 1.5e-3, density: 1032.0, elasticity: None, sizes: None, inertia_factor: 0.4 }
 }
 
 /// A surface.
@@ -43,6 +43,7 @@ pub fn empty(size: [f64; 3], periodic: [bool; 3], species: Species, contact: Sur
         walls: Vec::new(),
         contact,
         pairs: Default::default(),
+        rotation: None,
         species: vec![species],
     }
 }
@@ -85,6 +86,8 @@ pub fn experiment(scene: Scene, count: usize, mean: [f64; 3], fluctuation: f64, 
             region: None,
             velocity_mean: mean.into(),
             velocity_fluctuation: Vector3::repeat(fluctuation),
+            spin_mean: Vector3::zeros(),
+            spin_fluctuation: 0.0,
         }],
         soft: SoftSettings {
             law: Some(law),
@@ -167,7 +170,14 @@ pub fn try_run(
 
 /// Diameter 1 m, mass 1 kg: reduced units.
 pub fn unit() -> Species {
-    Species { name: "unit".into(), diameter: 1.0, density: 6.0 / std::f64::consts::PI, elasticity: None, sizes: None }
+    Species {
+        name: "unit".into(),
+        diameter: 1.0,
+        density: 6.0 / std::f64::consts::PI,
+        elasticity: None,
+        sizes: None,
+        inertia_factor: 0.4,
+    }
 }
 
 /// Edge of the cube in which `count` spheres of diameter `d` [m] fill the fraction `phi`.

@@ -13,17 +13,21 @@
 
 mod contact;
 mod region;
+mod rotation;
 mod sizes;
 mod walls;
 
 pub use contact::{ContactFile, PairFile};
 pub use region::{BlockRegionFile, CylinderRegionFile, RegionFile};
+pub use rotation::{ImpactRuleFile, TangentialFile};
 pub use sizes::{ByFile, SizesFile};
 pub use walls::{BoxFile, ConeFile, CuboidFile, CylinderFile, MeshFile, PlaneFile, SphereFile, WallFile};
 
 use super::de::Located;
 use super::fluctuation::FluctuationFile;
-use super::quantity::{Acceleration, Density, KinematicViscosity, Length, Pressure, Ratio, Speed, Stiffness, Time};
+use super::quantity::{
+    Acceleration, Density, KinematicViscosity, Length, Pressure, Ratio, Speed, Spin, Stiffness, Time,
+};
 use super::time_or_word::{AverageFromFile, WindowFile};
 use crate::drag::Drag;
 use crate::experiment::{Integrator, Model, SoftStepping, TrajectoryFormat};
@@ -252,6 +256,17 @@ pub struct ParticlesFile {
     /// three along x, y and z. With two or more particles the sample has exactly this deviation.
     #[schemars(example = &"0.5 m/s", extend("default" = "0 m/s", "x-range" = "0 ..= 1e5 m/s"))]
     pub velocity_fluctuation: Option<Located<FluctuationFile>>,
+    /// Moment of inertia about the centre over m r²: 0.4 of a solid sphere, 2/3 of a thin shell.
+    #[schemars(example = 0.667, extend("default" = 0.4, "x-range" = "greater than 0, up to 2/3"))]
+    pub inertia_factor: Option<Located<Ratio>>,
+    /// Mean spin of a random start.
+    #[schemars(extend("examples" = [["0 rad/s", "100 rad/s", "0 rad/s"]]))]
+    #[schemars(extend("default" = ["0 rad/s", "0 rad/s", "0 rad/s"], "x-range" = "-1e9 ..= 1e9 rad/s"))]
+    pub spin_mean: Option<Three<Spin>>,
+    /// Standard deviation of each spin component of a random start. With two or more particles the sample has exactly
+    /// this deviation.
+    #[schemars(example = &"500 rad/s", extend("default" = "0 rad/s", "x-range" = "0 ..= 1e9 rad/s"))]
+    pub spin_fluctuation: Option<Located<Spin>>,
     /// Elasticity of these particles, if it differs from `[soft.hertz]`.
     pub elasticity: Option<Located<ElasticityFile>>,
 }
@@ -270,6 +285,10 @@ pub struct PlacedFile {
     #[schemars(extend("examples" = [["0 m/s", "0 m/s", "0.5 m/s"]]))]
     #[schemars(extend("default" = ["0 m/s", "0 m/s", "0 m/s"], "x-range" = "-1e5 ..= 1e5 m/s"))]
     pub velocity: Option<Three<Speed>>,
+    /// Spin of this particle, right-handed about its direction.
+    #[schemars(extend("examples" = [["0 rad/s", "0 rad/s", "-400 rad/s"]]))]
+    #[schemars(extend("default" = ["0 rad/s", "0 rad/s", "0 rad/s"], "x-range" = "-1e9 ..= 1e9 rad/s"))]
+    pub spin: Option<Three<Spin>>,
 }
 
 /// `[soft]`.
@@ -299,6 +318,8 @@ pub struct SoftFile {
     /// Time integrator.
     #[schemars(example = &"rk2", extend("default" = "velocity_verlet"))]
     pub integrator: Option<Located<Integrator>>,
+    /// Tangential law of spheres that rotate: exactly one of the tables below. Giving one lets spheres rotate.
+    pub tangential: Option<Located<TangentialFile>>,
 }
 
 /// `[soft.linear_spring_dashpot]`.
@@ -336,6 +357,9 @@ pub struct HardFile {
     #[schemars(example = &"1e-6 s", extend("x-default" = "every collision has its restitution"))]
     #[schemars(extend("x-range" = "greater than 0 s"))]
     pub contact_time: Option<Located<Time>>,
+    /// Rule of the tangential impulse of spheres that rotate: exactly one of the tables below. Giving one lets spheres
+    /// rotate.
+    pub friction: Option<Located<ImpactRuleFile>>,
 }
 
 /// `[hybrid]`.

@@ -30,6 +30,8 @@ pub type Length = Quantity<1, 0, 0>;
 pub type Time = Quantity<0, 0, 1>;
 /// [m/s].
 pub type Speed = Quantity<1, 0, -1>;
+/// [rad/s].
+pub type Spin = Quantity<0, 0, -1>;
 /// [m/s²].
 pub type Acceleration = Quantity<1, 0, -2>;
 /// [kg/m³].

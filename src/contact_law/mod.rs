@@ -20,6 +20,7 @@ pub use contract::BrokenContract;
 pub use hertz::Hertz;
 pub use linear_spring_dashpot::LinearSpringDashpot;
 
+use crate::rotation::NormalSpring;
 use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
@@ -182,7 +183,7 @@ impl std::fmt::Display for Parameter {
 /// use diptych::contact_law::{Bodies, ContactLaw};
 /// use diptych::{Species, Surface};
 ///
-/// let glass = Species { name: "glass".into(), diameter: 1e-3, density: 2500.0, elasticity: None, sizes: None };
+/// let glass = Species { name: "glass".into(), diameter: 1e-3, density: 2500.0, elasticity: None, sizes: None, inertia_factor: 0.4 };
 /// let law = ContactLaw::linear(1000.0); // N/m
 /// let spring = law.between(&Bodies::alike(&glass, &Surface { restitution: 1.0, friction: 0.0 }));
 /// // without damping a contact of two spheres lasts π sqrt(M/k_n), M half the mass of one
@@ -257,6 +258,12 @@ impl ContactLaw {
     pub fn parameter(&self) -> Parameter {
         let none = Parameter { law: self.title(), key: "", name: "stiffness", symbol: "k", value: 1.0, unit: "" };
         self.parameters().first().copied().unwrap_or(none)
+    }
+
+    /// Normal contact as a tangential law needs it; only a linear law has such constants.
+    pub fn normal_spring(&self, spring: &Spring) -> NormalSpring {
+        let Spring { stiffness, dashpot, .. } = *spring;
+        NormalSpring { stiffness, dashpot, contact_time: self.contact_time(spring, 1.0) }
     }
 
     /// True if the elastic force is proportional to the overlap and the viscous one to its rate: closed forms for such contacts hold.

@@ -47,7 +47,8 @@ pub struct Window {
 /// #     walls: Vec::new(),
 /// #     contact: Surface { restitution: 1.0, friction: 0.0 },
 /// #     pairs: Default::default(),
-/// #     species: vec![Species { name: "sphere".into(), diameter: 1.0, density: 1.0, elasticity: None, sizes: None }],
+/// #     rotation: None,
+/// #     species: vec![Species { name: "sphere".into(), diameter: 1.0, density: 1.0, elasticity: None, sizes: None, inertia_factor: 0.4 }],
 /// # };
 /// # let mut particles = Particles::default();
 /// # particles.push(Vector3::repeat(5.0), Vector3::zeros(), 0.5, 1.0, 0);

@@ -19,7 +19,7 @@ pub struct PopulationSummary {
     pub lightest: f64,
     /// Means of the radius [m] and of its square [m²].
     pub mean_radius: [f64; 2],
-    /// Volume fraction of the space open to particles that they fill.
+    /// Volume fraction [-] of the space open to particles that they fill.
     pub filled: f64,
     /// True if there are different radii.
     pub mixed: bool,

@@ -30,7 +30,7 @@ pub use paths::{PathSample, Paths};
 pub use rings::{Ring, RingAverages, Rings};
 pub use run_loop::{Pause, RunLoop};
 pub use second_moments::{Budgets, MOMENTS, SecondMoments, Terms};
-pub use series::{Row, Series};
+pub use series::{RotationSums, Row, Series};
 pub use stress::{Stress, Stresses};
 
 use crate::engine::Failure;

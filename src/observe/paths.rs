@@ -21,6 +21,8 @@ pub struct PathSample {
     pub position: Vector3<f64>,
     /// [m/s] velocity.
     pub velocity: Vector3<f64>,
+    /// [rad/s] spin; `None` where spheres do not rotate.
+    pub spin: Option<Vector3<f64>>,
     /// [m] largest overlap of the particle at that time; 0 without contact.
     pub overlap: f64,
 }
@@ -67,6 +69,7 @@ impl Observer for Paths {
             id: particles.id[place],
             position: simulation.scene().domain.wrap(&particles.position[place]),
             velocity: particles.velocity[place],
+            spin: particles.spin.as_ref().map(|spins| spins[place]),
             overlap: overlaps[place],
         }));
         self.points[first..].sort_unstable_by_key(|point| point.id);

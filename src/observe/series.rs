@@ -32,6 +32,8 @@ pub struct Row {
     pub kinetic_energy: f64,
     /// [J] elastic energy stored in contacts.
     pub elastic_energy: f64,
+    /// Rotation of the particles; `None` where spheres do not rotate.
+    pub rotation: Option<RotationSums>,
     /// [kg m/s] momentum.
     pub momentum: Vector3<f64>,
     /// Impacts between particles that have ended since the start.
@@ -46,7 +48,47 @@ pub struct Row {
     pub centre: [Option<f64>; 3],
 }
 
+/// Rotation of all particles at one instant.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RotationSums {
+    /// [J] rotational energy.
+    pub energy: f64,
+    /// [m²/s²] parts of the rotational temperature along x, y and z: Σ I (ω - Ω)²/Σ m per component, about the mean spin Ω = Σ I ω/Σ I. Their mean is T_r,
+    /// which equals T where rotation and translation have equal energies.
+    pub temperature: Vector3<f64>,
+    /// [rad/s] mean spin Ω of the particles.
+    pub spin: Vector3<f64>,
+}
+
+impl RotationSums {
+    fn of(sample: Sample, mass: f64) -> Option<Self> {
+        let particles = sample.particles;
+        let (spins, inertia) = (particles.spin.as_ref()?, particles.inertia.as_ref()?);
+        let sums = sample.sums(|place| {
+            let (own, spin) = (inertia[place], spins[place]);
+            let (moment, square) = (spin * own, spin.component_mul(&spin) * own);
+            [own, moment.x, moment.y, moment.z, square.x, square.y, square.z]
+        });
+        let [all, x, y, z, xx, yy, zz] = sums;
+        let (moment, squares) = (Vector3::new(x, y, z), Vector3::new(xx, yy, zz));
+        let spin = if all > 0.0 { moment / all } else { Vector3::zeros() };
+        let about = squares - spin.component_mul(&moment);
+        let temperature = if mass > 0.0 { about / mass } else { Vector3::zeros() };
+        Some(Self { energy: 0.5 * squares.sum(), temperature, spin })
+    }
+}
+
 impl Row {
+    /// [J] kinetic, rotational and elastic energy.
+    pub fn energy(&self) -> f64 {
+        self.kinetic_energy + self.elastic_energy + self.rotation.map_or(0.0, |rotation| rotation.energy)
+    }
+
+    /// [m²/s²] rotational temperature T_r; `None` where spheres do not rotate.
+    pub fn rotational_temperature(&self) -> Option<f64> {
+        self.rotation.map(|rotation| rotation.temperature.sum() / 3.0)
+    }
+
     fn of(simulation: &Simulation, slices: usize) -> Self {
         let domain = &simulation.scene().domain;
         let spread = VelocitySpread::about(simulation.mean_velocity(), simulation.sample(), slices, domain.size.y);
@@ -59,6 +101,7 @@ impl Row {
             velocity: spread.mean(),
             kinetic_energy: sums.kinetic_energy,
             elastic_energy: simulation.elastic_energy(),
+            rotation: RotationSums::of(simulation.sample(), sums.mass),
             momentum: sums.momentum,
             pair_impacts: simulation.record.pairs.count,
             wall_impacts: simulation.record.walls.count,

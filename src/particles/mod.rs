@@ -47,6 +47,10 @@ columns! {
         pub velocity: Vec<Vector3<f64>> => ["vx", "vy", "vz"] as moving by kicks,
         /// [m] radii.
         pub radius: Vec<f64>,
+        /// [rad/s] spins; `None` where spheres do not rotate.
+        pub spin: Option<Vec<Vector3<f64>>> => ["wx", "wy", "wz"] as moving by kicks,
+        /// [kg m²] moments of inertia about the centre; `None` where spheres do not rotate.
+        pub inertia: Option<Vec<f64>>,
         /// [kg] masses.
         pub mass: Vec<f64>,
         /// Index into [`Scene::species`](crate::scene::Scene::species).
@@ -118,15 +122,44 @@ impl Particles {
         Vector3::new(x, y, z)
     }
 
-    /// [J] total kinetic energy.
+    /// [J] total kinetic energy of the centres.
     pub fn kinetic_energy(&self) -> f64 {
         self.kinetic_energies().value()
     }
 
-    /// [J] exact sum of the kinetic energies.
+    /// [J] exact sum of the kinetic energies of the centres.
     pub fn kinetic_energies(&self) -> ExactSum {
         let [sum] = exact::sums(self.len(), |k| [0.5 * self.mass[k] * self.velocity[k].norm_squared()]);
         sum
+    }
+
+    /// Gives each sphere a spin of 0 and the moment of inertia factor·m r² [kg m²] of its species, if it has none. `factors` [-] stand in the order of
+    /// [`Scene::species`](crate::scene::Scene::species).
+    pub fn let_rotate(&mut self, factors: &[f64]) {
+        let count = self.len();
+        self.spin.get_or_insert_with(|| vec![Vector3::zeros(); count]);
+        let of = |k: usize| factors[usize::from(self.species[k])] * self.mass[k] * self.radius[k] * self.radius[k];
+        if self.inertia.is_none() {
+            self.inertia = Some((0..count).map(of).collect());
+        }
+    }
+
+    /// [rad/s] spin of the particle at an index; 0 where spheres do not rotate.
+    #[inline(always)]
+    pub fn spin_of(&self, index: usize) -> Vector3<f64> {
+        self.spin.as_ref().map_or_else(Vector3::zeros, |spins| spins[index])
+    }
+
+    /// [J] exact sum of the rotational energies I ω²/2; 0 where spheres do not rotate.
+    pub fn rotational_energies(&self) -> ExactSum {
+        let (Some(spins), Some(inertia)) = (&self.spin, &self.inertia) else { return ExactSum::default() };
+        let [sum] = exact::sums(self.len(), |k| [0.5 * inertia[k] * spins[k].norm_squared()]);
+        sum
+    }
+
+    /// [J] total rotational energy; 0 where spheres do not rotate.
+    pub fn rotational_energy(&self) -> f64 {
+        self.rotational_energies().value()
     }
 
     /// [kg] total mass.

@@ -124,7 +124,17 @@ impl<'a> Sample<'a> {
         exact::values(&sums).map(|sum| sum / self.count().max(1) as f64)
     }
 
-    /// [J] total kinetic energy.
+    /// [J] total rotational energy; 0 where spheres do not rotate. All processes rotate or none.
+    pub fn rotational_energy(&self) -> f64 {
+        if self.particles.spin.is_none() {
+            return 0.0;
+        }
+        let mut sum = self.particles.rotational_energies();
+        self.total(&mut [&mut sum]);
+        sum.value()
+    }
+
+    /// [J] total kinetic energy of the centres.
     pub fn kinetic_energy(&self) -> f64 {
         let mut sum = self.particles.kinetic_energies();
         self.total(&mut [&mut sum]);

@@ -5,10 +5,13 @@ use crate::experiment::{Amount, Experiment, Population};
 use crate::particles::Particles;
 use crate::scene::Species;
 use nalgebra::Vector3;
-use rand::RngExt;
 use rand::seq::SliceRandom;
+use rand::{RngExt, SeedableRng};
 use rand_distr::{Distribution, StandardNormal};
 use rand_xoshiro::Xoshiro256PlusPlus;
+
+/// Changes a seed, so that spins have random numbers of their own: a word without a meaning.
+const SPINS: u64 = 0x5350_494e_5350_494e;
 
 /// Random particles of each population in its room, with the ids that they have among all particles. Only particles
 /// whose position [m] is to be kept are returned, and all placed particles. If there are placed particles, all must
@@ -20,6 +23,10 @@ pub fn draw(
     is_kept: &dyn Fn(&Vector3<f64>) -> bool,
 ) -> Particles {
     let (mut particles, mut id) = (Particles::default(), 0);
+    let rotates = experiment.scene.rotation.is_some();
+    particles.spin = rotates.then(Vec::new);
+    // spins have random numbers of their own: positions and velocities are those of spheres that do not rotate
+    let mut of_spins = Xoshiro256PlusPlus::seed_from_u64(experiment.run.seed ^ SPINS);
     for (population, room) in experiment.start.iter().zip(rooms) {
         let species = &room.scene.species[population.species as usize];
         match &population.amount {
@@ -29,11 +36,15 @@ pub fn draw(
             }
             Amount::Count(count) => {
                 let mut diameters = Diameters::new(species, *count, random);
-                let mut velocities = Velocities::new(population, *count, random);
+                let Population { velocity_mean, velocity_fluctuation, spin_mean, spin_fluctuation, .. } = population;
+                let mut velocities = Normals::new((*velocity_mean, *velocity_fluctuation), *count, random);
+                let spread = (*spin_mean, Vector3::repeat(*spin_fluctuation));
+                let mut spins = rotates.then(|| Normals::new(spread, *count, &mut of_spins));
                 // reserve exactly this memory, instead of up to twice as much
                 particles.reserve(*count);
                 for _ in 0..*count {
                     let (diameter, velocity) = (diameters.next(), velocities.next());
+                    let spin = spins.as_mut().map(Normals::next);
                     let (radius, mass) = (0.5 * diameter, species.of_one_size(diameter).mass());
                     // as large as it is during the placement
                     let position = room.somewhere(radius * (1.0 + MARGIN), random);
@@ -41,6 +52,10 @@ pub fn draw(
                         particles.push(position, velocity, radius, mass, population.species);
                         if let Some(own) = particles.id.last_mut() {
                             *own = id;
+                        }
+                        let own = particles.spin.as_mut().and_then(|spins| spins.last_mut());
+                        if let (Some(own), Some(spin)) = (own, spin) {
+                            *own = spin;
                         }
                     }
                     id += 1;
@@ -80,26 +95,26 @@ impl Diameters {
     }
 }
 
-/// Gaussian velocities, shifted and scaled so that every component has exactly the mean and the standard deviation
+/// Gaussian velocities or spins, shifted and scaled so that every component has exactly the mean and the standard deviation
 /// asked for. The standard deviation is the root of the mean square about the mean, over the number of spheres. One
 /// sphere alone has no spread: it keeps the velocity drawn.
 ///
 /// The velocities are drawn three times: for their mean, for their spread, and for use. To keep them would take more
 /// memory than the particles, if only a part of these is kept.
-struct Velocities {
+struct Normals {
     /// Random generator before the next velocity.
     random: Xoshiro256PlusPlus,
-    /// [m/s] mean of the numbers drawn.
+    /// [-] mean of the numbers drawn.
     drawn: Vector3<f64>,
-    /// [m/s] mean asked for.
+    /// Mean asked for, in the unit of the values.
     mean: Vector3<f64>,
-    /// [-] factor for the difference from the mean.
+    /// Factor for the difference from the mean, in the unit of the values.
     factor: Vector3<f64>,
 }
 
-impl Velocities {
-    /// `count` velocities of a population; as many are drawn from `random`.
-    fn new(population: &Population, count: usize, random: &mut Xoshiro256PlusPlus) -> Self {
+impl Normals {
+    /// `count` values with a mean and with the standard deviation of each component; as many are drawn from `random`.
+    fn new((mean, deviation): (Vector3<f64>, Vector3<f64>), count: usize, random: &mut Xoshiro256PlusPlus) -> Self {
         let before = random.clone();
         let (mut drawn, mut stretch) = (Vector3::zeros(), Vector3::repeat(1.0));
         let sum: Vector3<f64> = (0..count).map(|_| normal(random)).sum();
@@ -114,8 +129,7 @@ impl Velocities {
             // equal draws have no spread to scale; no generator gives them, but a quotient by zero must be avoided
             stretch = squares.map(|square| if square > 0.0 { 1.0 / square.sqrt() } else { 0.0 });
         }
-        let factor = population.velocity_fluctuation.component_mul(&stretch);
-        Self { random: before, drawn, mean: population.velocity_mean, factor }
+        Self { random: before, drawn, mean, factor: deviation.component_mul(&stretch) }
     }
 
     fn next(&mut self) -> Vector3<f64> {

@@ -89,6 +89,7 @@ pub fn initial_state_within(experiment: &Experiment, effort: u64) -> Result<Part
             work_sharing::keep_workers_spinning(|| separate(&mut particles, &is_free, fraction, room, &mut random))?;
         }
     }
+    experiment.scene.let_rotate(&mut particles);
     Ok(particles)
 }
 

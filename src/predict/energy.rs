@@ -158,7 +158,7 @@ impl Bound {
         };
         let seams = contacts.iter().map(seam).fold(0.0, f64::max);
         let elastic_at_start = elastic_energy(&law, &experiment.scene, start.particles);
-        let start = start.kinetic_energy() + elastic_at_start;
+        let start = start.kinetic_energy() + start.rotational_energy() + elastic_at_start;
         let smallest = experiment.scene.species.iter().map(Species::smallest).fold(f64::INFINITY, f64::min);
         let rounding = ROUNDED * f64::EPSILON * experiment.scene.domain.size.amax() / step;
         let remedy = remedy(experiment, &contacts, &law, step);

@@ -131,7 +131,8 @@ mod tests {
                 profile: Profile::Uniform(15.9075),
                 drag: Some(Drag::SchillerNaumann(SchillerNaumann)),
             };
-            let species = Species { name: "P".into(), diameter, density, elasticity: None, sizes: None };
+            let species =
+                Species { name: "P".into(), diameter, density, elasticity: None, sizes: None, inertia_factor: 0.4 };
             let found = flow(&fluid, &species, 1e7, 9.81, 0.04).expect("there is drag");
             assert!((found.stokes_time / stokes - 1.0).abs() < 1e-8);
             assert!((found.terminal_slip / slip - 1.0).abs() < 1e-8, "{found:?}");

@@ -14,10 +14,11 @@ pub struct ContactSummary {
 }
 
 impl Simulation {
-    /// [J] kinetic energy plus the energy stored in contacts; before the first window, in overlaps of the start. It
+    /// [J] kinetic and rotational energy plus the energy stored in contacts; before the first window, in overlaps of the start. It
     /// covers all particles, as a sum of the [`sample`](Self::sample).
     pub fn energy(&self) -> f64 {
-        self.sample().kinetic_energy() + self.elastic_energy()
+        let sample = self.sample();
+        sample.kinetic_energy() + sample.rotational_energy() + self.elastic_energy()
     }
 
     /// [J] energy stored in contacts; before the first window, in overlaps of the start. It covers all particles, as

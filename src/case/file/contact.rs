@@ -16,6 +16,9 @@ pub struct ContactFile {
     /// Coefficient of sliding friction, μ.
     #[schemars(example = 0.1, extend("default" = 0, "x-range" = "0 ..= 100"))]
     pub friction: Option<Located<Ratio>>,
+    /// True: spheres rotate. A tangential law or an impact rule sets it by itself; false turns rotation off all the same.
+    #[schemars(example = true, extend("x-default" = "true with `[soft.tangential]` or `[hard.friction]`"))]
+    pub rotation: Option<Located<bool>>,
     /// Two kinds of particles, or a kind of particles and a wall, with contact properties that differ from `[contact]`
     /// or the wall.
     pub pairs: Option<Vec<Located<PairFile>>>,

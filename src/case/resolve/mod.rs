@@ -10,6 +10,7 @@ mod overlap;
 mod pairs;
 mod places;
 mod region;
+mod rotation;
 mod scene;
 mod settings;
 mod sizes;
@@ -25,6 +26,7 @@ use super::file::{CaseFile, Three};
 use super::quantity::Quantity;
 use super::source::{Origin, SourceKind, Sources};
 use crate::experiment::{Experiment, Model, Trajectories};
+use crate::rotation::{ImpactRule, Rotation, TangentialLaw};
 use nalgebra::Vector3;
 use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
@@ -80,11 +82,15 @@ pub fn resolve(
         None => crate::scene::Surface { restitution: 1.0, friction: 0.0 },
     };
     let pairs = crate::scene::Pairs::default();
-    let mut scene = crate::scene::Scene { domain, gravity, fluid, walls, contact, pairs, species };
+    let mut scene = crate::scene::Scene { domain, gravity, fluid, walls, contact, pairs, species, rotation: None };
+    // the start needs to know of it; the law follows when all surfaces are known
+    scene.rotation =
+        Resolver::rotates(file).then_some(Rotation { tangential: TangentialLaw::Coulomb, impact: ImpactRule::COULOMB });
     let start = resolver.start(file, &scene)?;
     resolver.warn_of_buoyancy(file, &scene);
     let soft = resolver.soft(file)?;
     scene.pairs = resolver.pairs(file, &scene, &soft)?;
+    scene.rotation = resolver.rotation(file, &scene, &soft)?;
     let hard = resolver.hard(file)?;
     let hybrid = resolver.hybrid(file)?;
     let run = resolver.run(file, choice, &soft)?;

@@ -19,10 +19,11 @@ use rustc_hash::FxHashSet;
 const OF_DIAMETER: usize = 6;
 const OF_SPECIES: usize = 7;
 const OF_ID: usize = 8;
-const OF_RADIUS: usize = 9;
-const OF_DENSITY: usize = 10;
-const OF_MASS: usize = 11;
-const OF_MOMENTUM: usize = 12;
+const OF_SPIN: usize = 9;
+const OF_RADIUS: usize = 12;
+const OF_DENSITY: usize = 13;
+const OF_MASS: usize = 14;
+const OF_MOMENTUM: usize = 15;
 /// [-] relative error of a number in single precision, which other programs write.
 const SINGLE: f64 = f32::EPSILON as f64;
 /// Number of significant digits from which on the last one may be rounded; numbers with fewer digits are exact.
@@ -84,6 +85,10 @@ impl Resolver {
             let message = format!("the header of `{}` lacks {}", name.value, absent.join(", "));
             let help = "give all three velocities, or none: then all are 0";
             return Err(self.sources.error(&header, message).help(help));
+        }
+        if table.has(OF_SPIN) && scene.rotation.is_none() {
+            let message = format!("the spins in `{}` are left out: spheres of this case do not rotate", name.value);
+            self.warn(&name.origin, message, "add `rotation = true` to [contact] to let them");
         }
         self.warn_of_another_box(&table, name, scene);
         self.warn_of_no_rows(&table, name);
@@ -186,13 +191,16 @@ impl Resolver {
         particles: &mut Particles,
     ) -> Result<usize, Diagnostic> {
         let species = &scene.species[index];
-        let number = |(at, column): (usize, &&str)| match row.text(at) {
-            // velocities may be missing
-            None if at >= 3 => Ok(0.0),
-            _ => self.number(row, at, column),
+        let number = |column: &&str| {
+            let at = COLUMNS.iter().position(|known| known == column).unwrap_or_default();
+            match row.text(at) {
+                // velocities and spins may be missing
+                None if at >= 3 => Ok(0.0),
+                _ => self.number(row, at, column),
+            }
         };
         let columns = particles.state_names();
-        let numbers = columns.iter().enumerate().map(number).collect::<Result<Vec<f64>, Diagnostic>>()?;
+        let numbers = columns.iter().map(number).collect::<Result<Vec<f64>, Diagnostic>>()?;
         let place = particles.len();
         let diameter = match species.sizes {
             Some(_) => self.size(row)?.map_or(species.diameter, |(diameter, _)| diameter),

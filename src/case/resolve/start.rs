@@ -81,7 +81,14 @@ impl Resolver {
                 return Err(self.sources.error(origin, message).help("give each [[particles]] its own `name`"));
             }
             let elasticity = self.own_elasticity(file, &kind.value.elasticity)?;
-            species.push(Species { name, diameter: d, density: rho, elasticity, sizes });
+            species.push(Species {
+                name,
+                diameter: d,
+                density: rho,
+                elasticity,
+                sizes,
+                inertia_factor: self.inertia_factor(kind)?,
+            });
         }
         Ok(species)
     }
@@ -103,7 +110,7 @@ impl Resolver {
         let mut all_placed: Vec<Placed> = Vec::new();
         for (index, kind) in file.particles.iter().flatten().enumerate() {
             let species = &scene.species[index];
-            let mut particles = Particles::default();
+            let mut particles = Particles { spin: scene.rotation.as_ref().map(|_| Vec::new()), ..Particles::default() };
             let placed = self.placed(kind, index, scene, &mut particles)?;
             let (velocity_mean, velocity_fluctuation) = self.random_velocity(&kind.value, placed.is_some())?;
             let region = self.region(kind, file, scene)?;
@@ -114,7 +121,18 @@ impl Resolver {
                 }
                 None => Amount::Count(self.count(kind, species, share_of(&region, scene))?),
             };
-            start.push(Population { species: index as u16, amount, region, velocity_mean, velocity_fluctuation });
+            let (spin_mean, spin_fluctuation) =
+                self.random_spin(&kind.value, scene, matches!(amount, Amount::Placed(_)))?;
+            let species = index as u16;
+            start.push(Population {
+                species,
+                amount,
+                region,
+                velocity_mean,
+                velocity_fluctuation,
+                spin_mean,
+                spin_fluctuation,
+            });
         }
         self.check_packing(file, scene, &start)?;
         let stepping = file.hard.as_ref().and_then(|hard| hard.value.stepping.as_ref());
@@ -306,6 +324,10 @@ impl Resolver {
             }
             let velocity = item.value.velocity.as_ref().map_or_else(Vector3::zeros, vector);
             particles.push(position, velocity, radius, mass, index as u16);
+            let spin = self.spin(item.value.spin.as_ref(), scene)?;
+            if let Some(own) = particles.spin.as_mut().and_then(|spins| spins.last_mut()) {
+                *own = spin;
+            }
             let label = format!("particle {number} of \"{}\"", species.name);
             placed.push(Placed { position, radius, saved: false, foreign: false, label, origin: item.origin.clone() });
         }

@@ -91,7 +91,8 @@ impl Collision {
         remaining: f64,
         log: &mut Log,
     ) -> (Vector3<f64>, Vector3<f64>) {
-        let changes = self.apply_impulse(&CollisionMasses::of(&self.couple, particles), scene, remaining, log);
+        let masses = CollisionMasses::of(&self.couple, particles);
+        let changes = self.apply_impulse(&masses, particles, scene, remaining, log);
         particles.velocity[self.couple.i as usize] += changes.0;
         if let Some(j) = self.couple.j() {
             particles.velocity[j as usize] += changes.1;
@@ -99,29 +100,41 @@ impl Collision {
         changes
     }
 
-    /// Records the impulse and returns the velocity changes [m/s] of `i` and of the other particle (zero for a wall).
+    /// Records the impulse, changes the spins of `particles` if spheres rotate, and returns the velocity changes [m/s] of `i` and of the other particle (zero for a wall).
     /// `remaining` [s] of the window are left.
     pub fn apply_impulse(
         &self,
         weights: &CollisionMasses,
+        particles: &mut Particles,
         scene: &Scene,
         remaining: f64,
         log: &mut Log,
     ) -> (Vector3<f64>, Vector3<f64>) {
         let (velocity, normal) = (self.met.velocity, self.met.normal);
         let effective_mass = weights.effective();
-        let mut surface = *scene.surface(self.kinds.0, self.kinds.1);
+        let of_kinds = scene.surface(self.kinds.0, self.kinds.1);
+        let mut surface = *of_kinds;
         if self.elastic {
             let e = std::mem::replace(&mut surface.restitution, 1.0);
             let speed = self.approach();
             log.ledger.contact_time_kept += 0.5 * effective_mass * speed * speed * (1.0 - e * e);
         }
-        let impulse = impulse(&surface, effective_mass, &velocity, &normal);
+        let rough = scene.rotation.as_ref().map(|rotation| {
+            let normal_impulse = (1.0 + surface.restitution) * effective_mass * self.approach();
+            let numbers = (normal_impulse, effective_mass, weights.reach);
+            self.rough_impulse(rotation, of_kinds, numbers, particles)
+        });
+        let impulse = match &rough {
+            Some(rough) => rough.impulse,
+            None => impulse(&surface, effective_mass, &velocity, &normal),
+        };
         let after = velocity + impulse / effective_mass;
         let (before_n, after_n) = (self.met.normal_velocity, after.dot(&normal));
         let slip_square = |u: &Vector3<f64>, n: f64| (u - normal * n).norm_squared();
         let restitution_loss = 0.5 * effective_mass * (before_n * before_n - after_n * after_n);
-        let friction_loss = if surface.friction > 0.0 {
+        let friction_loss = if let Some(rough) = &rough {
+            rough.friction_loss
+        } else if surface.friction > 0.0 {
             0.5 * effective_mass * (slip_square(&velocity, before_n) - slip_square(&after, after_n))
         } else {
             0.0

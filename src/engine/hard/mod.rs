@@ -5,6 +5,7 @@ mod collapse_detector;
 mod cost;
 mod events;
 mod global_calendar;
+mod impact_rule;
 mod impulse;
 mod islands;
 mod steps;

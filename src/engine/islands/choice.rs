@@ -91,7 +91,7 @@ const TRACED: PartCosts = PartCosts { search: 80.0, pair: 1.2, island: 1000.0, r
 pub struct Cheapest {
     /// Length of the part [s].
     pub part: f64,
-    /// Expected number of pairs that the search checks, per particle.
+    /// Expected number of pairs [-] that the search checks, per particle.
     pub pairs: f64,
 }
 

@@ -4,10 +4,11 @@
 //! order of blocks, so they are the same for any number of threads. The record of a contact keeps its place in memory
 //! as long as the contact lasts. Only an index of eight bytes per contact is sorted by slot and rebuilt at every step.
 
-use super::contact::{Contact, ContactState, TouchingPair};
+use super::contact::{Contact, ContactForce, ContactState, TouchingPair};
 use super::contacts::ContactSearch;
 use super::pushes::{ForceBuffer, ForceIncrement, StoreIndex};
 use super::records::Records;
+use super::rotating::RotatingForce;
 use super::tally::ContactRows;
 use crate::contact_law::ContactLaw;
 use crate::encounter::{Couple, Encounter, FrameTime, Partner};
@@ -157,7 +158,7 @@ impl ContactBlock {
     /// Contacts in progress, in ascending order of slot; `couples` must be those of [`couples`](Self::couples).
     pub fn contacts(&self, couples: impl Iterator<Item = Couple>) -> impl Iterator<Item = Contact> {
         self.touching.iter().zip(couples).map(|(&TouchingSlot { slot, record }, couple)| {
-            let (touch, course) = self.records.get(record, couple);
+            let (touch, course) = self.records.whole(record, couple);
             Contact { slot, touch, course }
         })
     }
@@ -179,7 +180,7 @@ impl ContactBlock {
         self.sums.done.forces = forces as u64;
         if view.at.opens {
             before.clone_from(&self.touching);
-            self.go_on(view, law, (before, overlapping));
+            self.go_on(view, law, (before, overlapping), rows);
             self.look_at_all(view, law, rows);
         } else {
             self.foresee(view, law, (overlapping, rows));
@@ -255,13 +256,19 @@ impl ContactBlock {
     }
 
     /// Updates the list of contacts in the real state: contacts begin, last and end.
-    fn go_on(&mut self, view: ContactSearch, law: &ContactLaw, (before, overlapping): (&[TouchingSlot], &[u32])) {
+    fn go_on(
+        &mut self,
+        view: ContactSearch,
+        law: &ContactLaw,
+        (before, overlapping): (&[TouchingSlot], &[u32]),
+        rows: &mut ContactRows,
+    ) {
         self.touching.clear();
         reserve(&mut self.touching, overlapping.len());
         let mut old = before.iter().peekable();
         for &slot in overlapping {
             while let Some(gone) = old.next_if(|touch| touch.slot < slot) {
-                self.close(*gone, view);
+                self.close(*gone, view, rows);
             }
             let record = match old.next_if(|touch| touch.slot == slot) {
                 Some(touch) => touch.record,
@@ -273,7 +280,7 @@ impl ContactBlock {
             self.touching.push(TouchingSlot { slot, record });
         }
         for gone in old {
-            self.close(*gone, view);
+            self.close(*gone, view, rows);
         }
     }
 
@@ -281,6 +288,17 @@ impl ContactBlock {
     /// divisions of one contact do not wait for those of the contact before.
     fn look_at_all(&mut self, view: ContactSearch, law: &ContactLaw, rows: &mut ContactRows) {
         let Self { touching, records, sums, pushes, .. } = self;
+        if view.scene.rotation.is_some() {
+            for TouchingSlot { slot, record } in touching.iter() {
+                let (touch, course) = records.whole(*record, view.list.couple(*slot as usize));
+                let course = look_rotating((&touch, course), view, law, (sums, rows, pushes));
+                if touch.tangential.stiffness > 0.0 {
+                    *records.shear_mut(*record) = course.shear;
+                }
+                records.get_mut(*record, touch.couple).1.update(&course);
+            }
+            return;
+        }
         for some in touching.chunks(BATCH) {
             let mut met = [Encounter::default(); BATCH];
             for (met, TouchingSlot { slot, record }) in met.iter_mut().zip(some) {
@@ -338,10 +356,15 @@ impl ContactBlock {
     }
 
     /// Records the impact of a contact that no longer overlaps, and removes the contact.
-    fn close(&mut self, TouchingSlot { slot, record }: TouchingSlot, view: ContactSearch) {
+    fn close(&mut self, TouchingSlot { slot, record }: TouchingSlot, view: ContactSearch, rows: &mut ContactRows) {
         let ContactSearch { list, at, .. } = view;
-        let (touch, course) = self.records.get(record, list.couple(slot as usize));
+        let (touch, course) = self.records.whole(record, list.couple(slot as usize));
         let counts = view.counts(&touch.couple);
+        if counts && course.shear != Vector3::zeros() {
+            // friction takes what the tangential spring still holds
+            let lost = ContactForce::lost(touch.tangential.energy(&course.shear) / at.dt);
+            rows.add(&touch.couple, &lost, (view.scene, at.remaining), &mut self.sums.rows);
+        }
         self.records.forget(record);
         // a contact first seen while it opens (a start with overlap) is no impact
         if course.normal_speed <= 0.0 || !counts {
@@ -372,6 +395,30 @@ pub fn first_named(one: Option<Failure>, other: Failure) -> Failure {
 #[inline(always)]
 fn meet(touch: &TouchingPair, view: ContactSearch) -> Encounter {
     touch.couple.meet_at(touch.reach, view.particles, view.scene, FrameTime::fallen(view.at.fall))
+}
+
+/// Updates the state of a contact between bodies that rotate, and adds its force and its torque to the sums. Returns the new state.
+fn look_rotating(
+    (touch, mut course): (&TouchingPair, ContactState),
+    view: ContactSearch,
+    law: &ContactLaw,
+    (sums, rows, pushes): (&mut ForceSums, &mut ContactRows, &mut ForceBuffer),
+) -> ContactState {
+    let ContactSearch { particles, scene, at, .. } = view;
+    let met = meet(touch, view);
+    if let Err(failure) = course.check(touch, &met, (particles, scene), (at.start + at.elapsed, at.dt)) {
+        sums.failure = Some(first_named(sums.failure.take(), failure));
+    }
+    let RotatingForce { force, torque, shear } = touch.rotating_force(law, &met, (particles, scene), &course, &at);
+    course.note(&met);
+    course.overlap_time += met.overlap() * at.dt;
+    course.shear = shear;
+    if view.counts(&touch.couple) {
+        rows.add(&touch.couple, &force, (scene, at.remaining), &mut sums.rows);
+    }
+    let increment = ForceIncrement { i: touch.couple.i, j: touch.couple.j().map(StoreIndex::of), force: force.on_i };
+    pushes.add_rotating(increment, torque);
+    course
 }
 
 /// Updates the state of a contact, and adds its force to the sums.

@@ -6,6 +6,7 @@ use crate::encounter::{Couple, Encounter, Other, Partner};
 use crate::engine::Failure;
 use crate::particles::Particles;
 use crate::record::{Impact, Log};
+use crate::rotation::TangentialSpring;
 use crate::scene::{Kind, Scene};
 use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
@@ -50,6 +51,8 @@ pub struct TouchingPair {
     pub friction: f64,
     /// [m] distance of the centres at touch; at a wall the radius.
     pub reach: f64,
+    /// Constants of the tangential law, if spheres rotate.
+    pub tangential: TangentialSpring,
 }
 
 /// A contact that has begun and not ended.
@@ -82,6 +85,8 @@ pub struct ContactState {
     pub began: f64,
     /// Normal at the last evaluation, which only tells sides; `None` before the first.
     pub normal: Option<Vector3<f32>>,
+    /// [m] shear ξ of the tangential spring: by how much particle i has been displaced along the other surface; 0 without memory.
+    pub shear: Vector3<f64>,
 }
 
 impl Contact {
@@ -103,12 +108,13 @@ impl ContactState {
             overlap_time: 0.0,
             began,
             normal: None,
+            shear: Vector3::zeros(),
         }
     }
 
     /// The state of this contact with its two bodies named in the other order.
     pub fn reversed(self) -> Self {
-        Self { normal: self.normal.map(|normal| -normal), ..self }
+        Self { normal: self.normal.map(|normal| -normal), shear: -self.shear, ..self }
     }
 
     /// Refuses overlaps at which "the normal" no longer has a meaning.
@@ -207,6 +213,14 @@ pub struct ContactForce {
     pub arm: Vector3<f64>,
 }
 
+impl ContactForce {
+    /// No force, but a power [W] that friction takes.
+    pub fn lost(friction_power: f64) -> Self {
+        let none = Vector3::zeros();
+        Self { on_i: none, normal: 0.0, restitution_power: 0.0, friction_power, wall_power: 0.0, arm: none }
+    }
+}
+
 /// Powers [W], forces from walls on the particles [N], and the virial of pairs [N m].
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct Rates {
@@ -237,6 +251,7 @@ impl Alike {
         let species = *particles.species.first()?;
         let one_species = particles.species.iter().all(|other| *other == species);
         let alike = particles.len() > 1 && one_species && all(&particles.radius) && all(&particles.mass);
+        let alike = alike && particles.inertia.as_ref().is_none_or(|inertia| all(inertia));
         alike.then(|| {
             let touch = TouchingPair::new(Couple::pair(0, 1), particles, scene, law);
             Self { touch, species, mass: particles.mass[0] }
@@ -260,18 +275,21 @@ impl TouchingPair {
         let spring = law.between(&couple.bodies(particles, scene));
         let friction = couple.surface(particles, scene).friction;
         let diameter = couple.diameter(particles);
-        Self { couple, spring, diameter, friction, reach: couple.reach(particles) }
+        let tangential = scene.rotation.as_ref().map_or_else(TangentialSpring::default, |rotation| {
+            rotation.tangential.between(|| law.normal_spring(&spring), couple.tangential_mass(particles))
+        });
+        Self { couple, spring, diameter, friction, reach: couple.reach(particles), tangential }
     }
 
     /// True if both contacts have the same constants; their bodies may differ.
     pub fn is_like(&self, other: &Self) -> bool {
-        let of = |touch: &Self| (touch.spring, touch.diameter, touch.friction, touch.reach);
+        let of = |touch: &Self| (touch.spring, touch.diameter, touch.friction, touch.reach, touch.tangential);
         of(self) == of(other)
     }
 
     /// [m/s²] relative acceleration of the two bodies along their surfaces by gravity, which walls do not feel.
     #[inline(always)]
-    fn pull_along(&self, met: &Encounter, scene: &Scene) -> Vector3<f64> {
+    pub(super) fn pull_along(&self, met: &Encounter, scene: &Scene) -> Vector3<f64> {
         if self.couple.is_wall() {
             scene.gravity - met.normal * scene.gravity.dot(&met.normal)
         } else {

@@ -45,6 +45,8 @@ pub struct EvaluationTime {
     pub remaining: f64,
     /// Time step.
     pub dt: f64,
+    /// Time for which touching surfaces have slipped since the last evaluation.
+    pub shear_time: f64,
     /// Time of the velocities, since the start of the window. Gravity over this time is still missing in them.
     pub fall: f64,
     /// Time from the given velocities to the middle of the kick, where powers are taken.

@@ -50,7 +50,7 @@ struct ListSummary {
     id: Vec<u32>,
     built_at: Vec<Vector3<f64>>,
     /// Forces [N] that are due, with the ids of their particles.
-    due: Vec<(u32, Vector3<f64>)>,
+    due: Vec<(u32, Vector3<f64>, Option<Vector3<f64>>)>,
 }
 
 impl Halo {
@@ -196,9 +196,9 @@ impl Halo {
     pub fn packed(&self, pushes: &[ForceBuffer]) -> Vec<u8> {
         let mut due = Vec::new();
         let id = |place: u32| self.seen.id[place as usize];
-        for &ForceIncrement { i, j, force } in pushes.iter().flat_map(|pushes| &pushes.list) {
-            due.push((id(i), force));
-            due.extend(j.map(|j| (id(j.get()), -force)));
+        for (ForceIncrement { i, j, force }, torque) in pushes.iter().flat_map(ForceBuffer::iter) {
+            due.push((id(i), force, torque));
+            due.extend(j.map(|j| (id(j.get()), -force, torque)));
         }
         let told = ListSummary {
             id: self.own.iter().map(|&place| id(place)).collect(),
@@ -211,11 +211,7 @@ impl Halo {
 
 /// List of all particles, and the forces that are due to them. Particles and contacts of `work` are put in the order of
 /// the list.
-pub fn list_of_all(
-    parts: &[Vec<u8>],
-    own: &NeighbourList,
-    work: &mut Work<Contact>,
-) -> (NeighbourList, Vec<ForceIncrement>) {
+pub fn list_of_all(parts: &[Vec<u8>], own: &NeighbourList, work: &mut Work<Contact>) -> (NeighbourList, ForceBuffer) {
     let place: FxHashMap<u32, u32> = work.particles.id.iter().copied().zip(0..).collect();
     let mut then = work.particles.clone();
     let mut due = Vec::new();
@@ -238,8 +234,15 @@ pub fn list_of_all(
     }
     work.lasting.sort_unstable_by_key(|contact| contact.slot);
     let now = |id: u32| place.get(&id).map_or(0, |&place| place_of[place as usize]);
-    let due = due.into_iter().map(|(id, force)| ForceIncrement { i: now(id), j: None, force }).collect();
-    (list, due)
+    let mut pending = ForceBuffer::default();
+    for (id, force, torque) in due {
+        let push = ForceIncrement { i: now(id), j: None, force };
+        match torque {
+            Some(torque) => pending.add_rotating(push, torque),
+            None => pending.add(push),
+        }
+    }
+    (list, pending)
 }
 
 /// Packed form of a failure or of none, for sending.

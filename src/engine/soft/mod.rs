@@ -12,6 +12,7 @@ mod heun;
 mod local;
 mod pushes;
 mod records;
+mod rotating;
 mod tally;
 
 pub use contact::overlap_limit;
@@ -37,7 +38,7 @@ use ghost_exchange::{GhostExchange, SingleProcess};
 use halo::Halo;
 use local::NoInstants;
 pub(in crate::engine) use local::{Allowance, InstantaneousRule, IslandScratch, ReachedTouch, SoftIslands};
-use pushes::{ForceBuffer, ForceIncrement, kick_all};
+use pushes::{ForceBuffer, kick_all};
 use serde::{Deserialize, Serialize};
 
 /// [ns] cost of a uniform step per particle, on the scale of the costs of islands.
@@ -88,7 +89,7 @@ pub struct SoftSolver {
     /// Properties common to all particles during a window, if they are alike.
     alike: Option<Alike>,
     /// List of all particles and the forces that are due, while the lead is shown all particles.
-    shown: Option<(NeighbourList, Vec<ForceIncrement>)>,
+    shown: Option<(NeighbourList, ForceBuffer)>,
 }
 
 /// [m/s] bounds on speeds.
@@ -116,7 +117,7 @@ pub struct SoftState {
     /// List as it is. A list rebuilt for the present positions would hold other pairs, in another order.
     list: NeighbourList,
     /// Forces of the pending half-kick (Verlet).
-    pending: Vec<ForceIncrement>,
+    pending: ForceBuffer,
     due: Due,
     has_forces: bool,
     ran_last: bool,
@@ -241,8 +242,13 @@ impl SoftSolver {
         let fall = scene.gravity - along_walls(scene, scene.gravity);
         if !self.has_forces {
             // a start may have contacts in progress: their first half-kick is as due as any other
-            let at =
-                EvaluationTime { to_middle: 0.25 * dt, weight: 0.0, leaves_half: true, ..instant(window, 0.0, dt) };
+            let at = EvaluationTime {
+                to_middle: 0.25 * dt,
+                weight: 0.0,
+                leaves_half: true,
+                shear_time: 0.0,
+                ..instant(window, 0.0, dt)
+            };
             others.forces(self, particles, scene, at, book)?;
             self.has_forces = true;
         }
@@ -294,6 +300,10 @@ impl SoftSolver {
         self.alike = Alike::of(particles, scene, &self.islands.law);
         let result = match self.integrator {
             Integrator::VelocityVerlet => self.verlet(particles, scene, (window, steps as u64), book, others),
+            // Heun's method is kept for the paper, whose spheres do not rotate
+            Integrator::Rk2 if scene.rotation.is_some() => {
+                self.verlet(particles, scene, (window, steps as u64), book, others)
+            }
             Integrator::Rk2 => self.heun(particles, scene, window, steps as u64, book),
         };
         self.contacts.book(dt, book, others.communicator());
@@ -334,6 +344,7 @@ fn instant(window: Window, elapsed: f64, dt: f64) -> EvaluationTime {
         elapsed,
         remaining,
         dt,
+        shear_time: dt,
         fall: elapsed,
         to_middle: 0.0,
         weight: 1.0,
@@ -479,7 +490,7 @@ impl Solver for SoftSolver {
             list: self.shown.as_ref().map_or(&self.list, |(list, _)| list).clone(),
             pending: match &self.shown {
                 Some((_, due)) => due.clone(),
-                None => self.pushes.iter().flat_map(|pushes| &pushes.list).copied().collect(),
+                None => ForceBuffer::merged(&self.pushes),
             },
             due: self.contacts.due(),
             has_forces: self.has_forces,
@@ -490,7 +501,7 @@ impl Solver for SoftSolver {
     fn resume(&mut self, state: SoftState) {
         let SoftState { patience, steps, counters, list, pending, due, has_forces, ran_last } = state;
         (self.patience, self.steps, self.counters) = (patience, steps, counters);
-        self.pushes = vec![ForceBuffer::of(pending)];
+        self.pushes = vec![pending];
         (self.has_forces, self.ran_last) = (has_forces, ran_last);
         let clock = std::mem::replace(&mut self.list, list).clock;
         self.list.clock = clock;

@@ -36,10 +36,12 @@ impl StoreIndex {
 }
 
 /// Forces of contacts, in the order of the slots that they come from.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct ForceBuffer {
     /// Forces; a particle that appears more than once is pushed in this order.
     pub list: Vec<ForceIncrement>,
+    /// [N] torque of each force on either of its particles, over the radius of that particle; empty where spheres do not rotate.
+    torques: Vec<Vector3<f64>>,
     /// Range that contains the indices of all particles in `list`.
     span: Range<u32>,
 }
@@ -56,13 +58,25 @@ fn wider(span: &Range<u32>, push: &ForceIncrement) -> Range<u32> {
 }
 
 impl ForceBuffer {
-    /// Buffer with the forces of a list.
-    pub fn of(list: Vec<ForceIncrement>) -> Self {
+    /// Buffer with the forces and torques of several buffers, in their order.
+    pub fn merged<'a>(buffers: impl IntoIterator<Item = &'a Self>) -> Self {
         let mut pushes = Self::default();
-        for push in list {
-            pushes.add(push);
-        }
+        buffers.into_iter().flat_map(Self::iter).for_each(|(push, torque)| match torque {
+            Some(torque) => pushes.add_rotating(push, torque),
+            None => pushes.add(push),
+        });
         pushes
+    }
+
+    /// Forces, each with its torque over the radius of the particle [N] where spheres rotate.
+    pub fn iter(&self) -> impl Iterator<Item = (ForceIncrement, Option<Vector3<f64>>)> {
+        self.list.iter().enumerate().map(|(k, push)| (*push, self.torques.get(k).copied()))
+    }
+
+    /// Adds a force at the end, with its torque over the radius of the particle [N].
+    pub fn add_rotating(&mut self, push: ForceIncrement, torque: Vector3<f64>) {
+        self.add(push);
+        self.torques.push(torque);
     }
 
     /// Adds a force at the end.
@@ -75,6 +89,7 @@ impl ForceBuffer {
     pub fn clear(&mut self, room: usize) {
         self.list.clear();
         reserve(&mut self.list, room);
+        self.torques.clear();
     }
 
     /// Removes the pushes on particles that are not chosen.
@@ -98,7 +113,7 @@ impl ForceBuffer {
         }
     }
 
-    /// Changes velocities [m/s] by force/mass·`dt` [s], for particles with masses `mass` [kg]. Returns the square of
+    /// Changes velocities [m/s] by force/mass·`dt` [s], for particles with masses `mass` [kg], and spins by their torques. Returns the square of
     /// the largest speed [m/s] relative to `frame` [m/s] that a particle had after a push.
     pub fn kick(&self, part: &mut VelocityBlock, mass: impl Fn(usize) -> f64, dt: f64, frame: Vector3<f64>) -> f64 {
         let mut most = 0.0f64;
@@ -118,7 +133,23 @@ impl ForceBuffer {
                 push(j.get(), -force);
             }
         }
+        self.turn(part, dt);
         most
+    }
+
+    /// Changes spins [rad/s] by torque/inertia·`dt` [s].
+    fn turn(&self, part: &mut VelocityBlock, dt: f64) {
+        let Some(Spins { spins, radii, inertia }) = &mut part.spins else { return };
+        let mut turn = |place: u32, torque: &Vector3<f64>| {
+            let Some(spin) = spins.get_mut((place as usize).wrapping_sub(part.first)) else { return };
+            *spin += torque * (radii[place as usize] / inertia[place as usize] * dt);
+        };
+        for (ForceIncrement { i, j, .. }, torque) in self.list.iter().zip(&self.torques) {
+            turn(*i, torque);
+            if let Some(j) = j {
+                turn(j.get(), torque);
+            }
+        }
     }
 }
 
@@ -128,6 +159,18 @@ pub struct VelocityBlock<'a> {
     pub first: usize,
     /// [m/s] velocities of the particles.
     pub velocities: &'a mut [Vector3<f64>],
+    /// Spins of the particles, where spheres rotate.
+    pub spins: Option<Spins<'a>>,
+}
+
+/// Spins of particles with successive indices in the store, and radii and moments of inertia of all particles.
+pub struct Spins<'a> {
+    /// [rad/s]
+    pub spins: &'a mut [Vector3<f64>],
+    /// [m]
+    pub radii: &'a [f64],
+    /// [kg m²]
+    pub inertia: &'a [f64],
 }
 
 /// Number of forces up to which a single thread applies them: a force takes some 10 ns, and waking a thread some
@@ -143,9 +186,10 @@ pub fn kick_all(
     dt: f64,
     frame: Vector3<f64>,
 ) -> f64 {
-    let masses = &particles.mass;
-    let each = |first: usize, velocities: &mut [Vector3<f64>]| {
-        let mut part = VelocityBlock { first, velocities };
+    let Particles { velocity, spin, inertia, mass: masses, radius: radii, .. } = particles;
+    let inertia = inertia.as_deref().unwrap_or_default();
+    let each = |first: usize, velocities: &mut [Vector3<f64>], spins: Option<&mut [Vector3<f64>]>| {
+        let mut part = VelocityBlock { first, velocities, spins: spins.map(|spins| Spins { spins, radii, inertia }) };
         let largest = |most: f64, block: &ForceBuffer| {
             most.max(match common {
                 Some(mass) => block.kick(&mut part, |_| mass, dt, frame),
@@ -157,11 +201,14 @@ pub fn kick_all(
     let count: usize = pushes.iter().map(|block| block.list.len()).sum();
     let threads = rayon::current_num_threads();
     let most = if count <= FEW || threads == 1 {
-        each(0, &mut particles.velocity)
+        each(0, velocity, spin.as_deref_mut())
     } else {
-        let part = particles.len().div_ceil(2 * threads);
-        let parts = particles.velocity.chunks_mut(part).enumerate();
-        work_sharing::map(parts, |(k, velocities)| each(k * part, velocities)).into_iter().fold(0.0, f64::max)
+        let part = velocity.len().div_ceil(2 * threads);
+        let mut spins = spin.as_deref_mut().map(|spins| spins.chunks_mut(part));
+        let mut next = || spins.as_mut().and_then(Iterator::next);
+        let parts: Vec<_> = velocity.chunks_mut(part).map(|velocities| (velocities, next())).enumerate().collect();
+        let each = |(k, (velocities, spins))| each(k * part, velocities, spins);
+        work_sharing::map(parts.into_iter(), each).into_iter().fold(0.0, f64::max)
     };
     most.sqrt()
 }

@@ -37,13 +37,24 @@ impl PackedContact {
         Self { normal_speed, overlap, growth, overlap_time, began, first_overlap, maximum_overlap, normal, constants }
     }
 
-    /// State of the contact so far.
+    /// State of the contact so far, without its shear.
     #[inline(always)]
     pub fn course(&self) -> ContactState {
         let Self { normal_speed, overlap, growth, overlap_time, began, normal, .. } = *self;
         let (first_overlap, maximum_overlap) = (self.first_overlap.into(), self.maximum_overlap.into());
         let normal = (!normal.x.is_nan()).then_some(normal);
-        ContactState { normal_speed, first_overlap, maximum_overlap, overlap, growth, overlap_time, began, normal }
+        let shear = Vector3::zeros();
+        ContactState {
+            normal_speed,
+            first_overlap,
+            maximum_overlap,
+            overlap,
+            growth,
+            overlap_time,
+            began,
+            normal,
+            shear,
+        }
     }
 
     /// Stores a new state of the contact.
@@ -64,6 +75,8 @@ pub struct Records {
     constants: Vec<TouchingPair>,
     /// Indices in `constants` from `SHARED` on that no contact uses.
     unused: Vec<u32>,
+    /// [m] shears of the contacts in `kept`, in chunks as they are, where tangential springs remember; else empty.
+    shears: Vec<Vec<Vector3<f64>>>,
 }
 
 impl Records {
@@ -71,6 +84,24 @@ impl Records {
     pub fn keep(&mut self, touch: &TouchingPair, course: ContactState) -> u32 {
         let constants = self.constants_of(touch);
         let kept = PackedContact::new(constants, &course);
+        let place = self.store(kept);
+        if touch.tangential.stiffness > 0.0 {
+            while self.shears.len() < self.kept.len() {
+                self.shears.push(vec![Vector3::zeros(); CHUNK]);
+            }
+            *self.shear_mut(place) = course.shear;
+        }
+        place
+    }
+
+    /// [m] shear of the contact at index `place`, which remembers.
+    #[inline(always)]
+    pub fn shear_mut(&mut self, place: u32) -> &mut Vector3<f64> {
+        &mut self.shears[place as usize / CHUNK][place as usize % CHUNK]
+    }
+
+    /// Stores a packed contact; returns its index.
+    fn store(&mut self, kept: PackedContact) -> u32 {
         if let Some(place) = self.free.pop() {
             *self.at(place) = kept;
             return place;
@@ -122,6 +153,14 @@ impl Records {
         (TouchingPair { couple, ..self.constants[kept.constants as usize] }, kept.course())
     }
 
+    /// Constants and present state, with its shear, of the contact at index `place` between the bodies of `couple`.
+    pub fn whole(&self, place: u32, couple: Couple) -> (TouchingPair, ContactState) {
+        let (touch, course) = self.get(place, couple);
+        let shear =
+            self.shears.get(place as usize / CHUNK).map_or_else(Vector3::zeros, |some| some[place as usize % CHUNK]);
+        (touch, ContactState { shear, ..course })
+    }
+
     /// Removes the contact at index `place`.
     pub fn forget(&mut self, place: u32) {
         let constants = self.at(place).constants;
@@ -142,7 +181,14 @@ mod tests {
 
     fn touch(j: u32, stiffness: f64) -> TouchingPair {
         let spring = Spring { effective_mass: 1.0, restitution: 0.9, stiffness, dashpot: 0.1 };
-        TouchingPair { couple: Couple::pair(0, j), spring, diameter: 1.0, friction: 0.0, reach: 1.0 }
+        TouchingPair {
+            couple: Couple::pair(0, j),
+            spring,
+            diameter: 1.0,
+            friction: 0.0,
+            reach: 1.0,
+            tangential: Default::default(),
+        }
     }
 
     #[test]

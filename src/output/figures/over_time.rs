@@ -175,13 +175,9 @@ fn series(group: &PanelGroup, time: &TimeAxis) -> Vec<Panel> {
     let settles = settles.map(|settled| time.theory("theory", |_| Some(settled)));
     let panels = [
         plain(time, "T  [m²/s²]", with(temperature, haff)).map(|panel| Panel { log_y: decays, ..panel }),
+        plain(time, "T_r  [m²/s²]", lines(group, time, |row| row.rotational_temperature())),
         plain(time, &format!("mean velocity, {letter}  [m/s]"), with(velocity, settles)),
-        prefixed(
-            time,
-            "kinetic and elastic energy",
-            "J",
-            lines(group, time, |row| Some(row.kinetic_energy + row.elastic_energy)),
-        ),
+        prefixed(time, "energy", "J", lines(group, time, |row| Some(row.energy()))),
         plain(time, "pair impacts  [1/s]", with(rates(group, time, |row| row.pair_impacts), enskog)),
         plain(time, "wall impacts  [1/s]", rates(group, time, |row| row.wall_impacts)),
         plain(time, "contacts per particle  [–]", lines(group, time, |row| Some(row.coordination))),

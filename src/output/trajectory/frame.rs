@@ -21,6 +21,8 @@ pub(super) struct TrajectoryFrame {
     pub time: f64,
     position: Vec<Vector3<f64>>,
     velocity: Vec<Vector3<f64>>,
+    /// [rad/s] `None` where spheres do not rotate.
+    spin: Option<Vec<Vector3<f64>>>,
     id: Vec<u32>,
     /// Index in the store and overlap [m] of particles in contact, an entry for each of their contacts.
     contacts: Vec<(u32, f64)>,
@@ -96,6 +98,7 @@ impl TrajectoryFrame {
         self.time = simulation.time;
         self.position.clone_from(&particles.position);
         self.velocity.clone_from(&particles.velocity);
+        self.spin.clone_from(&particles.spin);
         self.id.clone_from(&particles.id);
         self.contacts.clear();
         simulation.for_each_contact(|couple, overlap| {
@@ -129,11 +132,11 @@ impl TrajectoryFrame {
         self.arrays(cast, memory).finish()
     }
 
-    /// The file that joins pieces of the frame at `time` [s].
-    pub(super) fn joined(time: f64, pieces: impl Iterator<Item = String>) -> Vec<u8> {
+    /// The file that joins pieces of the frame at `time` [s], which have spins if spheres `rotate`.
+    pub(super) fn joined(time: f64, rotate: bool, pieces: impl Iterator<Item = String>) -> Vec<u8> {
         let domain = Domain::new(Vector3::repeat(1.0), [false; 3]);
         let nobody = Cast { domain, id: Vec::new(), radius: Vec::new(), species: Vec::new() };
-        Self::default().arrays(&nobody, Vec::new()).join(time, pieces)
+        Self { spin: rotate.then(Vec::new), ..Self::default() }.arrays(&nobody, Vec::new()).join(time, pieces)
     }
 
     fn arrays(&self, cast: &Cast, memory: Vec<u8>) -> Vtp {
@@ -142,6 +145,9 @@ impl TrajectoryFrame {
         let mut file = Vtp::begin(memory, self.time, [count, usize::from(count > 0), 0]);
         file.part("PointData", |file| {
             file.array::<f64, 3>("velocity", own.iter().map(|own| self.velocity[own.place as usize].into()));
+            if let Some(spins) = &self.spin {
+                file.array::<f64, 3>("spin", own.iter().map(|own| spins[own.place as usize].into()));
+            }
             file.array("radius", cast.radius.iter().map(|radius| [*radius]));
             file.array("id", cast.id.iter().map(|id| [*id]));
             file.array("species", cast.species.iter().map(|species| [*species]));
@@ -169,9 +175,10 @@ impl TrajectoryFrame {
         let _ = writeln!(
             text,
             "{}\nLattice=\"{x:?} 0 0 0 {y:?} 0 0 0 {z:?}\" \
-             Properties=pos:R:3:velo:R:3:radius:R:1:id:I:1:type:I:1:overlap:R:1:contacts:I:1:solver:I:1 \
+             Properties=pos:R:3:velo:R:3:radius:R:1:id:I:1:type:I:1:overlap:R:1:contacts:I:1:solver:I:1{} \
              Time={:?} pbc=\"{px} {py} {pz}\" units=\"m s\" source=\"diptych {}\"",
             own.len(),
+            if self.spin.is_some() { ":omega:R:3" } else { "" },
             self.time,
             env!("CARGO_PKG_VERSION")
         );
@@ -184,7 +191,11 @@ impl TrajectoryFrame {
             // types count from 1
             let kind = u32::from(cast.species[rank]) + 1;
             let id = cast.id[rank];
-            let _ = writeln!(text, "{id} {kind} {:?} {} {}", own.overlap, own.contacts, own.solver);
+            let _ = write!(text, "{id} {kind} {:?} {} {}", own.overlap, own.contacts, own.solver);
+            for number in self.spin.iter().flat_map(|spins| &spins[place]) {
+                let _ = write!(text, " {number:?}");
+            }
+            text.push('\n');
         }
         text.into_bytes()
     }

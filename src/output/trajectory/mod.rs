@@ -42,8 +42,8 @@ pub(super) fn is_ours(path: &Path) -> bool {
 
 /// Messages to the writing thread.
 enum WriterMessage {
-    /// The walls, and the times [s] of existing frames.
-    Begin(Option<[Vec<u8>; 3]>, Vec<f64>),
+    /// The walls, the times [s] of existing frames, and true if spheres rotate.
+    Begin(Option<[Vec<u8>; 3]>, Vec<f64>, bool),
     /// The cast of the following frames.
     Cast(Box<Cast>),
     Frame(TrajectoryFrame),
@@ -137,6 +137,7 @@ impl<'scope> Trajectory<'scope> {
             frames: Vec::new(),
             listed: 0,
             walls: false,
+            rotates: false,
             spare: Vec::new(),
         };
         let writer = scope.spawn(move || {
@@ -193,7 +194,11 @@ impl<'scope> Trajectory<'scope> {
     /// Sends the thread the data that it needs before the first frame.
     fn begin(&mut self, simulation: &Simulation) {
         if !self.begun {
-            self.send(WriterMessage::Begin(walls::walls(simulation.scene()), self.times.clone()));
+            self.send(WriterMessage::Begin(
+                walls::walls(simulation.scene()),
+                self.times.clone(),
+                simulation.scene().rotation.is_some(),
+            ));
             self.begun = true;
         }
     }
@@ -282,6 +287,8 @@ struct Writer<'env> {
     /// Number of frames that the index lists.
     listed: usize,
     walls: bool,
+    /// True if spheres rotate, so that frames have their spins.
+    rotates: bool,
     /// Surplus files of frames from another part of the run, which the next index no longer lists.
     spare: Vec<String>,
 }
@@ -295,7 +302,10 @@ impl Writer<'_> {
         let (mut cast, mut memory) = (None, Vec::new());
         for message in messages {
             match message {
-                WriterMessage::Begin(walls, times) => self.begin(walls, &times)?,
+                WriterMessage::Begin(walls, times, rotates) => {
+                    self.rotates = rotates;
+                    self.begin(walls, &times)?;
+                }
                 WriterMessage::Cast(mut all) => {
                     all.sort();
                     cast = Some(all);
@@ -376,7 +386,10 @@ impl Writer<'_> {
     fn join(&mut self, time: f64, count: usize) -> Result<(), OutputError> {
         let number = self.frames.len();
         let sources = (0..count).map(|rank| format!("{number:06}-{rank}.vtp"));
-        self.folder.write_parts(&pieces::joined(&self.name, number), &[TrajectoryFrame::joined(time, sources)])?;
+        self.folder.write_parts(
+            &pieces::joined(&self.name, number),
+            &[TrajectoryFrame::joined(time, self.rotates, sources)],
+        )?;
         self.spare.push(format!("{TRAJECTORY}/{}/{number:06}.vtp", self.name));
         self.spare.extend(self.pieces_from(number, count));
         self.is_written(time, true)

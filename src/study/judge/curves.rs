@@ -35,7 +35,7 @@ struct Curve {
 
 /// Total energy [J].
 fn energy(row: &Row) -> Option<f64> {
-    Some(row.kinetic_energy + row.elastic_energy)
+    Some(row.energy())
 }
 
 /// Agitation [m/s].
@@ -43,8 +43,15 @@ fn agitation(row: &Row) -> Option<f64> {
     row.granular_temperature().map(|temperature| temperature.max(0.0).sqrt())
 }
 
-const CURVES: [Curve; 9] = [
+const CURVES: [Curve; 10] = [
     Curve { name: "granular temperature", unit: "m²/s²", of: Row::granular_temperature, like: None, sum: false },
+    Curve {
+        name: "rotational temperature",
+        unit: "m²/s²",
+        of: Row::rotational_temperature,
+        like: Some(Row::granular_temperature),
+        sum: false,
+    },
     Curve { name: "T along x", unit: "m²/s²", of: |row| Some(row.temperature?.x), like: None, sum: false },
     Curve { name: "T along y", unit: "m²/s²", of: |row| Some(row.temperature?.y), like: None, sum: false },
     Curve { name: "T along z", unit: "m²/s²", of: |row| Some(row.temperature?.z), like: None, sum: false },

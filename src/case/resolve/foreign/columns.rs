@@ -6,12 +6,13 @@ use crate::case::resolve::Resolver;
 
 /// Column of [`COLUMNS`] with the kind of a particle.
 pub const SPECIES: usize = 7;
-/// First of the columns of positions, of velocities and of momenta, in [`COLUMNS`].
+/// First of the columns of positions, of velocities, of spins and of momenta, in [`COLUMNS`].
 const POSITION: usize = 0;
 const VELOCITY: usize = 3;
-const MOMENTUM: usize = 12;
+const SPIN: usize = 9;
+const MOMENTUM: usize = 15;
 /// Column of masses in [`COLUMNS`].
-const MASS: usize = 11;
+const MASS: usize = 14;
 /// Columns that count periodic images of the box; they are ignored, because positions within the box are enough.
 const IMAGES: [&str; 4] = ["ix", "iy", "iz", "image"];
 
@@ -53,6 +54,7 @@ fn meaning(name: &str, width: usize) -> Option<Meaning> {
         return match plain.as_str() {
             "pos" | "position" | "positions" => Some(Meaning::Known(POSITION)),
             "v" | "velo" | "vel" | "velocity" | "velocities" => Some(Meaning::Known(VELOCITY)),
+            "omega" | "spin" | "angularvelocity" => Some(Meaning::Known(SPIN)),
             "momenta" | "momentum" => Some(Meaning::Known(MOMENTUM)),
             _ => None,
         };
@@ -61,9 +63,9 @@ fn meaning(name: &str, width: usize) -> Option<Meaning> {
         "diameter" | "diam" => Some(6),
         "species" | "element" => Some(SPECIES),
         "id" | "identifier" | "particleidentifier" => Some(8),
-        "radius" => Some(9),
-        "density" | "rho" => Some(10),
-        "mass" | "masses" => Some(11),
+        "radius" => Some(12),
+        "density" | "rho" => Some(13),
+        "mass" | "masses" => Some(MASS),
         _ => None,
     };
     if let (Some(column), 1) = (one, width) {
@@ -93,6 +95,9 @@ fn meaning(name: &str, width: usize) -> Option<Meaning> {
         }
         if is(&["v", "vel", "velo", "velocity", "vv", "cv", "fv"], &[""]) {
             return Some(Meaning::Known(VELOCITY + axis));
+        }
+        if is(&["omega", "w", "spin", "angularvelocity"], &[""]) {
+            return Some(Meaning::Known(SPIN + axis));
         }
         if is(&["momenta", "momentum"], &[""]) {
             return Some(Meaning::Known(MOMENTUM + axis));

@@ -16,10 +16,12 @@ use csv::StringRecord;
 use nalgebra::Vector3;
 
 /// Columns of a start; every foreign file is read into columns of this order.
-pub(super) const COLUMNS: [&str; 15] =
-    ["x", "y", "z", "vx", "vy", "vz", "diameter", "species", "id", "radius", "density", "mass", "px", "py", "pz"];
+pub(super) const COLUMNS: [&str; 18] = [
+    "x", "y", "z", "vx", "vy", "vz", "diameter", "species", "id", "wx", "wy", "wz", "radius", "density", "mass", "px",
+    "py", "pz",
+];
 /// Number of columns that a CSV table may have: the first ones of [`COLUMNS`].
-pub(super) const OF_CSV: usize = 9;
+pub(super) const OF_CSV: usize = 12;
 /// The column of ids.
 const ID: usize = 8;
 /// Number of lines at the beginning of a LAMMPS data file that may state the number of atoms.

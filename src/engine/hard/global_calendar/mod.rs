@@ -257,7 +257,7 @@ impl GlobalCalendar {
         let left = span.left(self.now);
         let (change_i, change_j) = match rests(&collision, scene, self.contact_time) {
             Some(speed) => (collision.hold_at_rest(speed, weights.mass, scene, left, work.log), Vector3::zeros()),
-            None => collision.apply_impulse(&weights, scene, left, work.log),
+            None => collision.apply_impulse(&weights, work.particles, scene, left, work.log),
         };
         self.events += 1;
         for (place, change) in couple.places().into_iter().flatten().zip([change_i, change_j]) {

@@ -15,10 +15,19 @@ pub(super) fn two_largest([a, b]: [f64; 2], [c, d]: [f64; 2]) -> [f64; 2] {
     if a >= c { [a, b.max(c)] } else { [c, d.max(a)] }
 }
 
-/// Kinetic energy [J] and speed [m/s] of a particle, given by index, seen from a frame [m/s].
+/// Kinetic energy [J] and speed [m/s] of a particle, given by index, seen from a frame [m/s]. Rotation counts as far as friction may turn it into motion:
+/// with its energy, and with the speed of the surface.
 pub(super) fn motion(particles: &Particles, frame: Vector3<f64>, place: u32) -> (f64, f64) {
     let square = (particles.velocity[place as usize] - frame).norm_squared();
-    (0.5 * particles.mass[place as usize] * square, square.sqrt())
+    let place = place as usize;
+    let (energy, speed) = (0.5 * particles.mass[place] * square, square.sqrt());
+    match (&particles.spin, &particles.inertia) {
+        (Some(spins), Some(inertia)) => {
+            let spin = spins[place].norm_squared();
+            (energy + 0.5 * inertia[place] * spin, speed + particles.radius[place] * spin.sqrt())
+        }
+        _ => (energy, speed),
+    }
 }
 
 impl Clusters<'_> {

@@ -6,6 +6,7 @@
 
 mod alone;
 mod single;
+mod sliding;
 
 use super::backoff::steps_cost;
 use super::contact::{Contact, ContactState, Rates, SHORT, TouchingPair, passed};
@@ -19,6 +20,7 @@ use crate::record::{Between, Log};
 use crate::scene::Scene;
 use alone::{TOUCH, TRIALS};
 use nalgebra::Vector3;
+use sliding::SlidingContact;
 
 /// A touch that has just been reached.
 pub struct ReachedTouch<'a> {
@@ -104,6 +106,14 @@ pub struct IslandScratch {
     acceleration: Vec<Vector3<f64>>,
     moved: Vec<Vector3<f64>>,
     kicked: Vec<Vector3<f64>>,
+    /// Tangential springs of `contacts`, where spheres rotate; else empty.
+    sliding: Vec<SlidingContact>,
+    /// [rad/s] spins at the start of the step.
+    spin: Vec<Vector3<f64>>,
+    /// [rad/s²] angular accelerations at the last stage.
+    turning: Vec<Vector3<f64>>,
+    /// [rad/s²] weighted mean of the angular accelerations.
+    turned: Vec<Vector3<f64>>,
 }
 
 /// Stage of an explicit Runge-Kutta method in which each stage uses only the stage before.
@@ -140,7 +150,8 @@ impl<I: InstantaneousRule> Solve for SoftIslands<I> {
     }
 
     fn energy(&self, contact: &Contact) -> f64 {
-        self.law.available_energy(&contact.touch.spring, contact.course.overlap)
+        let Contact { touch, course, .. } = contact;
+        self.law.available_energy(&touch.spring, course.overlap) + touch.tangential.energy(&course.shear)
     }
 
     fn touching(&self, contact: &Contact) -> Option<Couple> {
@@ -174,7 +185,13 @@ impl<I: InstantaneousRule> Solve for SoftIslands<I> {
             now: 0.0,
             struck: None,
         };
+        if run.rotates() {
+            run.adopt_springs();
+        }
         let result = run.until(end);
+        if run.rotates() {
+            run.leave_springs();
+        }
         island.carried.clear();
         island.carried.extend_from_slice(&scratch.contacts);
         island.particles = particles;
@@ -287,6 +304,10 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         let (gap, rate) = self.scratch.gaps[slot];
         let mut contact = Contact::new(slot as u32, touch, self.window.start + self.now);
         contact.course = ContactState { normal_speed: -rate, overlap: -gap, growth: -rate, ..contact.course };
+        if self.rotates() {
+            let spring = self.spring_of(&touch, Vector3::zeros());
+            self.scratch.sliding.push(spring);
+        }
         self.scratch.contacts.push(contact);
     }
 
@@ -318,6 +339,11 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         self.scratch.position.clone_from(&self.particles.position);
         self.scratch.velocity.clone_from(&self.particles.velocity);
         let start = self.now;
+        let mut stored = [0.0; 2];
+        if self.rotates() {
+            stored = self.spring_energies();
+            self.keep_springs();
+        }
         let scratch = &mut *self.scratch;
         std::mem::swap(&mut scratch.gaps, &mut scratch.before);
         let mut rates = self.integrate(dt);
@@ -341,11 +367,24 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
                 }
             }
         }
-        if let Some((fraction, slot)) = first {
+        let switch = if self.rotates() { self.first_switch() } else { None };
+        let switch = switch.filter(|(fraction, ..)| first.is_none_or(|(least, _)| *fraction < least));
+        if let Some(switch) = switch {
+            first = None;
+            rates = self.find_switch(start, dt, switch);
+            self.look();
+        } else if let Some((fraction, slot)) = first {
             rates = self.find_turn(start, dt, fraction, slot);
             self.look();
         }
         self.refuse_to_pass(start)?;
+        if self.rotates() {
+            // springs keep a part of the work of friction
+            let kept = self.spring_energies();
+            rates.pair_friction -= (kept[0] - stored[0]) / (self.now - start);
+            rates.wall_friction -= (kept[1] - stored[1]) / (self.now - start);
+            self.switch_phases(switch.map(|(_, k, which)| (k, which)));
+        }
         self.book(rates, self.now - start)?;
         if let Some((_, slot)) = first {
             self.turn(slot);
@@ -385,10 +424,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         let diameter = self.scratch.touches[slot].diameter;
         let mut rates = Rates::default();
         for _ in 0..TRIALS {
-            self.particles.position.clone_from(&self.scratch.position);
-            self.particles.velocity.clone_from(&self.scratch.velocity);
-            self.now = start;
-            rates = self.integrate(fraction * dt);
+            rates = self.repeat(start, fraction * dt);
             let (gap, rate) = self.gap(slot);
             if gap.abs() <= TOUCH * diameter {
                 break;
@@ -406,12 +442,26 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         rates
     }
 
+    /// Makes the step of `dt` [s] again from its `start` [s].
+    fn repeat(&mut self, start: f64, dt: f64) -> Rates {
+        self.particles.position.clone_from(&self.scratch.position);
+        self.particles.velocity.clone_from(&self.scratch.velocity);
+        if self.rotates() {
+            self.restore_spins();
+        }
+        self.now = start;
+        self.integrate(dt)
+    }
+
     /// Ends the contact of a slot if there is one, and begins one otherwise.
     fn turn(&mut self, slot: usize) {
         match self.scratch.contacts.iter().position(|c| c.slot as usize == slot) {
             None => self.open(slot),
             Some(k) => {
                 let contact = self.scratch.contacts.remove(k);
+                if self.rotates() {
+                    self.drop_spring(k, &contact.touch);
+                }
                 let (_, rate) = self.scratch.gaps[slot];
                 // a contact that was there from the start may never have approached
                 if contact.course.normal_speed > 0.0 {
@@ -461,6 +511,9 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         scratch.kicked.clear();
         scratch.kicked.resize(count, Vector3::zeros());
         self.island.updates += (stages.len() * count) as u64;
+        if self.rotates() {
+            self.begin_turning(count);
+        }
         for stage in stages {
             if stage.at > 0.0 {
                 for k in 0..count {
@@ -469,6 +522,9 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
                     self.particles.velocity[k] =
                         self.scratch.velocity[k] + self.scratch.acceleration[k] * (stage.at * dt);
                 }
+                if self.rotates() {
+                    self.turn_to_stage(stage.at * dt);
+                }
             }
             self.accelerations(start + stage.at * dt, dt, stage.weight, &mut rates);
             let scratch = &mut *self.scratch;
@@ -476,22 +532,33 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
                 scratch.moved[k] += self.particles.velocity[k] * stage.weight;
                 scratch.kicked[k] += scratch.acceleration[k] * stage.weight;
             }
+            if self.rotates() {
+                self.add_turning(stage.weight);
+            }
         }
         for k in 0..count {
             self.particles.position[k] = self.scratch.position[k] + self.scratch.moved[k] * dt;
             self.particles.velocity[k] = self.scratch.velocity[k] + self.scratch.kicked[k] * dt;
         }
         self.now = start + dt;
+        if self.rotates() {
+            self.end_turning(dt);
+        }
         rates
     }
 
     fn accelerations(&mut self, time: f64, dt: f64, weight: f64, rates: &mut Rates) {
         self.scratch.acceleration.fill(Vector3::zeros());
+        self.scratch.turning.fill(Vector3::zeros());
         self.island.force_evaluations += self.scratch.contacts.len() as u64;
         for k in 0..self.scratch.contacts.len() {
             let touch = self.scratch.contacts[k].touch;
             let met = touch.couple.meet(self.particles, self.scene, FrameTime::in_free_fall(time));
-            let force = touch.force(&self.engine.law, &met, self.scene, dt, 0.0);
+            let force = if self.rotates() {
+                self.force_at_stage(k, &touch, &met, dt)
+            } else {
+                touch.force(&self.engine.law, &met, self.scene, dt, 0.0)
+            };
             rates.count(&touch.couple, &force, weight);
             let i = touch.couple.i as usize;
             self.scratch.acceleration[i] += force.on_i / self.particles.mass[i];

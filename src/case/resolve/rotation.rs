@@ -1,0 +1,189 @@
+//! Rotation of spheres: spins of the start, tangential law and impact rule.
+
+use super::{Resolver, vector};
+use crate::case::de::Located;
+use crate::case::diagnostic::Diagnostic;
+use crate::case::file::{CaseFile, ImpactRuleFile, ParticlesFile, TangentialFile, Three};
+use crate::case::quantity::{Ratio, Spin};
+use crate::experiment::{Integrator, SoftSettings};
+use crate::rotation::{ImpactRule, LinearTangential, Rotation, SOLID_SPHERE, THIN_SHELL, TangentialLaw};
+use crate::scene::Scene;
+use nalgebra::Vector3;
+
+/// [rad/s] fastest spin of a start: a surface of 1 µm radius then has 1000 m/s.
+const FASTEST_SPIN: f64 = 1e9;
+
+impl Resolver {
+    /// True if spheres of the case rotate.
+    pub(super) fn rotates(file: &CaseFile) -> bool {
+        let typed = file.contact.as_ref().and_then(|contact| contact.value.rotation.as_ref());
+        let tangential = file.soft.as_ref().is_some_and(|soft| soft.value.tangential.is_some());
+        let rule = file.hard.as_ref().is_some_and(|hard| hard.value.friction.is_some());
+        typed.map_or(tangential || rule, |typed| typed.value)
+    }
+
+    /// [-] moment of inertia over m r².
+    pub(super) fn inertia_factor(&self, kind: &Located<ParticlesFile>) -> Result<f64, Diagnostic> {
+        let Some(typed) = &kind.value.inertia_factor else { return Ok(SOLID_SPHERE) };
+        let help = "0.4 is a solid sphere, 0.667 a thin shell";
+        // two thirds may be typed as 0.667
+        self.checked(typed, |factor| factor > 0.0 && factor <= THIN_SHELL + 1e-3, "greater than 0, up to 2/3", help)
+    }
+
+    /// [rad/s] spin of a placed particle.
+    pub(super) fn spin(&mut self, typed: Option<&Three<Spin>>, scene: &Scene) -> Result<Vector3<f64>, Diagnostic> {
+        let Some(typed) = typed else { return Ok(Vector3::zeros()) };
+        for component in &typed.value {
+            let help = "a particle's spin, right-handed about its direction";
+            self.checked(component, |spin| spin.abs() <= FASTEST_SPIN, "-1e9 ..= 1e9 rad/s", help)?;
+        }
+        self.warn_of_spin(typed, scene);
+        Ok(vector(typed))
+    }
+
+    /// Mean and standard deviation [rad/s] of the spins of a random start.
+    pub(super) fn random_spin(
+        &mut self,
+        kind: &ParticlesFile,
+        scene: &Scene,
+        placed: bool,
+    ) -> Result<(Vector3<f64>, f64), Diagnostic> {
+        let mean = self.spin(kind.spin_mean.as_ref(), scene)?;
+        let mut deviation = 0.0;
+        if let Some(typed) = &kind.spin_fluctuation {
+            let help = "the standard deviation of each spin component";
+            let good = |spin: f64| (0.0..=FASTEST_SPIN).contains(&spin);
+            deviation = self.checked(typed, good, "0 ..= 1e9 rad/s", help)?;
+            self.warn_of_spin(typed, scene);
+        }
+        let typed = kind.spin_mean.as_ref().map(|typed| (&typed.origin, &typed.path));
+        let typed = typed.or(kind.spin_fluctuation.as_ref().map(|typed| (&typed.origin, &typed.path)));
+        if let (true, Some((origin, path))) = (placed, typed) {
+            self.warn(origin, format!("`{path}` is not used: spins come with the places"), "leave it out");
+        }
+        Ok((mean, deviation))
+    }
+
+    fn warn_of_spin<T>(&mut self, typed: &Located<T>, scene: &Scene) {
+        if scene.rotation.is_none() {
+            let message = format!("`{}` is not used: spheres of this case do not rotate", typed.path);
+            self.warn(&typed.origin, message, "add `rotation = true` to [contact], or a tangential law");
+        }
+    }
+
+    /// Tangential behaviour of spheres that rotate; `None` if they do not.
+    pub(super) fn rotation(
+        &mut self,
+        file: &CaseFile,
+        scene: &Scene,
+        soft: &SoftSettings,
+    ) -> Result<Option<Rotation>, Diagnostic> {
+        if !Self::rotates(file) {
+            return Ok(None);
+        }
+        let tangential = self.tangential_law(file, soft)?;
+        let impact = self.impact_rule(file, scene, tangential)?;
+        let integrator = file.soft.as_ref().and_then(|soft| soft.value.integrator.as_ref());
+        if let Some(typed) = integrator.filter(|typed| typed.value == Integrator::Rk2 && self.model.has_contacts()) {
+            let why = "is for the paper's spheres, which do not rotate";
+            return Err(self.refuse(typed, why).help("use \"velocity_verlet\", or leave the key out"));
+        }
+        Ok(Some(Rotation { tangential, impact }))
+    }
+
+    fn walton(&self, file: &CaseFile) -> Result<Option<f64>, Diagnostic> {
+        let rule = file.hard.as_ref().and_then(|hard| hard.value.friction.as_ref());
+        let Some(ImpactRuleFile::Walton { tangential_restitution }) = rule.map(|rule| &rule.value) else {
+            return Ok(None);
+        };
+        let typed = self.need(tangential_restitution, "hard.friction.walton.tangential_restitution")?;
+        let help = "-1 leaves the slip as it is, 0 stops it, 1 reverses it; glass has 0.44";
+        self.checked(typed, |beta| (-1.0..=1.0).contains(&beta), "-1 ..= 1", help).map(Some)
+    }
+
+    /// The tangential law that a case names; with Walton's rule alone, the spring that has its β_0.
+    fn tangential_law(&mut self, file: &CaseFile, soft: &SoftSettings) -> Result<TangentialLaw, Diagnostic> {
+        let is_linear = soft.law.is_none_or(|law| law.is_linear());
+        let typed = file.soft.as_ref().and_then(|soft| soft.value.tangential.as_ref());
+        match typed.map(|typed| (&typed.origin, &typed.value)) {
+            None => Ok(match self.walton(file)?.filter(|beta| *beta > 0.0 && is_linear) {
+                Some(beta) => TangentialLaw::Linear(LinearTangential::Restitution(beta)),
+                None => TangentialLaw::Coulomb,
+            }),
+            Some((_, TangentialFile::Coulomb {})) => Ok(TangentialLaw::Coulomb),
+            Some((origin, TangentialFile::Linear { .. })) if !is_linear => {
+                let message = "`soft.tangential.linear` needs the linear normal law";
+                let help = "use `soft.linear_spring_dashpot`, or `soft.tangential.coulomb`";
+                Err(self.sources.error(origin, message).help(help))
+            }
+            Some((origin, TangentialFile::Linear { stiffness_ratio, dashpot_ratio, tangential_restitution })) => {
+                let one = || {
+                    let message = "`soft.tangential.linear` takes either `stiffness_ratio` or `tangential_restitution`";
+                    self.sources.error(origin, message)
+                };
+                match (stiffness_ratio, tangential_restitution) {
+                    (Some(stiffness), None) => {
+                        self.ratios(stiffness, dashpot_ratio.as_ref()).map(TangentialLaw::Linear)
+                    }
+                    (None, Some(_)) if dashpot_ratio.is_some() => {
+                        Err(one().help("the dashpot follows from `tangential_restitution`: leave `dashpot_ratio` out"))
+                    }
+                    (None, Some(typed)) => {
+                        let help = "no spring in equal half periods has less; `stiffness_ratio` below 1/14 has β_0 < 0";
+                        let good = |beta: f64| beta > 0.0 && beta <= 1.0;
+                        let beta = self.checked(typed, good, "greater than 0, up to 1", help)?;
+                        Ok(TangentialLaw::Linear(LinearTangential::Restitution(beta)))
+                    }
+                    (Some(_), Some(_)) => Err(one().help("keep one of them")),
+                    (None, None) => Err(one().help("0.2857 (2/7) is a usual `stiffness_ratio`")),
+                }
+            }
+        }
+    }
+
+    fn ratios(
+        &self,
+        stiffness: &Located<Ratio>,
+        dashpot: Option<&Located<Ratio>>,
+    ) -> Result<LinearTangential, Diagnostic> {
+        let help = "spheres of an elastic solid have 2(1 - ν)/(2 - ν), 0.67 to 1; 2/7 swings as the normal spring does";
+        let stiffness =
+            self.checked(stiffness, |ratio| ratio > 0.0 && ratio <= 10.0, "greater than 0, up to 10", help)?;
+        let dashpot = match dashpot {
+            Some(typed) => {
+                self.checked(typed, |ratio| (0.0..=10.0).contains(&ratio), "0 ..= 10", "other codes often take 0.5")?
+            }
+            None => 0.0,
+        };
+        Ok(LinearTangential::Ratios { stiffness, dashpot })
+    }
+
+    /// The impact rule that a case names; without one that of the tangential spring, if there is a spring.
+    fn impact_rule(
+        &mut self,
+        file: &CaseFile,
+        scene: &Scene,
+        tangential: TangentialLaw,
+    ) -> Result<ImpactRule, Diagnostic> {
+        if let Some(tangential_restitution) = self.walton(file)? {
+            return Ok(ImpactRule::Walton { tangential_restitution });
+        }
+        let typed = file.hard.as_ref().and_then(|hard| hard.value.friction.as_ref());
+        let wants_spring = typed.filter(|typed| matches!(typed.value, ImpactRuleFile::OfSpring {}));
+        if let (Some(typed), false) = (wants_spring, tangential.has_memory()) {
+            let message = format!("`{}.of_spring` needs a spring", typed.path);
+            let help = "add [soft.tangential.linear], or use [hard.friction.walton]";
+            return Err(self.sources.error(&typed.origin, message).help(help));
+        }
+        if !tangential.has_memory() || (typed.is_some() && wants_spring.is_none()) {
+            return Ok(ImpactRule::COULOMB);
+        }
+        let impacts = scene.oblique_impacts();
+        if let (Some(_), Some(contact)) = (impacts.iter().find(|(restitution, _)| *restitution <= 0.0), &file.contact) {
+            let message = "restitution 0 has no spring, whose rule hard impacts are to follow";
+            let help = "use 0.01, or [hard.friction.walton]";
+            return Err(self.sources.error(&contact.origin, message).help(help));
+        }
+        Ok(ImpactRule::of_spring(&tangential, &impacts))
+    }
+}

@@ -1,0 +1,56 @@
+//! The impulse of two bodies that rotate.
+
+use super::impulse::Collision;
+use crate::particles::Particles;
+use crate::rotation::{ObliqueApproach, Rotation, slip, tangential_mass};
+use crate::scene::Surface;
+use nalgebra::Vector3;
+
+/// Impulse of a collision of bodies that rotate.
+#[derive(Clone, Copy, Debug)]
+pub struct RoughImpulse {
+    /// [kg m/s] impulse on particle `i`.
+    pub impulse: Vector3<f64>,
+    /// [J] energy that friction has taken.
+    pub friction_loss: f64,
+}
+
+impl Collision {
+    /// Impulse by the rule of a scene whose spheres rotate; the spins of the two change at once. J_n = (1+e) M u_n along the normal; J_t by the rule
+    /// against the slip; the torque impulse on either body is l n × J_t (docs/rotation.md). `normal_impulse` J_n [kg m/s] is known already.
+    pub fn rough_impulse(
+        &self,
+        rotation: &Rotation,
+        surface: &Surface,
+        (normal_impulse, effective_mass, reach): (f64, f64, f64),
+        particles: &mut Particles,
+    ) -> RoughImpulse {
+        let (couple, met) = (&self.couple, &self.met);
+        let along = met.normal * normal_impulse;
+        let (surface_velocity, arm) = couple.surface_velocity(particles, reach, met.gap);
+        let slip = slip(&met.velocity, &met.normal, &surface_velocity);
+        let speed = slip.norm();
+        let none = RoughImpulse { impulse: along, friction_loss: 0.0 };
+        let (Some(spins), Some(inertia)) = (&mut particles.spin, &particles.inertia) else { return none };
+        if speed == 0.0 || surface.friction == 0.0 {
+            return none;
+        }
+        let arm_of = |place: usize| arm * particles.radius[place];
+        let places = || couple.places().into_iter().flatten().map(|place| place as usize);
+        let mass = tangential_mass(places().map(|place| (particles.mass[place], arm_of(place), inertia[place])));
+        let tangential = rotation.impact.impulse(&ObliqueApproach {
+            friction: surface.friction,
+            restitution: surface.restitution,
+            normal_speed: self.approach(),
+            normal_impulse,
+            slip: speed,
+            mass,
+            mass_ratio: mass / effective_mass,
+        });
+        let against = slip * (tangential / speed);
+        let torque = met.normal.cross(&against);
+        places().for_each(|place| spins[place] += torque * (arm_of(place) / inertia[place]));
+        let friction_loss = tangential * (speed - 0.5 * tangential / mass);
+        RoughImpulse { impulse: along - against, friction_loss }
+    }
+}

@@ -1,0 +1,85 @@
+//! Rules of the tangential impulse of instantaneous impacts.
+
+use super::TangentialLaw;
+use super::rebound::{ObliqueImpact, ReboundTable};
+use serde::{Serialize, Serializer};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// Rule of the tangential impulse of an instantaneous impact.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ImpactRule {
+    /// Sticking impacts give the slip -β_0 s, all others slide: J_t = min(μ J_n, M_t (1 + β_0) |s|) (Walton 1993; Foerster et al. 1994, Phys. Fluids 6,
+    /// 1108).
+    Walton {
+        /// [-] β_0, -1 ..= 1: -1 leaves the slip as it is, 1 reverses it.
+        tangential_restitution: f64,
+    },
+    /// The impact of stiff soft spheres: s' = μ u_n Φ(s/(μ u_n)), with the function Φ of their linear law. One table for each restitution of the scene.
+    OfSpring(Arc<[ReboundTable]>),
+}
+
+/// An impact as the rule sees it.
+#[derive(Clone, Copy, Debug)]
+pub struct ObliqueApproach {
+    /// [-] friction μ.
+    pub friction: f64,
+    /// [-] normal restitution e of the surfaces.
+    pub restitution: f64,
+    /// [m/s] normal speed u_n > 0 of approach.
+    pub normal_speed: f64,
+    /// [kg m/s] normal impulse J_n.
+    pub normal_impulse: f64,
+    /// [m/s] slip |s| before.
+    pub slip: f64,
+    /// [kg] effective mass M_t of the slip.
+    pub mass: f64,
+    /// [-] M_t over the effective mass M.
+    pub mass_ratio: f64,
+}
+
+impl ImpactRule {
+    /// Coulomb's limit and nothing else: an impact that can stop the slip does.
+    pub const COULOMB: Self = Self::Walton { tangential_restitution: 0.0 };
+
+    /// The rule of stiff soft spheres with a tangential law that remembers, for impacts with these e > 0 and M_t/M [-].
+    pub fn of_spring(law: &TangentialLaw, impacts: &[(f64, f64)]) -> Self {
+        let table = |&(restitution, mass): &(f64, f64)| {
+            ReboundTable::new(restitution, ObliqueImpact::of_law(law, restitution, mass))
+        };
+        Self::OfSpring(impacts.iter().map(table).collect())
+    }
+
+    /// [kg m/s] tangential impulse against the slip.
+    #[inline]
+    pub fn impulse(&self, approach: &ObliqueApproach) -> f64 {
+        let ObliqueApproach { friction, slip, mass, .. } = *approach;
+        match self {
+            Self::Walton { tangential_restitution } => {
+                (friction * approach.normal_impulse).min(mass * (1.0 + tangential_restitution) * slip)
+            }
+            Self::OfSpring(tables) => {
+                let unit = friction * approach.normal_speed;
+                if unit <= 0.0 {
+                    return 0.0;
+                }
+                let off = |table: &&ReboundTable| table.distance(approach.restitution, approach.mass_ratio);
+                let table = tables.iter().min_by(|a, b| off(a).total_cmp(&off(b)));
+                table.map_or(0.0, |table| mass * (slip - unit * table.rebound(slip / unit)))
+            }
+        }
+    }
+}
+
+impl Serialize for ImpactRule {
+    /// Serializes the rule as its table of the case; the rule of a spring follows from the tangential law beside it.
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Self::Walton { tangential_restitution } => {
+                let keys = BTreeMap::from([("tangential_restitution", tangential_restitution)]);
+                BTreeMap::from([("walton", keys)]).serialize(serializer)
+            }
+            Self::OfSpring(_) => "of_spring".serialize(serializer),
+        }
+    }
+}
