@@ -14,6 +14,7 @@ use diptych::experiment::{Integrator, SoftStepping};
 use diptych::fluid::{Fluid, Profile};
 use diptych::observe::{self, Needs, Observer};
 use diptych::particles::Particles;
+use diptych::rotation::{ImpactRule, LinearTangential, Rotation, TangentialLaw};
 use diptych::scene::Scene;
 use diptych::schedule::Schedule;
 use diptych::simulation::Simulation;
@@ -40,6 +41,18 @@ fn scene(count: usize, volume_fraction: f64) -> (Scene, Particles) {
         particles.radius[place] *= 0.7;
         particles.mass[place] *= 0.7f64.powi(3);
     }
+    (scene, particles)
+}
+
+/// A scene whose spheres rotate, with tangential springs that remember.
+fn rough((mut scene, mut particles): (Scene, Particles)) -> (Scene, Particles) {
+    let law = LinearTangential::Ratios { stiffness: 0.8, dashpot: 0.3 };
+    let impact = ImpactRule::Walton { tangential_restitution: 0.4 };
+    scene.rotation = Some(Rotation { tangential: TangentialLaw::Linear(law), impact });
+    scene.let_rotate(&mut particles);
+    // spins of some 1000 rad/s along the velocities of others
+    let other: Vec<_> = particles.velocity.iter().rev().map(|velocity| velocity * 2000.0).collect();
+    particles.spin = Some(other);
     (scene, particles)
 }
 
@@ -368,6 +381,29 @@ fn processes_that_share_a_run_give_the_bits_of_one() {
             time,
         );
         same_bits_over_processes(&format!("{name} hybrid"), &of, &hybrid, time);
+    }
+}
+
+#[test]
+fn rough_spheres_have_the_same_bits_in_any_order_of_the_store_and_on_any_number_of_processes() {
+    let law = ContactLaw::linear(3000.0);
+    let local = || local(3000.0, 2e-7, Integrator::VelocityVerlet);
+    let hybrid = || -> Box<dyn Engine> { Box::new(Hybrid::new(law, Integrator::VelocityVerlet, 2e-7, 1.0)) };
+    let uniform = || support_soft(Integrator::VelocityVerlet);
+    let crowded = rough(scene(3000, 0.06));
+    same_bits("hard", &crowded, &|| Box::new(Hard::with_islands()), true);
+    same_bits("soft", &crowded, &local, true);
+    same_bits("hybrid", &crowded, &hybrid, true);
+    let dense = rough(scene(3000, 0.3));
+    same_bits("hard", &dense, &|| Box::new(Hard::with_one_calendar()), false);
+    same_bits("soft", &dense, &uniform, false);
+    same_bits_over_processes("hard", &crowded, &|| Box::new(Hard::with_islands()), (1e-3, 10));
+    same_bits_over_processes("soft", &crowded, &local, (1e-3, 10));
+    same_bits_over_processes("hybrid", &crowded, &hybrid, (1e-3, 10));
+    same_bits_over_processes("uniform", &dense, &uniform, (1e-3, 10));
+    let alone = uniform::left_and_resumed([None, None], &dense);
+    for sizes in [[Some(2), None], [None, Some(3)], [Some(3), Some(2)]] {
+        assert_eq!(uniform::left_and_resumed(sizes, &dense), alone, "{sizes:?}");
     }
 }
 

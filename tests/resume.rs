@@ -10,7 +10,7 @@ use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
 /// Every engine, with a length that takes it some tenths of a second.
-const WAYS: [(&str, &[&str]); 9] = [
+const WAYS: [(&str, &[&str]); 12] = [
     ("hard", &["--model=hard", "--set=run.duration=4 s"]),
     ("hard, contact time", &["--model=hard", "--set=run.duration=4 s", "--set=hard.contact_time=1e-6 s"]),
     (
@@ -21,6 +21,35 @@ const WAYS: [(&str, &[&str]); 9] = [
             "--set=particles[0].count=30",
             "--every=20 ms",
             "--set=output.format=both",
+        ],
+    ),
+    (
+        "hard, rough",
+        &[
+            "--model=hard",
+            "--set=run.duration=4 s",
+            "--set=contact.friction=0.3",
+            "--set=hard.friction.walton.tangential_restitution=0.4",
+        ],
+    ),
+    (
+        "uniform, rough",
+        &[
+            "--model=soft",
+            "--set=run.duration=0.3 s",
+            "--set=soft.stepping=uniform",
+            "--set=contact.friction=0.3",
+            "--set=soft.tangential.linear.stiffness_ratio=0.8",
+        ],
+    ),
+    (
+        "local, rough",
+        &[
+            "--model=soft",
+            "--set=run.duration=3 s",
+            "--set=soft.stepping=local",
+            "--set=contact.friction=0.3",
+            "--set=soft.tangential.linear.tangential_restitution=0.5",
         ],
     ),
     ("stepped hard", &["--model=hard", "--set=run.duration=8 s", "--set=hard.stepping=steps"]),

@@ -137,7 +137,9 @@ fn particles_in_words(text: &mut String, experiment: &Experiment, scene: &Scene)
         volume_fraction(experiment, scene),
         surface(&scene.contact)
     );
-    if rests_by_friction(scene) {
+    if let Some(rotation) = &scene.rotation {
+        let _ = writeln!(text, "Particles rotate: {rotation}.");
+    } else if rests_by_friction(scene) {
         text.push_str("Particles do not rotate: columns and heaps that friction holds stand or fall otherwise than those of particles that do.\n");
     }
     for (species, other, meeting) in scene.pairs.iter() {

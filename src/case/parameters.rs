@@ -1,7 +1,7 @@
 //! Every resolved parameter in SI, as JSON.
 
 use crate::contact_law::ContactLaw;
-use crate::experiment::{Amount, AverageFrom, Experiment, HardStepping, SoftSettings, TimeStep};
+use crate::experiment::{Amount, AverageFrom, Experiment, HardStepping, TimeStep};
 use crate::fluid::{Fluid, Profile};
 use crate::scene::{Kind, Meeting, Scene, Surface};
 use crate::walls::Wall;
@@ -21,11 +21,8 @@ pub fn parameters(experiment: &Experiment) -> Value {
         "particles": particles(experiment),
         "walls": scene.walls.iter().map(wall).collect::<Vec<_>>(),
         "contact": contact(experiment),
-        "soft": soft(&experiment.soft),
-        "hard": match experiment.hard.stepping {
-            HardStepping::Events => json!({ "stepping": "events", "contact_time": experiment.hard.contact_time }),
-            HardStepping::Steps { theta } => json!({ "stepping": "steps", "theta": theta }),
-        },
+        "soft": soft(experiment),
+        "hard": hard(experiment),
         "run": {
             "model": experiment.model(),
             "duration": experiment.run.duration,
@@ -41,7 +38,8 @@ pub fn parameters(experiment: &Experiment) -> Value {
 }
 
 /// The settings of the soft engine, with the contact law as a table of its own, as in a case.
-fn soft(soft: &SoftSettings) -> Value {
+fn soft(experiment: &Experiment) -> Value {
+    let soft = &experiment.soft;
     let mut value = json!({
         "steps_per_contact": match soft.time_step { TimeStep::PerContact(n) => Some(n), TimeStep::Fixed(_) => None },
         "time_step": match soft.time_step { TimeStep::Fixed(dt) => Some(dt), TimeStep::PerContact(_) => None },
@@ -49,10 +47,25 @@ fn soft(soft: &SoftSettings) -> Value {
         "integrator": soft.integrator,
         "allow_unstable": soft.allow_unstable,
     });
+    if let Some(rotation) = &experiment.scene.rotation {
+        value["tangential"] = json!(rotation.tangential);
+    }
     if let Some(law) = &soft.law {
         let values = law.parameters();
         let table = values.iter().map(|parameter| (parameter.key.to_owned(), json!(parameter.value)));
         value[law.parameter().law] = table.collect();
+    }
+    value
+}
+
+/// The settings of the hard engine, with its impact rule where spheres rotate.
+fn hard(experiment: &Experiment) -> Value {
+    let mut value = match experiment.hard.stepping {
+        HardStepping::Events => json!({ "stepping": "events", "contact_time": experiment.hard.contact_time }),
+        HardStepping::Steps { theta } => json!({ "stepping": "steps", "theta": theta }),
+    };
+    if let Some(rotation) = &experiment.scene.rotation {
+        value["friction"] = json!(rotation.impact);
     }
     value
 }
@@ -70,6 +83,7 @@ fn surface(surface: &Surface) -> Value {
 fn contact(experiment: &Experiment) -> Value {
     let scene = &experiment.scene;
     let mut value = surface(&scene.contact);
+    value["rotation"] = json!(scene.rotation.is_some());
     let pair = |(species, other, meeting): &(u16, Kind, Meeting)| {
         let mut value = surface(&meeting.surface);
         let other = match other {
@@ -150,6 +164,9 @@ fn particles(experiment: &Experiment) -> Vec<Value> {
                 "start": match population.amount { Amount::Count(_) => "random", Amount::Placed(_) => "placed" },
                 "velocity_mean": three(&population.velocity_mean),
                 "velocity_fluctuation": three(&population.velocity_fluctuation),
+                "inertia_factor": species.inertia_factor,
+                "spin_mean": three(&population.spin_mean),
+                "spin_fluctuation": population.spin_fluctuation,
                 "stokes_time": scene.fluid.as_ref().map(|fluid| fluid.sphere(species).stokes_time),
             }))
         })

@@ -53,7 +53,7 @@ pub fn effects(scene: &Scene, plan: &RunPrediction) -> Vec<Effect> {
         // 2/7 = 1/(1 + m r²/I) with I = 2/5 m r²: the share that a solid sphere that sticks passes on to its spin
         "share of the tangential speed that an impact at 45 degrees passes between translation and spin, min(μ(1+e), 2/7)",
         Some(slip),
-        false,
+        scene.rotation.is_some(),
     )];
     if let Some(shrink) = plan.softness {
         let measure = "cross-section lost against hard spheres of the same diameter, 2 sqrt(π m T/(2k))/d";

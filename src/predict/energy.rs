@@ -10,6 +10,7 @@ use crate::experiment::{Experiment, Integrator, SoftStepping};
 use crate::neighbours::overlapping;
 use crate::particles::{Particles, Sample};
 use crate::record::Record;
+use crate::rotation::TangentialSpring;
 use crate::scene::{Scene, Species};
 use rustc_hash::FxHashMap;
 use serde::{Deserialize, Serialize};
@@ -69,6 +70,9 @@ pub fn too_long(experiment: &Experiment, particles: usize, step: f64) -> Option<
         let reduced = law.frequency(&spring, speed) * step;
         let damping = law.damping_ratio(&spring, speed);
         let of_schemes = || schemes.iter().map(|scheme| stability_limit(scheme.method, damping));
+        let (reduced, damping) = tangential(experiment, &law, bodies, step)
+            .filter(|of_slip| of_slip.0 > reduced)
+            .unwrap_or((reduced, damping));
         let limit = limits.entry(damping.to_bits()).or_insert_with(|| of_schemes().fold(f64::INFINITY, f64::min));
         (reduced, *limit)
     };
@@ -79,6 +83,17 @@ pub fn too_long(experiment: &Experiment, particles: usize, step: f64) -> Option<
     let unstable = step.is_finite() && reduced > limit;
     let limit = Some(limit).filter(|limit| *limit > 0.0);
     unstable.then_some(Failure::StepTooLong { time: 0.0, wall, step, reduced, limit })
+}
+
+/// Frequency of the tangential spring times the step, and its damping ratio [-]; `None` without one.
+fn tangential(experiment: &Experiment, law: &ContactLaw, bodies: &Bodies, step: f64) -> Option<(f64, f64)> {
+    let scene = &experiment.scene;
+    let rotation = scene.rotation.as_ref().filter(|rotation| rotation.tangential.has_memory())?;
+    let lightest = scene.species.iter().map(|species| species.inertia_factor).reduce(f64::min)?;
+    let (spring, mass) = (law.between(bodies), bodies.effective_mass * lightest / (1.0 + lightest));
+    let TangentialSpring { stiffness, dashpot, .. } = rotation.tangential.between(|| law.normal_spring(&spring), mass);
+    let frequency = (stiffness / mass).sqrt();
+    Some((frequency * step, 0.5 * dashpot / (mass * frequency)))
 }
 
 /// The failure of a contact law of the caller's that breaks a contract between two bodies of the scene; `None` if it keeps all.

@@ -71,6 +71,17 @@ impl ImpactRule {
     }
 }
 
+impl std::fmt::Display for ImpactRule {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Walton { tangential_restitution } => {
+                write!(f, "by Walton's rule with a tangential restitution of {tangential_restitution}")
+            }
+            Self::OfSpring(_) => write!(f, "by the rule of that spring"),
+        }
+    }
+}
+
 impl Serialize for ImpactRule {
     /// Serializes the rule as its table of the case; the rule of a spring follows from the tangential law beside it.
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {

@@ -30,6 +30,12 @@ pub struct Rotation {
     pub impact: ImpactRule,
 }
 
+impl std::fmt::Display for Rotation {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "soft contacts with {}, hard impacts {}", self.tangential, self.impact)
+    }
+}
+
 /// [kg] effective mass M_t of the slip of two bodies: 1/M_t = Σ (1/m)(1 + m r²/I), from mass m [kg], radius r [m] and moment of inertia I [kg m²] of
 /// each. A wall has none. For two solid spheres M_t = (2/7) M.
 pub fn tangential_mass(bodies: impl IntoIterator<Item = (f64, f64, f64)>) -> f64 {

@@ -76,6 +76,21 @@ impl TangentialLaw {
     }
 }
 
+impl std::fmt::Display for TangentialLaw {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Coulomb => write!(f, "friction without memory"),
+            Self::Linear(LinearTangential::Ratios { stiffness, dashpot }) => {
+                write!(f, "a tangential spring of {stiffness} times the normal stiffness")?;
+                if *dashpot > 0.0 { write!(f, " and a dashpot of {dashpot} times the normal one") } else { Ok(()) }
+            }
+            Self::Linear(LinearTangential::Restitution(restitution)) => {
+                write!(f, "a tangential spring and dashpot for a tangential restitution of {restitution}")
+            }
+        }
+    }
+}
+
 impl TangentialSpring {
     /// [N] largest tangential force, from the `friction` μ [-] and the normal force [N]: μ max(f_n, 0).
     #[inline(always)]

@@ -43,7 +43,7 @@ fn who_looks_at_shared_uniform_steps_sees_what_one_process_shows() {
 }
 
 /// A run of uniform steps that is left on the way by some processes, and gone on with by others; of one process for `None`.
-fn left_and_resumed(sizes: [Option<usize>; 2], of: &(Scene, Particles)) -> (u64, Ledger) {
+pub fn left_and_resumed(sizes: [Option<usize>; 2], of: &(Scene, Particles)) -> (u64, Ledger) {
     const WINDOWS: u64 = 12;
     let (window, left) = (1e-3 / WINDOWS as f64, 5);
     let part = |size: Option<usize>, snapshot: Option<&Snapshot>| -> (Snapshot, (u64, Ledger)) {
