@@ -4,7 +4,7 @@
 //! order of blocks, so they are the same for any number of threads. The record of a contact keeps its place in memory
 //! as long as the contact lasts. Only an index of eight bytes per contact is sorted by slot and rebuilt at every step.
 
-use super::contact::{Contact, ContactForce, ContactState, TouchingPair};
+use super::contact::{Contact, ContactConstants, ContactForce, ContactState, TouchingPair};
 use super::contacts::ContactSearch;
 use super::pushes::{ForceBuffer, ForceIncrement, StoreIndex};
 use super::records::Records;
@@ -158,8 +158,8 @@ impl ContactBlock {
     /// Contacts in progress, in ascending order of slot; `couples` must be those of [`couples`](Self::couples).
     pub fn contacts(&self, couples: impl Iterator<Item = Couple>) -> impl Iterator<Item = Contact> {
         self.touching.iter().zip(couples).map(|(&TouchingSlot { slot, record }, couple)| {
-            let (touch, course) = self.records.whole(record, couple);
-            Contact { slot, touch, course }
+            let (constants, course) = self.records.whole(record);
+            Contact { slot, touch: TouchingPair { couple, constants: *constants }, course }
         })
     }
 
@@ -290,24 +290,27 @@ impl ContactBlock {
         let Self { touching, records, sums, pushes, .. } = self;
         if view.scene.rotation.is_some() {
             for TouchingSlot { slot, record } in touching.iter() {
-                let (touch, course) = records.whole(*record, view.list.couple(*slot as usize));
-                let course = look_rotating((&touch, course), view, law, (sums, rows, pushes));
-                if touch.tangential.stiffness > 0.0 {
+                let couple = view.list.couple(*slot as usize);
+                let (constants, course) = records.whole(*record);
+                let remembers = constants.tangential.stiffness > 0.0;
+                let course = look_rotating((&couple, constants, course), view, law, (sums, rows, pushes));
+                if remembers {
                     *records.shear_mut(*record) = course.shear;
                 }
-                records.get_mut(*record, touch.couple).1.update(&course);
+                records.get_mut(*record).1.update(&course);
             }
             return;
         }
         for some in touching.chunks(BATCH) {
             let mut met = [Encounter::default(); BATCH];
             for (met, TouchingSlot { slot, record }) in met.iter_mut().zip(some) {
-                *met = meet(&records.get(*record, view.list.couple(*slot as usize)).0, view);
+                *met = meet(&view.list.couple(*slot as usize), records.get(*record).0, view);
             }
             for (met, TouchingSlot { slot, record }) in met.iter().zip(some) {
-                let (touch, kept) = records.get_mut(*record, view.list.couple(*slot as usize));
+                let (constants, kept) = records.get_mut(*record);
                 let mut course = kept.course();
-                look((&touch, &mut course), met, view, law, (sums, rows, pushes));
+                let couple = view.list.couple(*slot as usize);
+                look((&couple, constants, &mut course), met, view, law, (sums, rows, pushes));
                 kept.update(&course);
             }
         }
@@ -323,15 +326,16 @@ impl ContactBlock {
             }
             match self.touching.get(next).filter(|touch| touch.slot == slot) {
                 Some(touch) => {
-                    let (bodies, mut aside) = self.records.get(touch.record, view.list.couple(slot as usize));
-                    let met = meet(&bodies, view);
-                    look((&bodies, &mut aside), &met, view, law, (&mut self.sums, rows, &mut self.pushes));
+                    let (constants, mut aside) = self.records.get(touch.record);
+                    let couple = view.list.couple(slot as usize);
+                    let met = meet(&couple, constants, view);
+                    look((&couple, constants, &mut aside), &met, view, law, (&mut self.sums, rows, &mut self.pushes));
                 }
                 None => {
                     let mut contact = self.open(slot, view, law);
-                    let met = meet(&contact.touch, view);
-                    let Contact { touch, course, .. } = &mut contact;
-                    look((touch, course), &met, view, law, (&mut self.sums, rows, &mut self.pushes));
+                    let Contact { touch: TouchingPair { couple, constants }, course, .. } = &mut contact;
+                    let met = meet(couple, constants, view);
+                    look((couple, constants, course), &met, view, law, (&mut self.sums, rows, &mut self.pushes));
                     self.foreseen.push(contact);
                 }
             }
@@ -342,7 +346,7 @@ impl ContactBlock {
     fn open(&self, slot: u32, view: ContactSearch, law: &ContactLaw) -> Contact {
         let ContactSearch { list, at, .. } = view;
         let touch = view.touching(list.couple(slot as usize), law);
-        let met = meet(&touch, view);
+        let met = meet(&touch.couple, &touch.constants, view);
         // if a predicted state met the contact first, its force has acted already: the speed of approach is that of
         // this state
         let foreseen = self.foreseen.binary_search_by_key(&slot, |contact| contact.slot);
@@ -358,25 +362,27 @@ impl ContactBlock {
     /// Records the impact of a contact that no longer overlaps, and removes the contact.
     fn close(&mut self, TouchingSlot { slot, record }: TouchingSlot, view: ContactSearch, rows: &mut ContactRows) {
         let ContactSearch { list, at, .. } = view;
-        let (touch, course) = self.records.whole(record, list.couple(slot as usize));
-        let counts = view.counts(&touch.couple);
+        let couple = list.couple(slot as usize);
+        let (&constants, course) = self.records.whole(record);
+        let counts = view.counts(&couple);
         if counts && course.shear != Vector3::zeros() {
             // friction takes what the tangential spring still holds
-            let lost = ContactForce::lost(touch.tangential.energy(&course.shear) / at.dt);
-            rows.add(&touch.couple, &lost, (view.scene, at.remaining), &mut self.sums.rows);
+            let lost = ContactForce::lost(constants.tangential.energy(&course.shear) / at.dt);
+            rows.add(&couple, &lost, (view.scene, at.remaining), &mut self.sums.rows);
         }
         self.records.forget(record);
         // a contact first seen while it opens (a start with overlap) is no impact
         if course.normal_speed <= 0.0 || !counts {
             return;
         }
-        let met = meet(&touch, view);
+        let met = meet(&couple, &constants, view);
         // a particle that has moved far in one step may be out of reach of the surface, which then has no normal
         let before = course.normal.filter(|_| met.normal == Vector3::zeros());
         let normal = before.map_or(met.normal, |normal| normal.cast());
         let rebound = met.velocity.dot(&normal);
-        let (species, other) = view.kinds(&touch.couple);
-        self.ended.push((Between::of(species, other), course.impact(touch.diameter, rebound, at.start + at.elapsed)));
+        let (species, other) = view.kinds(&couple);
+        self.ended
+            .push((Between::of(species, other), course.impact(constants.diameter, rebound, at.start + at.elapsed)));
     }
 }
 
@@ -393,30 +399,31 @@ pub fn first_named(one: Option<Failure>, other: Failure) -> Failure {
 
 /// Encounter of two bodies at the time of an evaluation.
 #[inline(always)]
-fn meet(touch: &TouchingPair, view: ContactSearch) -> Encounter {
-    touch.couple.meet_at(touch.reach, view.particles, view.scene, FrameTime::fallen(view.at.fall))
+fn meet(couple: &Couple, constants: &ContactConstants, view: ContactSearch) -> Encounter {
+    couple.meet_at(constants.reach, view.particles, view.scene, FrameTime::fallen(view.at.fall))
 }
 
 /// Updates the state of a contact between bodies that rotate, and adds its force and its torque to the sums. Returns the new state.
 fn look_rotating(
-    (touch, mut course): (&TouchingPair, ContactState),
+    (couple, constants, mut course): (&Couple, &ContactConstants, ContactState),
     view: ContactSearch,
     law: &ContactLaw,
     (sums, rows, pushes): (&mut ForceSums, &mut ContactRows, &mut ForceBuffer),
 ) -> ContactState {
     let ContactSearch { particles, scene, at, .. } = view;
-    let met = meet(touch, view);
-    if let Err(failure) = course.check(touch, &met, (particles, scene), (at.start + at.elapsed, at.dt)) {
+    let met = meet(couple, constants, view);
+    if let Err(failure) = course.check(couple, constants, &met, (particles, scene), (at.start + at.elapsed, at.dt)) {
         sums.failure = Some(first_named(sums.failure.take(), failure));
     }
-    let RotatingForce { force, torque, shear } = touch.rotating_force(law, &met, (particles, scene), &course, &at);
+    let RotatingForce { force, torque, shear } =
+        constants.rotating_force(couple, law, &met, (particles, scene), &course, &at);
     course.note(&met);
     course.overlap_time += met.overlap() * at.dt;
     course.shear = shear;
-    if view.counts(&touch.couple) {
-        rows.add(&touch.couple, &force, (scene, at.remaining), &mut sums.rows);
+    if view.counts(couple) {
+        rows.add(couple, &force, (scene, at.remaining), &mut sums.rows);
     }
-    let increment = ForceIncrement { i: touch.couple.i, j: touch.couple.j().map(StoreIndex::of), force: force.on_i };
+    let increment = ForceIncrement { i: couple.i, j: couple.j().map(StoreIndex::of), force: force.on_i };
     pushes.add_rotating(increment, torque);
     course
 }
@@ -424,25 +431,25 @@ fn look_rotating(
 /// Updates the state of a contact, and adds its force to the sums.
 #[inline(always)]
 fn look(
-    (touch, course): (&TouchingPair, &mut ContactState),
+    (couple, constants, course): (&Couple, &ContactConstants, &mut ContactState),
     met: &Encounter,
     view: ContactSearch,
     law: &ContactLaw,
     (sums, rows, pushes): (&mut ForceSums, &mut ContactRows, &mut ForceBuffer),
 ) {
     let ContactSearch { particles, scene, at, .. } = view;
-    if let Err(failure) = course.check(touch, met, (particles, scene), (at.start + at.elapsed, at.dt)) {
+    if let Err(failure) = course.check(couple, constants, met, (particles, scene), (at.start + at.elapsed, at.dt)) {
         sums.failure = Some(first_named(sums.failure.take(), failure));
     }
     course.note(met);
     // contacts begin at any phase of a step, so on average the sum is the integral
     course.overlap_time += met.overlap() * at.dt;
-    let force = touch.force(law, met, scene, at.dt, at.to_middle);
+    let force = constants.force(couple, law, met, scene, [at.dt, at.to_middle]);
     if !at.travel_is_exact {
-        sums.elastic_energy += law.stored_energy(&touch.spring, met.overlap());
+        sums.elastic_energy += law.stored_energy(&constants.spring, met.overlap());
     }
-    if view.counts(&touch.couple) {
-        rows.add(&touch.couple, &force, (scene, at.remaining), &mut sums.rows);
+    if view.counts(couple) {
+        rows.add(couple, &force, (scene, at.remaining), &mut sums.rows);
     }
-    pushes.add(ForceIncrement { i: touch.couple.i, j: touch.couple.j().map(StoreIndex::of), force: force.on_i });
+    pushes.add(ForceIncrement { i: couple.i, j: couple.j().map(StoreIndex::of), force: force.on_i });
 }

@@ -38,12 +38,10 @@ fn refused(couple: Couple, particles: &Particles, time: f64, (ratio, limit): (f6
     Failure::OverlapTooLarge { time, particle, partner, ratio, limit, way: None }
 }
 
-/// Constants of a contact between two bodies.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-pub struct TouchingPair {
-    /// The two bodies that touch.
-    pub couple: Couple,
-    /// The constants of the contact law between them.
+/// Constants of a contact between two bodies, whichever particles these are.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ContactConstants {
+    /// Constants of the normal law.
     pub spring: Spring,
     /// [m] smaller diameter.
     pub diameter: f64,
@@ -53,6 +51,23 @@ pub struct TouchingPair {
     pub reach: f64,
     /// Constants of the tangential law, if spheres rotate.
     pub tangential: TangentialSpring,
+}
+
+/// Two bodies that touch, and the constants of their contact.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub struct TouchingPair {
+    /// The two bodies that touch.
+    pub couple: Couple,
+    /// Constants of their contact.
+    pub constants: ContactConstants,
+}
+
+impl std::ops::Deref for TouchingPair {
+    type Target = ContactConstants;
+
+    fn deref(&self) -> &ContactConstants {
+        &self.constants
+    }
 }
 
 /// A contact that has begun and not ended.
@@ -125,12 +140,13 @@ impl ContactState {
     #[inline(always)]
     pub fn check(
         &self,
-        touch: &TouchingPair,
+        couple: &Couple,
+        constants: &ContactConstants,
         met: &Encounter,
         (particles, scene): (&Particles, &Scene),
         (time, dt): (f64, f64),
     ) -> Result<(), Failure> {
-        let TouchingPair { couple, diameter, .. } = *touch;
+        let ContactConstants { diameter, .. } = *constants;
         let limit = overlap_limit(couple.is_flat(scene));
         let ratio = met.overlap() / diameter;
         let turned = self.normal.is_some_and(|normal| normal.cast().dot(&met.normal) < 0.0);
@@ -138,9 +154,9 @@ impl ContactState {
             return Ok(());
         }
         if ratio <= limit {
-            return self.refuse_to_pass(touch, met, (particles, scene), (time, dt));
+            return self.refuse_to_pass(couple, constants, met, (particles, scene), (time, dt));
         }
-        Err(refused(couple, particles, time, (ratio, limit)))
+        Err(refused(*couple, particles, time, (ratio, limit)))
     }
 
     /// Refuses a normal that has turned round because the centre passed the other body.
@@ -151,7 +167,8 @@ impl ContactState {
     #[cold]
     fn refuse_to_pass(
         &self,
-        touch: &TouchingPair,
+        couple: &Couple,
+        constants: &ContactConstants,
         met: &Encounter,
         (particles, scene): (&Particles, &Scene),
         (time, dt): (f64, f64),
@@ -159,11 +176,11 @@ impl ContactState {
         /// [-] bound on the speed during a step over the speed at its end. In a contact of some twenty steps the ratio
         /// is smaller.
         const FASTER: f64 = 2.0;
-        let TouchingPair { couple, diameter, reach, .. } = *touch;
+        let ContactConstants { diameter, reach, .. } = *constants;
         let (i, limit) = (couple.i as usize, overlap_limit(false));
         let Other::Wall(at) = couple.other else {
             // between the two evaluations the centres of a pair have passed each other
-            return Err(refused(couple, particles, time, (met.overlap().max(self.overlap) / diameter, limit)));
+            return Err(refused(*couple, particles, time, (met.overlap().max(self.overlap) / diameter, limit)));
         };
         let way = (met.velocity + scene.walls[at.wall as usize].velocity).norm() * dt;
         let distances = (reach - self.overlap) + (reach - met.overlap());
@@ -238,7 +255,7 @@ pub struct Rates {
 /// for memory, because the data of two particles stand far apart there.
 #[derive(Clone, Copy, Debug)]
 pub struct Alike {
-    touch: TouchingPair,
+    constants: ContactConstants,
     species: u16,
     /// [kg] mass of each particle.
     pub mass: f64,
@@ -253,14 +270,14 @@ impl Alike {
         let alike = particles.len() > 1 && one_species && all(&particles.radius) && all(&particles.mass);
         let alike = alike && particles.inertia.as_ref().is_none_or(|inertia| all(inertia));
         alike.then(|| {
-            let touch = TouchingPair::new(Couple::pair(0, 1), particles, scene, law);
-            Self { touch, species, mass: particles.mass[0] }
+            let constants = ContactConstants::new(&Couple::pair(0, 1), particles, scene, law);
+            Self { constants, species, mass: particles.mass[0] }
         })
     }
 
     /// Constants of the contact between the two particles of `couple`.
     pub fn touching(&self, couple: Couple) -> TouchingPair {
-        TouchingPair { couple, ..self.touch }
+        TouchingPair { couple, constants: self.constants }
     }
 
     /// Species of one particle and kind of the other: all particles are of one species.
@@ -270,43 +287,46 @@ impl Alike {
 }
 
 impl TouchingPair {
-    /// Constants of two bodies under a contact law.
+    /// Two bodies with their constants under a contact law.
     pub fn new(couple: Couple, particles: &Particles, scene: &Scene, law: &ContactLaw) -> Self {
+        Self { couple, constants: ContactConstants::new(&couple, particles, scene, law) }
+    }
+
+    /// [`ContactConstants::force`] of these two bodies.
+    #[inline(always)]
+    pub fn force(&self, law: &ContactLaw, met: &Encounter, scene: &Scene, times: [f64; 2]) -> ContactForce {
+        self.constants.force(&self.couple, law, met, scene, times)
+    }
+}
+
+impl ContactConstants {
+    /// Constants of two bodies under a contact law.
+    pub fn new(couple: &Couple, particles: &Particles, scene: &Scene, law: &ContactLaw) -> Self {
         let spring = law.between(&couple.bodies(particles, scene));
         let friction = couple.surface(particles, scene).friction;
         let diameter = couple.diameter(particles);
         let tangential = scene.rotation.as_ref().map_or_else(TangentialSpring::default, |rotation| {
             rotation.tangential.between(|| law.normal_spring(&spring), couple.tangential_mass(particles))
         });
-        Self { couple, spring, diameter, friction, reach: couple.reach(particles), tangential }
-    }
-
-    /// True if both contacts have the same constants; their bodies may differ.
-    pub fn is_like(&self, other: &Self) -> bool {
-        let of = |touch: &Self| (touch.spring, touch.diameter, touch.friction, touch.reach, touch.tangential);
-        of(self) == of(other)
+        Self { spring, diameter, friction, reach: couple.reach(particles), tangential }
     }
 
     /// [m/s²] relative acceleration of the two bodies along their surfaces by gravity, which walls do not feel.
     #[inline(always)]
-    pub(super) fn pull_along(&self, met: &Encounter, scene: &Scene) -> Vector3<f64> {
-        if self.couple.is_wall() {
-            scene.gravity - met.normal * scene.gravity.dot(&met.normal)
-        } else {
-            Vector3::zeros()
-        }
+    pub(super) fn pull_along(couple: &Couple, met: &Encounter, scene: &Scene) -> Vector3<f64> {
+        if couple.is_wall() { scene.gravity - met.normal * scene.gravity.dot(&met.normal) } else { Vector3::zeros() }
     }
 
-    /// Force of the contact. Friction acts for `time_step` [s]. Powers are taken `to_middle` [s] after the time of
-    /// these velocities.
+    /// Force of the contact of two bodies. Friction acts for a time step [s], the first of the times. Powers are taken the second of them [s], `to_middle`,
+    /// after the time of these velocities.
     #[inline(always)]
     pub fn force(
         &self,
+        couple: &Couple,
         law: &ContactLaw,
         met: &Encounter,
         scene: &Scene,
-        time_step: f64,
-        to_middle: f64,
+        [time_step, to_middle]: [f64; 2],
     ) -> ContactForce {
         let m = self.spring.effective_mass;
         let (elastic, viscous) = law.force(&self.spring, met.overlap(), met.normal_velocity);
@@ -314,14 +334,14 @@ impl TouchingPair {
         let mut on_i = met.normal * normal;
         let mut friction_power = 0.0;
         if self.friction > 0.0 {
-            let slip = Slip { velocity: met.slip(), acceleration: self.pull_along(met, scene) };
+            let slip = Slip { velocity: met.slip(), acceleration: Self::pull_along(couple, met, scene) };
             if let Some(friction) = coulomb(self.friction, normal, &slip, m, [time_step, to_middle]) {
                 on_i -= friction.force;
                 friction_power = friction.power;
             }
         }
         let restitution_power = -viscous * (met.normal_velocity + to_middle * normal / m);
-        let wall_power = self.couple.driven(&on_i, scene);
+        let wall_power = couple.driven(&on_i, scene);
         let arm = met.normal * (self.reach + met.gap);
         ContactForce { on_i, normal, restitution_power, friction_power, wall_power, arm }
     }

@@ -1,8 +1,7 @@
 //! Compact records of the contacts in progress of one block. Most contacts are between bodies of the same kinds, whose
 //! constants are held once.
 
-use super::contact::{ContactState, TouchingPair};
-use crate::encounter::Couple;
+use super::contact::{ContactConstants, ContactState};
 use nalgebra::Vector3;
 
 /// Number of kinds of contacts whose constants are held once for all contacts of that kind. Contacts of further kinds
@@ -71,8 +70,8 @@ pub struct Records {
     kept: Vec<Vec<PackedContact>>,
     /// Indices in `kept` that hold no contact.
     free: Vec<u32>,
-    /// Constants of contacts; the two bodies named there have no meaning.
-    constants: Vec<TouchingPair>,
+    /// Constants of contacts.
+    constants: Vec<ContactConstants>,
     /// Indices in `constants` from `SHARED` on that no contact uses.
     unused: Vec<u32>,
     /// [m] shears of the contacts in `kept`, in chunks as they are, where tangential springs remember; else empty.
@@ -81,7 +80,7 @@ pub struct Records {
 
 impl Records {
     /// Stores a contact; returns its index.
-    pub fn keep(&mut self, touch: &TouchingPair, course: ContactState) -> u32 {
+    pub fn keep(&mut self, touch: &ContactConstants, course: ContactState) -> u32 {
         let constants = self.constants_of(touch);
         let kept = PackedContact::new(constants, &course);
         let place = self.store(kept);
@@ -116,9 +115,9 @@ impl Records {
     }
 
     /// Index of the constants of a contact, which are added if they are new.
-    fn constants_of(&mut self, touch: &TouchingPair) -> u32 {
+    fn constants_of(&mut self, touch: &ContactConstants) -> u32 {
         let shared = &self.constants[..self.constants.len().min(SHARED)];
-        if let Some(like) = shared.iter().position(|other| other.is_like(touch)) {
+        if let Some(like) = shared.iter().position(|other| other == touch) {
             return like as u32;
         }
         match self.unused.pop() {
@@ -138,27 +137,26 @@ impl Records {
         &mut self.kept[place as usize / CHUNK][place as usize % CHUNK]
     }
 
-    /// Constants and packed record of the contact at index `place` between the bodies of `couple`.
-    /// [`PackedContact::update`] changes the record.
+    /// Constants and packed record of the contact at index `place`. [`PackedContact::update`] changes the record.
     #[inline(always)]
-    pub fn get_mut(&mut self, place: u32, couple: Couple) -> (TouchingPair, &mut PackedContact) {
+    pub fn get_mut(&mut self, place: u32) -> (&ContactConstants, &mut PackedContact) {
         let kept = &mut self.kept[place as usize / CHUNK][place as usize % CHUNK];
-        (TouchingPair { couple, ..self.constants[kept.constants as usize] }, kept)
+        (&self.constants[kept.constants as usize], kept)
     }
 
-    /// Constants and present state of the contact at index `place` between the bodies of `couple`.
+    /// Constants and present state of the contact at index `place`, without its shear.
     #[inline(always)]
-    pub fn get(&self, place: u32, couple: Couple) -> (TouchingPair, ContactState) {
+    pub fn get(&self, place: u32) -> (&ContactConstants, ContactState) {
         let kept = &self.kept[place as usize / CHUNK][place as usize % CHUNK];
-        (TouchingPair { couple, ..self.constants[kept.constants as usize] }, kept.course())
+        (&self.constants[kept.constants as usize], kept.course())
     }
 
-    /// Constants and present state, with its shear, of the contact at index `place` between the bodies of `couple`.
-    pub fn whole(&self, place: u32, couple: Couple) -> (TouchingPair, ContactState) {
-        let (touch, course) = self.get(place, couple);
+    /// Constants and present state of the contact at index `place`, with its shear.
+    pub fn whole(&self, place: u32) -> (&ContactConstants, ContactState) {
+        let (constants, course) = self.get(place);
         let shear =
             self.shears.get(place as usize / CHUNK).map_or_else(Vector3::zeros, |some| some[place as usize % CHUNK]);
-        (touch, ContactState { shear, ..course })
+        (constants, ContactState { shear, ..course })
     }
 
     /// Removes the contact at index `place`.
@@ -175,44 +173,34 @@ impl Records {
 mod tests {
     use super::*;
     use crate::contact_law::Spring;
-    use crate::encounter::Other;
 
-    const ANY: Couple = Couple { i: 0, other: Other::Particle(1) };
-
-    fn touch(j: u32, stiffness: f64) -> TouchingPair {
+    fn touch(stiffness: f64) -> ContactConstants {
         let spring = Spring { effective_mass: 1.0, restitution: 0.9, stiffness, dashpot: 0.1 };
-        TouchingPair {
-            couple: Couple::pair(0, j),
-            spring,
-            diameter: 1.0,
-            friction: 0.0,
-            reach: 1.0,
-            tangential: Default::default(),
-        }
+        ContactConstants { spring, diameter: 1.0, friction: 0.0, reach: 1.0, tangential: Default::default() }
     }
 
     #[test]
     fn contacts_keep_their_constants_however_many_kinds_there_are_and_places_are_used_again() {
         let mut records = Records::default();
         let places: Vec<u32> =
-            (0..300).map(|j| records.keep(&touch(j, f64::from(j % 150)), ContactState::new(f64::from(j)))).collect();
+            (0..300).map(|j| records.keep(&touch(f64::from(j % 150)), ContactState::new(f64::from(j)))).collect();
         for (j, &place) in (0..).zip(&places).filter(|(j, _)| j % 3 == 0) {
-            assert!(records.get(place, ANY).0.is_like(&touch(j, f64::from(j % 150))));
+            assert!(records.get(place).0 == &touch(f64::from(j % 150)));
             records.forget(place);
         }
         let room = |records: &Records| records.kept.iter().map(Vec::len).sum::<usize>();
         let (kept, constants) = (room(&records), records.constants.len());
         let again: Vec<u32> =
-            (0..100).map(|j| records.keep(&touch(j, 1e3 + f64::from(j)), ContactState::new(0.0))).collect();
+            (0..100).map(|j| records.keep(&touch(1e3 + f64::from(j)), ContactState::new(0.0))).collect();
         assert_eq!(room(&records), kept);
         assert!(records.constants.len() < constants + 100, "constants that nobody names are not used again");
         for (j, place) in (0..).zip(again) {
-            let (found, course) = records.get(place, ANY);
-            assert!(found.is_like(&touch(j, 1e3 + f64::from(j))) && course.began == 0.0);
+            let (found, course) = records.get(place);
+            assert!(found == &touch(1e3 + f64::from(j)) && course.began == 0.0);
         }
         for (j, &place) in (0..).zip(&places).filter(|(j, _)| j % 3 != 0) {
-            let (found, course) = records.get(place, ANY);
-            assert!(found.is_like(&touch(j, f64::from(j % 150))));
+            let (found, course) = records.get(place);
+            assert!(found == &touch(f64::from(j % 150)));
             assert_eq!(course.began, f64::from(j));
         }
     }

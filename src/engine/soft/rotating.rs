@@ -1,10 +1,10 @@
 //! Tangential force of contacts between spheres that rotate, in uniform steps.
 
-use super::contact::{ContactForce, ContactState, TouchingPair};
+use super::contact::{ContactConstants, ContactForce, ContactState};
 use super::contacts::EvaluationTime;
 use crate::contact_law::ContactLaw;
 use crate::contact_law::friction::{Slip, coulomb};
-use crate::encounter::Encounter;
+use crate::encounter::{Couple, Encounter};
 use crate::particles::Particles;
 use crate::rotation::{TangentialSpring, slip, turned};
 use crate::scene::Scene;
@@ -21,11 +21,12 @@ pub struct RotatingForce {
     pub shear: Vector3<f64>,
 }
 
-impl TouchingPair {
+impl ContactConstants {
     /// Force of the contact between bodies that rotate, at the end of a step in which the surfaces have slipped for `at.shear_time` [s]. The shear is first
     /// turned with the normal and with the mean spin about it, and then grows by the slip.
     pub fn rotating_force(
         &self,
+        couple: &Couple,
         law: &ContactLaw,
         met: &Encounter,
         (particles, scene): (&Particles, &Scene),
@@ -34,9 +35,9 @@ impl TouchingPair {
     ) -> RotatingForce {
         let (elastic, viscous) = law.force(&self.spring, met.overlap(), met.normal_velocity);
         let normal = elastic + viscous;
-        let (surface, arm) = self.couple.surface_velocity(particles, self.reach, met.gap);
+        let (surface, arm) = couple.surface_velocity(particles, self.reach, met.gap);
         let slip = slip(&met.velocity, &met.normal, &surface);
-        let pull = self.pull_along(met, scene);
+        let pull = Self::pull_along(couple, met, scene);
         let spring = &self.tangential;
         let (tangential, shear) = if spring.stiffness > 0.0 {
             // a contact that has just begun has slipped only since it began
@@ -45,7 +46,7 @@ impl TouchingPair {
             } else {
                 at.shear_time
             };
-            let angle = self.couple.twist(particles, &met.normal) * since;
+            let angle = couple.twist(particles, &met.normal) * since;
             let sheared = turned(&course.shear, &met.normal, angle) + slip * since;
             spring.limited(sheared, &slip, TangentialSpring::limit(self.friction, normal))
         } else {
@@ -63,7 +64,7 @@ impl TouchingPair {
             normal,
             restitution_power: -viscous * (met.normal_velocity + at.to_middle * normal / self.spring.effective_mass),
             friction_power: tangential.dot(&in_the_middle) - kept,
-            wall_power: self.couple.driven(&on_i, scene),
+            wall_power: couple.driven(&on_i, scene),
             arm: met.normal * (self.reach + met.gap),
         };
         RotatingForce { force, torque: met.normal.cross(&tangential) * arm, shear }

@@ -490,7 +490,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
     fn deepen(&mut self, contact: usize, met: &Encounter, dt: f64) -> Result<(), Failure> {
         let contact = &mut self.scratch.contacts[contact];
         let instant = (self.window.start + self.now, dt);
-        contact.course.check(&contact.touch, met, (self.particles, self.scene), instant)?;
+        let TouchingPair { couple, constants } = &contact.touch;
+        contact.course.check(couple, constants, met, (self.particles, self.scene), instant)?;
         // integral of the cubic through both overlaps and their rates
         let course = &mut contact.course;
         let (before, growing) = (course.overlap, course.growth);
@@ -557,7 +558,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
             let force = if self.rotates() {
                 self.force_at_stage(k, &touch, &met, dt)
             } else {
-                touch.force(&self.engine.law, &met, self.scene, dt, 0.0)
+                touch.force(&self.engine.law, &met, self.scene, [dt, 0.0])
             };
             rates.count(&touch.couple, &force, weight);
             let i = touch.couple.i as usize;

@@ -4,7 +4,7 @@ use super::alone::{IsolatedContact, OrbitState};
 use super::{InstantaneousRule, IslandRun, ReachedTouch};
 use crate::encounter::{Couple, Encounter};
 use crate::engine::Failure;
-use crate::engine::soft::contact::TouchingPair;
+use crate::engine::soft::contact::{ContactConstants, TouchingPair};
 use nalgebra::Vector3;
 
 /// True if the particle at index `place` is one of the two bodies of `couple`.
@@ -17,7 +17,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
     /// several contacts, or friction, or a curved wall.
     pub(super) fn clear_time(&self, end: f64) -> f64 {
         let [contact] = self.scratch.contacts.as_slice() else { return 0.0 };
-        let TouchingPair { couple, spring, friction, .. } = contact.touch;
+        let TouchingPair { couple, constants: ContactConstants { spring, friction, .. } } = contact.touch;
         let curved = couple.is_wall() && !couple.is_flat(self.scene);
         if friction > 0.0 || curved {
             return 0.0;
