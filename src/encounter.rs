@@ -268,8 +268,10 @@ impl Couple {
     /// centres, `reach` + `gap` [m], so that a contact keeps both energy and angular momentum. At a wall the arm is the radius.
     #[inline(always)]
     pub fn surface_velocity(&self, particles: &Particles, reach: f64, gap: f64) -> (Vector3<f64>, f64) {
-        let of = |place: u32| particles.spin_of(place as usize) * particles.radius[place as usize];
+        let (radii, spins) = (&particles.radius, particles.spins());
+        let of = |place: u32| spins[place as usize] * radii[place as usize];
         match self.other {
+            _ if spins.is_empty() => (Vector3::zeros(), 1.0),
             Other::Particle(j) => {
                 let arm = 1.0 + gap / reach;
                 ((of(self.i) + of(j)) * arm, arm)
@@ -281,8 +283,12 @@ impl Couple {
     /// [rad/s] mean spin of the two bodies about their normal; a wall has none.
     #[inline(always)]
     pub fn twist(&self, particles: &Particles, normal: &Vector3<f64>) -> f64 {
-        let other = self.j().map_or_else(Vector3::zeros, |j| particles.spin_of(j as usize));
-        0.5 * (particles.spin_of(self.i as usize) + other).dot(normal)
+        let spins = particles.spins();
+        match self.other {
+            _ if spins.is_empty() => 0.0,
+            Other::Particle(j) => 0.5 * (spins[self.i as usize] + spins[j as usize]).dot(normal),
+            Other::Wall(_) => 0.5 * spins[self.i as usize].dot(normal),
+        }
     }
 
     /// [m] the smaller diameter, the unit in which overlaps are given.

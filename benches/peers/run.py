@@ -2,7 +2,7 @@
 """Speed beside LAMMPS, LIGGGHTS and EDMD: the same scenes from the same starts, one thread each on one core, in turn.
 
     apt-get install lammps liggghts python3
-    benches/peers/run.py [ROUNDS] [s1] [d] [f] [dense] [hard] [growth]
+    benches/peers/run.py [ROUNDS] [s1] [d] [f] [dense] [rough] [hard] [growth]
 
 README.md beside this file says what is compared and what is not equal. Prints ratios per round; a peer that is not
 installed is left out; LAMMPS is needed for all but `hard` (EDMD, see crowds.py) and `growth` (ours alone).
@@ -104,6 +104,46 @@ def dense(rounds):
         print(f"two threads over one, wall time: {measure.spread([b / a for a, b in zip(rates['soft, same step'], two)])}")
 
 
+# Friction, k_t/k_n and c_t/c_n of the rough scenes: usual values of the peers' examples.
+FRICTION, STIFFNESS_RATIO, DASHPOT_RATIO = 0.3, 2 / 7, 0.5
+ROUGH = {
+    "contact.friction": FRICTION,
+    "soft.tangential.linear.stiffness_ratio": STIFFNESS_RATIO,
+    "soft.tangential.linear.dashpot_ratio": DASHPOT_RATIO,
+}
+
+
+def rough(rounds):
+    """Spins, friction and tangential springs with memory: the dense gas, and S1; hard spheres of S1 with Walton's rule beside smooth ones."""
+    case = HERE / "dense.toml"
+    measure.diptych(case, "dense-start", "soft", {"run.duration": "0 s"}, 1, ["--save-state"])
+    data = WORK / "dense.data"
+    scenes.write_data(WORK / "dense-start" / "state.csv", scenes.D.density, 0.0, data, (scenes.DENSE_EDGE,) * 3)
+    kn, gamma = scenes.D.stiffness, scenes.dashpot(0.9)
+    variables = {"data": data, "kn": kn, "gamma": gamma, "dt": DENSE_STEP}
+    variables |= {"kt": STIFFNESS_RATIO * kn, "gammat": DASHPOT_RATIO * gamma, "mu": FRICTION}
+    contestants = {
+        "LAMMPS": lambda: peer("lmp", "rough.lmp", DENSE_STEP, DENSE_STEPS, variables),
+        "soft, same step": lambda: ours(case, "dense-rough", "soft", ROUGH),
+        "soft, smooth": lambda: ours(case, "dense-1", "soft", {}),
+    }
+    measure.ratios("Dense gas of rough spheres", measure.in_turn(rounds, contestants), "LAMMPS")
+    case = HERE / "s1.toml"
+    measure.diptych(case, "s1-start", "hard", {"run.duration": "0 s"}, 1, ["--save-state"])
+    data = WORK / "s1.data"
+    scenes.write_data(WORK / "s1-start" / "state.csv", scenes.D.density, 0.0, data)
+    walton = {"contact.friction": FRICTION, "hard.friction.walton.tangential_restitution": 0.4}
+    local = {**ROUGH, "soft.stepping": "local", "soft.steps_per_contact": 20}
+    variables = {"data": data, "kt": STIFFNESS_RATIO * kn, "mu": FRICTION}
+    contestants = {
+        "LAMMPS": lambda: peer("lmp", "s1-rough.lmp", 7.5e-7, 4000, variables),
+        "soft, local, N_c = 20": lambda: ours(case, "s1-rough", "soft", local),
+        "hard, Walton": lambda: ours(case, "s1-walton", "hard", walton),
+        "hard, smooth": lambda: ours(case, "s1-hard", "hard", {}),
+    }
+    measure.ratios("S1 of rough spheres, no gas", measure.in_turn(rounds, contestants), "LAMMPS")
+
+
 def two_threads(case, rates):
     """[-] simulated seconds per wall second on two cores, as it is: the share of two cores says little of the loop."""
     variant = measure.diptych(case, "dense-2", "soft", {}, 2)
@@ -111,7 +151,7 @@ def two_threads(case, rates):
     return rates[-1]
 
 
-WITH_LAMMPS = ("s1", "d", "f", "dense")
+WITH_LAMMPS = ("s1", "d", "f", "dense", "rough")
 
 
 def main():
@@ -120,7 +160,7 @@ def main():
     wanted = [word.lower() for word in words if not word.isdigit()] or [*WITH_LAMMPS, "hard", "growth"]
     unknown = [word for word in wanted if word not in (*WITH_LAMMPS, "hard", "growth")]
     if unknown or rounds < 1:
-        sys.exit(f"usage: benches/peers/run.py [ROUNDS] [s1] [d] [f] [dense] [hard] [growth]; not understood: {' '.join(unknown) or rounds}")
+        sys.exit(f"usage: benches/peers/run.py [ROUNDS] [s1] [d] [f] [dense] [rough] [hard] [growth]; not understood: {' '.join(unknown) or rounds}")
     if not shutil.which("lmp") and any(scene in wanted for scene in WITH_LAMMPS):
         sys.exit("lmp is not here: apt-get install lammps")
     measure.build()
@@ -131,6 +171,8 @@ def main():
             with_drag(scene, rounds)
     if "dense" in wanted:
         dense(rounds)
+    if "rough" in wanted:
+        rough(rounds)
     if "hard" in wanted:
         crowds.beside_edmd(rounds)
     if "growth" in wanted:

@@ -144,6 +144,12 @@ impl Particles {
         }
     }
 
+    /// [rad/s] spins; empty where spheres do not rotate.
+    #[inline(always)]
+    pub fn spins(&self) -> &[Vector3<f64>] {
+        self.spin.as_deref().unwrap_or_default()
+    }
+
     /// [rad/s] spin of the particle at an index; 0 where spheres do not rotate.
     #[inline(always)]
     pub fn spin_of(&self, index: usize) -> Vector3<f64> {

@@ -130,21 +130,22 @@ impl TangentialSpring {
     }
 }
 
-/// The shear ξ [m] turned into the plane normal to `normal`, with its length kept, and about the normal by `angle` [rad].
+/// The shear ξ [m] turned into the plane normal to `normal`, with its length kept, and about the normal by a small `angle` [rad] of a step.
 #[inline(always)]
 pub fn turned(shear: &Vector3<f64>, normal: &Vector3<f64>, angle: f64) -> Vector3<f64> {
     let square = shear.norm_squared();
     if square == 0.0 {
         return *shear;
     }
-    let flat = shear - normal * shear.dot(normal);
-    let rest = flat.norm_squared();
-    if rest == 0.0 {
-        return Vector3::zeros();
-    }
-    let flat = flat * (square / rest).sqrt();
-    let (sin, cos) = angle.sin_cos();
-    flat * cos + normal.cross(&flat) * sin
+    let along = shear.dot(normal);
+    // 1/sqrt(1 - x) of the part x of its square that the shear loses
+    let lost = along * along / square;
+    let stretch = if lost < 1e-3 { 1.0 + lost * (0.5 + 0.375 * lost) } else { 1.0 / (1.0 - lost).max(1e-12).sqrt() };
+    let flat = (shear - normal * along) * stretch;
+    // the turn by 2 arctan(angle/2), which differs from the angle by its third power over twelve
+    let half = 0.5 * angle;
+    let per_turn = 1.0 / (1.0 + half * half);
+    (flat * (1.0 - half * half) + normal.cross(&flat) * (2.0 * half)) * per_turn
 }
 
 #[cfg(test)]
@@ -167,8 +168,10 @@ mod tests {
     #[test]
     fn a_turned_spring_keeps_its_length() {
         let (shear, normal) = (Vector3::new(1.0, 0.2, 0.0), Vector3::y());
-        let about = turned(&shear, &normal, 0.5 * PI);
+        let about = turned(&shear, &normal, 2.0);
         assert!((about.norm() - shear.norm()).abs() < 1e-15 && about.dot(&normal).abs() < 1e-15);
         assert!((about.normalize() - Vector3::new(0.0, 0.0, -1.0)).norm() < 1e-15, "right-handed about the normal");
+        let small = turned(&Vector3::new(1.0, 1e-3, 0.0), &normal, 1e-3);
+        assert!((small.norm_squared() - 1.0 - 1e-6).abs() < 1e-14 && (small.z + 1e-3).abs() < 1e-9);
     }
 }

@@ -7,8 +7,8 @@
 use super::contact::{Contact, ContactConstants, ContactForce, ContactState, TouchingPair};
 use super::contacts::ContactSearch;
 use super::pushes::{ForceBuffer, ForceIncrement, StoreIndex};
-use super::records::Records;
-use super::rotating::RotatingForce;
+use super::records::{Records, RotatingRecord};
+use super::rotating::SurfaceMotion;
 use super::tally::ContactRows;
 use crate::contact_law::ContactLaw;
 use crate::encounter::{Couple, Encounter, FrameTime, Partner};
@@ -289,15 +289,17 @@ impl ContactBlock {
     fn look_at_all(&mut self, view: ContactSearch, law: &ContactLaw, rows: &mut ContactRows) {
         let Self { touching, records, sums, pushes, .. } = self;
         if view.scene.rotation.is_some() {
-            for TouchingSlot { slot, record } in touching.iter() {
-                let couple = view.list.couple(*slot as usize);
-                let (constants, course) = records.whole(*record);
-                let remembers = constants.tangential.stiffness > 0.0;
-                let course = look_rotating((&couple, constants, course), view, law, (sums, rows, pushes));
-                if remembers {
-                    *records.shear_mut(*record) = course.shear;
+            for some in touching.chunks(BATCH) {
+                let mut met = [(Encounter::default(), SurfaceMotion::default()); BATCH];
+                for (met, TouchingSlot { slot, record }) in met.iter_mut().zip(some) {
+                    let (couple, constants) = (view.list.couple(*slot as usize), records.get(*record).0);
+                    met.0 = meet(&couple, constants, view);
+                    met.1 = SurfaceMotion::of(&couple, constants.reach, &met.0, view.particles);
                 }
-                records.get_mut(*record).1.update(&course);
+                for (met, TouchingSlot { slot, record }) in met.iter().zip(some) {
+                    let couple = view.list.couple(*slot as usize);
+                    look_rotating((&couple, records.rotating(*record)), met, view, law, (sums, rows, pushes));
+                }
             }
             return;
         }
@@ -403,29 +405,34 @@ fn meet(couple: &Couple, constants: &ContactConstants, view: ContactSearch) -> E
     couple.meet_at(constants.reach, view.particles, view.scene, FrameTime::fallen(view.at.fall))
 }
 
-/// Updates the state of a contact between bodies that rotate, and adds its force and its torque to the sums. Returns the new state.
+/// Updates the state of a contact between bodies that rotate, and adds its force and its torque to the sums.
+#[inline(always)]
 fn look_rotating(
-    (couple, constants, mut course): (&Couple, &ContactConstants, ContactState),
+    (couple, (constants, kept, kept_shear)): (&Couple, RotatingRecord),
+    (met, surfaces): &(Encounter, SurfaceMotion),
     view: ContactSearch,
     law: &ContactLaw,
     (sums, rows, pushes): (&mut ForceSums, &mut ContactRows, &mut ForceBuffer),
-) -> ContactState {
+) {
     let ContactSearch { particles, scene, at, .. } = view;
-    let met = meet(couple, constants, view);
-    if let Err(failure) = course.check(couple, constants, &met, (particles, scene), (at.start + at.elapsed, at.dt)) {
+    let mut course = kept.course();
+    if let Err(failure) = course.check(couple, constants, met, (particles, scene), (at.start + at.elapsed, at.dt)) {
         sums.failure = Some(first_named(sums.failure.take(), failure));
     }
-    let RotatingForce { force, torque, shear } =
-        constants.rotating_force(couple, law, &met, (particles, scene), &course, &at);
-    course.note(&met);
+    let before = kept_shear.as_deref().map_or_else(Vector3::zeros, |shear| *shear);
+    let begins = course.normal.is_none();
+    let (force, torque, shear) = constants.rotating_force(couple, law, (met, surfaces), scene, (begins, &before), &at);
+    if let Some(kept_shear) = kept_shear {
+        *kept_shear = shear;
+    }
+    course.note(met);
     course.overlap_time += met.overlap() * at.dt;
-    course.shear = shear;
+    kept.update(&course);
     if view.counts(couple) {
         rows.add(couple, &force, (scene, at.remaining), &mut sums.rows);
     }
     let increment = ForceIncrement { i: couple.i, j: couple.j().map(StoreIndex::of), force: force.on_i };
     pushes.add_rotating(increment, torque);
-    course
 }
 
 /// Updates the state of a contact, and adds its force to the sums.

@@ -127,29 +127,30 @@ impl ForceBuffer {
             *v += force / mass(place as usize) * dt;
             most = most.max((*v - frame).norm_squared());
         };
+        let mut torques = self.torques.iter();
+        let Some(Spins { spins, per_torque }) = &mut part.spins else {
+            for ForceIncrement { i, j, force } in &self.list {
+                push(*i, *force);
+                if let Some(j) = j {
+                    push(j.get(), -force);
+                }
+            }
+            return most;
+        };
+        let mut turn = |place: u32, torque: &Vector3<f64>| {
+            let Some(spin) = spins.get_mut((place as usize).wrapping_sub(places.start)) else { return };
+            *spin += torque * (per_torque.of(place as usize) * dt);
+        };
         for ForceIncrement { i, j, force } in &self.list {
+            let torque = torques.next().copied().unwrap_or_default();
             push(*i, *force);
+            turn(*i, &torque);
             if let Some(j) = j {
                 push(j.get(), -force);
+                turn(j.get(), &torque);
             }
         }
-        self.turn(part, dt);
         most
-    }
-
-    /// Changes spins [rad/s] by torque/inertia·`dt` [s].
-    fn turn(&self, part: &mut VelocityBlock, dt: f64) {
-        let Some(Spins { spins, radii, inertia }) = &mut part.spins else { return };
-        let mut turn = |place: u32, torque: &Vector3<f64>| {
-            let Some(spin) = spins.get_mut((place as usize).wrapping_sub(part.first)) else { return };
-            *spin += torque * (radii[place as usize] / inertia[place as usize] * dt);
-        };
-        for (ForceIncrement { i, j, .. }, torque) in self.list.iter().zip(&self.torques) {
-            turn(*i, torque);
-            if let Some(j) = j {
-                turn(j.get(), torque);
-            }
-        }
     }
 }
 
@@ -163,14 +164,32 @@ pub struct VelocityBlock<'a> {
     pub spins: Option<Spins<'a>>,
 }
 
-/// Spins of particles with successive indices in the store, and radii and moments of inertia of all particles.
+/// Spins of particles with successive indices in the store.
 pub struct Spins<'a> {
     /// [rad/s]
     pub spins: &'a mut [Vector3<f64>],
-    /// [m]
-    pub radii: &'a [f64],
-    /// [kg m²]
-    pub inertia: &'a [f64],
+    /// Radius over moment of inertia of each particle.
+    pub per_torque: PerTorque<'a>,
+}
+
+/// Radius over moment of inertia r/I [1/(kg m)], by which a torque over the radius is an angular acceleration.
+#[derive(Clone, Copy)]
+pub enum PerTorque<'a> {
+    /// r/I of all particles, which are alike.
+    Common(f64),
+    /// Radii [m] and moments of inertia [kg m²] of all particles.
+    Each(&'a [f64], &'a [f64]),
+}
+
+impl PerTorque<'_> {
+    /// r/I of the particle at an index.
+    #[inline(always)]
+    fn of(&self, place: usize) -> f64 {
+        match self {
+            Self::Common(ratio) => *ratio,
+            Self::Each(radii, inertia) => radii[place] / inertia[place],
+        }
+    }
 }
 
 /// Number of forces up to which a single thread applies them: a force takes some 10 ns, and waking a thread some
@@ -188,8 +207,12 @@ pub fn kick_all(
 ) -> f64 {
     let Particles { velocity, spin, inertia, mass: masses, radius: radii, .. } = particles;
     let inertia = inertia.as_deref().unwrap_or_default();
+    let per_torque = match (common, radii.first(), inertia.first()) {
+        (Some(_), Some(radius), Some(inertia)) => PerTorque::Common(radius / inertia),
+        _ => PerTorque::Each(radii, inertia),
+    };
     let each = |first: usize, velocities: &mut [Vector3<f64>], spins: Option<&mut [Vector3<f64>]>| {
-        let mut part = VelocityBlock { first, velocities, spins: spins.map(|spins| Spins { spins, radii, inertia }) };
+        let mut part = VelocityBlock { first, velocities, spins: spins.map(|spins| Spins { spins, per_torque }) };
         let largest = |most: f64, block: &ForceBuffer| {
             most.max(match common {
                 Some(mass) => block.kick(&mut part, |_| mass, dt, frame),

@@ -63,6 +63,9 @@ impl PackedContact {
     }
 }
 
+/// Constants, packed record and shear [m] of a contact between bodies that rotate.
+pub type RotatingRecord<'a> = (&'a ContactConstants, &'a mut PackedContact, Option<&'a mut Vector3<f64>>);
+
 /// Contacts in progress, each at an index that does not change.
 #[derive(Default)]
 pub struct Records {
@@ -149,6 +152,15 @@ impl Records {
     pub fn get(&self, place: u32) -> (&ContactConstants, ContactState) {
         let kept = &self.kept[place as usize / CHUNK][place as usize % CHUNK];
         (&self.constants[kept.constants as usize], kept.course())
+    }
+
+    /// Constants, packed record and shear [m] of the contact at index `place`, to be changed; `None` where springs do not remember.
+    #[inline(always)]
+    pub fn rotating(&mut self, place: u32) -> RotatingRecord<'_> {
+        let (chunk, index) = (place as usize / CHUNK, place as usize % CHUNK);
+        let kept = &mut self.kept[chunk][index];
+        let shear = self.shears.get_mut(chunk).map(|some| &mut some[index]);
+        (&self.constants[kept.constants as usize], kept, shear)
     }
 
     /// Constants and present state of the contact at index `place`, with its shear.

@@ -379,10 +379,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         }
         self.refuse_to_pass(start)?;
         if self.rotates() {
-            // springs keep a part of the work of friction
-            let kept = self.spring_energies();
-            rates.pair_friction -= (kept[0] - stored[0]) / (self.now - start);
-            rates.wall_friction -= (kept[1] - stored[1]) / (self.now - start);
+            self.keep_in_springs(stored);
             self.switch_phases(switch.map(|(_, k, which)| (k, which)));
         }
         self.book(rates, self.now - start)?;

@@ -417,6 +417,14 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         energies
     }
 
+    /// Takes what tangential springs hold more than the energies [J] that they `stored` before a step from the work that friction did in it.
+    pub(super) fn keep_in_springs(&mut self, stored: [f64; 2]) {
+        let kept = self.spring_energies();
+        let ledger = &mut self.island.log.ledger;
+        ledger.pair_friction_loss -= kept[0] - stored[0];
+        ledger.wall_friction_loss -= kept[1] - stored[1];
+    }
+
     /// Removes the tangential spring of a contact that has ended: friction takes the energy that it still holds.
     pub(super) fn drop_spring(&mut self, k: usize, touch: &TouchingPair) {
         let left = touch.tangential.energy(&self.scratch.sliding.remove(k).shear);
