@@ -145,10 +145,14 @@ fn tables_over_time_hold_the_rows_of_the_outcome() {
         assert_eq!((cells[column("centre_of_mass_x_m")], row.centre[0]), ("", None));
     }
     let points = outcomes.iter().flat_map(|outcome| &outcome.paths.points);
-    assert_eq!(paths.lines().next(), Some("variant,t_s,id,x_m,y_m,z_m,vx_m_s,vy_m_s,vz_m_s,overlap_m"));
+    assert_eq!(
+        paths.lines().next(),
+        Some("variant,t_s,id,x_m,y_m,z_m,vx_m_s,vy_m_s,vz_m_s,overlap_m,wx_rad_s,wy_rad_s,wz_rad_s")
+    );
     assert_eq!(paths.lines().count(), 1 + points.clone().count());
     for (line, point) in paths.lines().skip(1).zip(points) {
-        let numbers: Vec<f64> = line.split(',').skip(1).map(|cell| cell.parse().unwrap()).collect();
+        let numbers: Vec<f64> =
+            line.split(',').skip(1).filter(|cell| !cell.is_empty()).map(|cell| cell.parse().unwrap()).collect();
         assert_eq!((numbers[0], numbers[1] as u32, numbers[3]), (point.time, point.id, point.position.y));
         assert_eq!((numbers[6], numbers[8]), (point.velocity.y, point.overlap));
     }

@@ -257,7 +257,7 @@ pub struct ParticlesFile {
     #[schemars(example = &"0.5 m/s", extend("default" = "0 m/s", "x-range" = "0 ..= 1e5 m/s"))]
     pub velocity_fluctuation: Option<Located<FluctuationFile>>,
     /// Moment of inertia about the centre over m r²: 0.4 of a solid sphere, 2/3 of a thin shell.
-    #[schemars(example = 0.667, extend("default" = 0.4, "x-range" = "greater than 0, up to 2/3"))]
+    #[schemars(example = 0.667, extend("default" = 0.4, "x-range" = "greater than 0, up to 0.667"))]
     pub inertia_factor: Option<Located<Ratio>>,
     /// Mean spin of a random start.
     #[schemars(extend("examples" = [["0 rad/s", "100 rad/s", "0 rad/s"]]))]

@@ -286,12 +286,16 @@ macro_rules! columns {
                 )?)+
             }
 
-            /// Calls `visit` with every number of the moving state of the particle at an index.
+            /// Calls `visit` with every number of the moving state of the particle at an index. A zero of a column that stores may lack counts as none: a
+            /// state of spheres that could rotate and do not is the state of spheres that cannot.
             pub(crate) fn for_each_moving_number(&self, index: usize, visit: &mut impl FnMut(f64)) {
                 $($(
                     let _ = stringify!($moving);
                     if let Some(values) = Column::values(&self.$column) {
-                        values[index].numbers().iter().for_each(|number| visit(*number));
+                        let numbers = values[index].numbers();
+                        if !(<$kind as Column>::IS_OPTIONAL && numbers.iter().all(|number| *number == 0.0)) {
+                            numbers.iter().for_each(|number| visit(*number));
+                        }
                     }
                 )?)+
             }

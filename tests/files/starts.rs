@@ -204,7 +204,7 @@ fn lammps_data_is_right_or_refused() {
             &[("Velocities\n\n0 -1 0 0.5 0 0 0\n2 1 0.25 0 0 0 0\n1 0 0.5 0 0 0 0\n", "")],
             Read(3, none),
         ),
-        ("a spin", &[("0 -1 0 0.5 0 0 0", "0 -1 0 0.5 0 0 9")], Read(3, &["angular velocities are left aside"])),
+        ("a spin", &[("0 -1 0 0.5 0 0 0", "0 -1 0 0.5 0 0 9")], Read(3, &["spins in `data.bed` are left out"])),
         (
             "another density",
             &[("2500", "1000")],

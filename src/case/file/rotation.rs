@@ -16,8 +16,8 @@ pub enum TangentialFile {
         #[schemars(example = 0.2857)]
         #[schemars(extend("x-required" = "or `tangential_restitution`", "x-range" = "greater than 0, up to 10"))]
         stiffness_ratio: Option<Located<Ratio>>,
-        /// Tangential dashpot over the normal one, c_t/c_n.
-        #[schemars(example = 0.5, extend("default" = 0, "x-range" = "0 ..= 10"))]
+        /// Tangential dashpot over the normal one, c_t/c_n, 0 to 10.
+        #[schemars(example = 0.5, extend("default" = 0))]
         dashpot_ratio: Option<Located<Ratio>>,
         /// Ratio β_0 of the slip after and before an impact without sliding. Spring and dashpot then swing for half a period
         /// in the contact time.

@@ -2,7 +2,9 @@
 
 use crate::case::de::Located;
 use crate::case::diagnostic::Diagnostic;
-use crate::case::file::{CaseFile, FluidFile, ParticlesFile, ProfileFile, RegionFile, SizesFile, WallFile};
+use crate::case::file::{
+    CaseFile, FluidFile, ImpactRuleFile, ParticlesFile, ProfileFile, RegionFile, SizesFile, TangentialFile, WallFile,
+};
 use crate::case::source::{Origin, Sources};
 use crate::experiment::Model;
 
@@ -65,6 +67,19 @@ pub fn refuse_missing(file: &CaseFile, model: Option<Model>, sources: &Sources) 
                 spring.map(|s| &s.origin).or(soft.map(|s| &s.origin)),
             );
         }
+    }
+    let tangential = file.soft.as_ref().and_then(|soft| soft.value.tangential.as_ref());
+    if let Some(TangentialFile::Linear { stiffness_ratio, tangential_restitution, .. }) =
+        tangential.map(|typed| &typed.value)
+    {
+        let one = stiffness_ratio.as_ref().or(tangential_restitution.as_ref());
+        let table = tangential.map(|typed| &typed.origin);
+        missing.need(one, "soft.tangential.linear.stiffness_ratio", table);
+    }
+    let rule = file.hard.as_ref().and_then(|hard| hard.value.friction.as_ref());
+    if let Some(ImpactRuleFile::Walton { tangential_restitution }) = rule.map(|typed| &typed.value) {
+        let table = rule.map(|typed| &typed.origin);
+        missing.need(tangential_restitution.as_ref(), "hard.friction.walton.tangential_restitution", table);
     }
     for sweep in file.sweep.iter().flatten() {
         missing.need(sweep.value.key.as_ref(), format!("{}.key", sweep.path), Some(&sweep.origin));

@@ -27,7 +27,7 @@ impl Resolver {
         let Some(typed) = &kind.value.inertia_factor else { return Ok(SOLID_SPHERE) };
         let help = "0.4 is a solid sphere, 0.667 a thin shell";
         // two thirds may be typed as 0.667
-        self.checked(typed, |factor| factor > 0.0 && factor <= THIN_SHELL + 1e-3, "greater than 0, up to 2/3", help)
+        self.checked(typed, |factor| factor > 0.0 && factor <= THIN_SHELL + 1e-3, "greater than 0, up to 0.667", help)
     }
 
     /// [rad/s] spin of a placed particle.

@@ -45,13 +45,7 @@ fn agitation(row: &Row) -> Option<f64> {
 
 const CURVES: [Curve; 10] = [
     Curve { name: "granular temperature", unit: "m²/s²", of: Row::granular_temperature, like: None, sum: false },
-    Curve {
-        name: "rotational temperature",
-        unit: "m²/s²",
-        of: Row::rotational_temperature,
-        like: Some(Row::granular_temperature),
-        sum: false,
-    },
+    Curve { name: "rotational temperature", unit: "m²/s²", of: Row::rotational_temperature, like: None, sum: false },
     Curve { name: "T along x", unit: "m²/s²", of: |row| Some(row.temperature?.x), like: None, sum: false },
     Curve { name: "T along y", unit: "m²/s²", of: |row| Some(row.temperature?.y), like: None, sum: false },
     Curve { name: "T along z", unit: "m²/s²", of: |row| Some(row.temperature?.z), like: None, sum: false },

@@ -6,15 +6,15 @@ use super::columns::SPECIES;
 use super::{Cells, ForeignStart, ID, Lines};
 use crate::case::diagnostic::Diagnostic;
 use crate::case::resolve::Resolver;
-use crate::case::source::Origin;
 use nalgebra::Vector3;
 use rustc_hash::FxHashMap;
 use std::ops::Range;
 
 /// Columns of a start, among those that a file is read into.
 const DIAMETER: usize = 6;
-const DENSITY: usize = 10;
-const MASS: usize = 11;
+const SPIN: usize = 9;
+const DENSITY: usize = 13;
+const MASS: usize = 14;
 
 /// Columns of a section `Atoms`, and the range of its lines.
 #[derive(Clone)]
@@ -39,7 +39,7 @@ struct Outline<'a> {
     /// Line of the header of the velocities.
     moving: Option<usize>,
     /// Line and velocity of each atom, by its id.
-    velocities: FxHashMap<&'a str, (usize, [&'a str; 3])>,
+    velocities: FxHashMap<&'a str, (usize, [&'a str; 3], [&'a str; 3])>,
     /// Mass of each type.
     masses: FxHashMap<&'a str, &'a str>,
     /// True if an angular velocity is not 0.
@@ -75,24 +75,20 @@ impl Resolver {
             let message = format!("{count} atoms are announced in line {}, {} follow", line + 1, rows.len());
             return Err(self.wrong(lines, atoms.header, message, "the file was cut short? write it again"));
         }
-        if let Some((id, (line, _))) = outline.velocities.iter().min_by_key(|(_, (line, _))| *line) {
+        if let Some((id, (line, ..))) = outline.velocities.iter().min_by_key(|(_, (line, ..))| *line) {
             let message = format!("a velocity of atom {id}, which is not among the atoms, or there twice");
             return Err(self.wrong(lines, *line, message, "one line for each atom"));
         }
-        self.warn_of_left_sections(lines, &outline, &rows);
+        self.warn_of_left_sections(lines, &outline);
         let edges = outline.boxed.then(|| outline.high - outline.low);
         Ok(ForeignStart { rows, edges, periodic: None, counted: true })
     }
 
-    /// Reports the sections that are not read, and warns if atoms spin.
-    fn warn_of_left_sections(&mut self, lines: &Lines, outline: &Outline, rows: &[(Cells, Origin)]) {
-        let origin = lines.origin(outline.moving.unwrap_or(0));
+    /// Reports the sections that are not read.
+    fn warn_of_left_sections(&mut self, lines: &Lines, outline: &Outline) {
         if !outline.left.is_empty() {
             let message = format!("sections that are left aside: {}", outline.left.join(", "));
             self.warn(&lines.origin(0), message, "atoms, their velocities and the masses of types are read");
-        }
-        if outline.spins && !rows.is_empty() {
-            self.warn(&origin, "angular velocities are left aside", "particles start without rotation");
         }
     }
 
@@ -160,7 +156,11 @@ impl Resolver {
                         return Err(self.wrong(lines, number, message, "id vx vy vz, one line for each atom"));
                     };
                     found.spins |= spin.iter().any(|spin| spin.parse::<f64>() != Ok(0.0));
-                    if found.velocities.insert(id, (number, [x, y, z])).is_some() {
+                    let spin = match spin[..] {
+                        [x, y, z] => [x, y, z],
+                        _ => ["0"; 3],
+                    };
+                    if found.velocities.insert(id, (number, [x, y, z], spin)).is_some() {
                         let message = format!("a second velocity of atom {id}");
                         return Err(self.wrong(lines, number, message, "one line for each atom"));
                     }
@@ -198,9 +198,9 @@ impl Resolver {
             return Err(self.wrong(lines, number, message, help));
         }
         let mut row = Cells::default();
-        let velocity = match (outline.moving, outline.velocities.remove(cells[0])) {
-            (None, _) => ["0"; 3],
-            (Some(_), Some((_, velocity))) => velocity,
+        let (velocity, spin) = match (outline.moving, outline.velocities.remove(cells[0])) {
+            (None, _) => (["0"; 3], ["0"; 3]),
+            (Some(_), Some((_, velocity, spin))) => (velocity, spin),
             (Some(header), None) => {
                 let message = format!(
                     "atom {} has no velocity in the section in line {}, or is there twice",
@@ -213,6 +213,9 @@ impl Resolver {
         for axis in 0..3 {
             row[axis] = self.shifted(lines, number, cells[atoms.place + axis], outline.low[axis])?;
             row[3 + axis] = velocity[axis].to_owned();
+            if outline.spins {
+                row[SPIN + axis] = spin[axis].to_owned();
+            }
         }
         match atoms.diameter {
             Some(diameter) => {

@@ -241,8 +241,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
                 }
                 Phase::Free | Phase::Memoryless => Vector3::zeros(),
             };
+            self.scratch.sliding[k].margins[AFTER] = self.margins(k, &touch, (&met, &motion), dt);
         }
-        self.measure_margins(dt);
     }
 
     /// Force of a contact at a stage of a step of `dt` [s]; torques go to the turning of its particles, and the rate of its spring is kept.
@@ -289,31 +289,24 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         }
     }
 
-    /// Measures how far each contact is from the end of its phase, at the end of a trial of a step of `dt` [s].
-    fn measure_margins(&mut self, dt: f64) {
-        if self.scratch.sliding.iter().any(|sliding| sliding.phase == Phase::Slide) {
-            let mut aside = Rates::default();
-            let (now, states) = (self.now, self.scratch.sliding.clone());
-            // forces at the end of the step: contacts are then at their own start
-            self.scratch.sliding.iter_mut().for_each(|sliding| sliding.start = sliding.now);
-            self.accelerations(now, dt, 0.0, &mut aside);
-            self.scratch.sliding = states;
-        }
-        for k in 0..self.scratch.sliding.len() {
-            let (touch, met) = self.met(k);
-            let motion = SurfaceMotion::of(self, &touch, &met);
-            let sliding = self.scratch.sliding[k];
-            let margins = match sliding.phase {
-                Phase::Memoryless => [f64::INFINITY; 2],
-                Phase::Stick => {
-                    [motion.limit - touch.tangential.force(&sliding.now.vector, &motion.slip).norm(), f64::INFINITY]
-                }
-                Phase::Slide => {
-                    [self.sliding_rate(&touch, &met, &motion, (&sliding, dt)), motion.elastic + motion.viscous]
-                }
-                Phase::Free => [-(motion.elastic + motion.viscous), f64::INFINITY],
-            };
-            self.scratch.sliding[k].margins[AFTER] = margins;
+    /// How far contact `k` is from the end of its phase, at the end of a trial of a step of `dt` [s]. Accelerations are those of the last stage, which stands
+    /// at the end of the step.
+    fn margins(
+        &self,
+        k: usize,
+        touch: &TouchingPair,
+        (met, motion): (&Encounter, &SurfaceMotion),
+        dt: f64,
+    ) -> [f64; 2] {
+        let sliding = &self.scratch.sliding[k];
+        let normal = motion.elastic + motion.viscous;
+        match sliding.phase {
+            Phase::Memoryless => [f64::INFINITY; 2],
+            Phase::Stick => {
+                [motion.limit - touch.tangential.force(&sliding.now.vector, &motion.slip).norm(), f64::INFINITY]
+            }
+            Phase::Slide => [self.sliding_rate(touch, met, motion, (sliding, dt)), normal],
+            Phase::Free => [-normal, f64::INFINITY],
         }
     }
 
