@@ -1,7 +1,7 @@
 //! Time per particle of the kernels: `RAYON_NUM_THREADS=1 cargo bench`. One thread, so that the numbers add up.
 //!
-//! Islands, flight and the calendar are private: their times are of one window of an engine on a scene where they are most of
-//! the work.
+//! Islands, flight and the calendar are private: their times are of one window of an engine on a scene where they are
+//! most of the work.
 
 use diptych::contact_law::{Bodies, ContactLaw};
 use diptych::domain::Domain;
@@ -66,8 +66,9 @@ fn spheres(gas: &Fluid) -> [Sphere; 2] {
     })
 }
 
-/// What it takes until another core has seen what was written and has answered, a thousand times: whether two cores share a cache decides how much faster two threads are than one
-/// (docs/architecture.md, "Islands"), and on a virtual machine it may change from minute to minute.
+/// Time until another core has seen a word and has answered, a thousand times. Two cores that share a cache answer
+/// sooner, and make two threads faster (docs/architecture.md, "Islands"). On a virtual machine it may change from minute
+/// to minute.
 #[divan::bench]
 fn thousand_words_to_another_core_and_back(bencher: Bencher) {
     let (turn, is_over) = (AtomicBool::new(false), AtomicBool::new(false));
@@ -230,7 +231,7 @@ fn neighbour_list(bencher: Bencher, count: usize) {
     bencher.counter(ItemsCount::new(count)).bench_local(|| list.build(black_box(&mut particles), &scene, WINDOW));
 }
 
-/// Free flight with its search for touches, through the engine: parallel velocities, so that nobody meets anybody.
+/// Free flight with its search for touches, through the engine: parallel velocities, so that no two particles meet.
 #[divan::bench(args = [8_000, 100_000])]
 fn flight(bencher: Bencher, count: usize) {
     let scene = cube(count, 0.01);
@@ -239,7 +240,8 @@ fn flight(bencher: Bencher, count: usize) {
     window(bencher, &scene, &particles, hard, WINDOW);
 }
 
-/// Pairs about to meet head-on, far from all others: through the engine, the island solves dominate. Items are particles.
+/// Pairs about to meet head-on, far from all others: through the engine, the island solves dominate. Items are
+/// particles.
 fn pairs(count: usize) -> (Scene, Particles) {
     let scene = cube(count, 1e-3);
     let mut particles = suspension(&scene, count / 2, 0.5); // room for the partner
@@ -283,7 +285,8 @@ fn soft_uniform_window(bencher: Bencher, count: usize) {
     window(bencher, &scene, &particles, || soft(SoftStepping::Uniform), WINDOW);
 }
 
-/// A dilute gas in a round vessel, in a window in which a sphere meets the wall often: the work that islands do at walls that are not flat.
+/// A dilute gas in a round vessel, in a window in which a sphere meets the wall often: the work that islands do at
+/// walls that are not flat.
 #[divan::bench(args = ["can", "cone", "sphere", "pipe"])]
 fn gas_in_round_vessel(bencher: Bencher, vessel: &str) {
     /// [s] a tenth of the time in which a sphere crosses the vessel.

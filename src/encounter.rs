@@ -254,7 +254,8 @@ impl Couple {
         self.j().map_or(mass, |j| 1.0 / (1.0 / mass + 1.0 / particles.mass[j as usize]))
     }
 
-    /// [kg] effective mass M_t of the slip of two bodies that rotate ([`tangential_mass`]); 0 if the store holds no moments of inertia.
+    /// [kg] effective mass M_t of the slip of two bodies that rotate ([`tangential_mass`]); 0 if the store holds no
+    /// moments of inertia.
     pub fn tangential_mass(&self, particles: &Particles) -> f64 {
         let Some(inertia) = &particles.inertia else { return 0.0 };
         let of = |place: u32| {
@@ -264,8 +265,9 @@ impl Couple {
         tangential_mass(self.places().into_iter().flatten().map(of))
     }
 
-    /// [m/s] velocity w = l_i ω_i + l_j ω_j of two surfaces by their spins, and the lever arms l [m] per radius: the arms add up to the distance of the
-    /// centres, `reach` + `gap` [m], so that a contact keeps both energy and angular momentum. At a wall the arm is the radius.
+    /// [m/s] velocity w = l_i ω_i + l_j ω_j of two surfaces by their spins, and the lever arms l [m] per radius: the
+    /// arms add up to the distance of the centres, `reach` + `gap` [m], so that a contact keeps both energy and angular
+    /// momentum. At a wall the arm is the radius.
     #[inline(always)]
     pub fn surface_velocity(&self, particles: &Particles, reach: f64, gap: f64) -> (Vector3<f64>, f64) {
         let (radii, spins) = (&particles.radius, particles.spins());

@@ -134,7 +134,7 @@ fn is_zero(spin: &Vector3<f64>) -> bool {
     *spin == Vector3::zeros()
 }
 
-/// As [`is_zero`], for the deviation.
+/// True for a deviation of 0, as in [`is_zero`].
 fn is_none(deviation: &f64) -> bool {
     *deviation == 0.0
 }
@@ -214,7 +214,8 @@ pub enum SoftStepping {
 pub enum Integrator {
     /// Kick-drift-kick; the dashpot sees the half-step velocity.
     VelocityVerlet,
-    /// Heun's second-order Runge-Kutta. The paper has a scheme of this order for its fluid step and names none for contacts.
+    /// Heun's second-order Runge-Kutta. The paper has a scheme of this order for its fluid step and names none for
+    /// contacts.
     Rk2,
 }
 

@@ -55,8 +55,8 @@ fn few_windows(name: &str, experiment: &Experiment) {
     let (count, mut simulation) = (start.len(), Simulation::new(experiment, start));
     let window = Schedule::new(experiment).window.min(2e-4);
     let result = simulation.run(3, window);
-    if name.contains("column.toml, Hard") {
-        // the case says so: a column that stands on the floor cannot rest without a contact time
+    if ["column.toml, Hard", "slide-to-roll.toml, Hard"].iter().any(|stops| name.contains(stops)) {
+        // the cases say so: what lies on the floor cannot rest without a contact time
         return assert!(matches!(result, Err(Failure::InelasticCollapse { .. })), "{name}: {result:?}");
     }
     result.unwrap_or_else(|why| panic!("{name}: {why}"));

@@ -81,6 +81,92 @@ fn imports_point_up_the_list_of_modules() {
     assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
+/// Lines of the doc comments of a file, in blocks: number of the first line, and the text without its marks.
+fn doc_comments(text: &str) -> Vec<(usize, String)> {
+    let mut blocks: Vec<(usize, String)> = Vec::new();
+    let mut is_open = false;
+    for (number, line) in (1..).zip(text.lines()) {
+        let line = line.trim();
+        let words = line.strip_prefix("///").or(line.strip_prefix("//!"));
+        match (words, is_open) {
+            (Some(words), true) => {
+                let block = &mut blocks.last_mut().unwrap().1;
+                // an empty line ends a sentence
+                block.push_str(if words.trim().is_empty() { " . " } else { " " });
+                block.push_str(words.trim());
+            }
+            (Some(words), false) => blocks.push((number, words.trim().to_owned())),
+            (None, _) => {}
+        }
+        is_open = words.is_some();
+    }
+    blocks
+}
+
+/// A first line names the thing or says what it does; particles and processes are things; a sentence is short.
+#[test]
+fn doc_comments_are_plain() {
+    const OPENINGS: [&str; 12] = [
+        "What ",
+        "Whether ",
+        "Who ",
+        "Whose ",
+        "The same",
+        "Of ",
+        "How ",
+        "As ",
+        "Where ",
+        "Which ",
+        "When ",
+        "By which ",
+    ];
+    const PERSONS: [&str; 8] = ["who", "whoever", "whom", "nobody", "somebody", "everybody", "anybody", "everyone"];
+    let mut wrong = Vec::new();
+    for (path, text) in sources() {
+        for (line, block) in doc_comments(&text) {
+            // a unit may stand first
+            let start = block.strip_prefix('[').and_then(|rest| Some(rest.split_once(']')?.1.trim_start()));
+            let start = start.unwrap_or(&block);
+            if OPENINGS.iter().any(|opening| start.starts_with(opening)) {
+                wrong.push(format!("{path}:{line}: begins with {start:.40}"));
+            }
+            let lower = block.to_lowercase();
+            let mut words = lower.split(|c: char| !c.is_alphanumeric());
+            if let Some(person) = words.find(|word| PERSONS.contains(word)) {
+                wrong.push(format!("{path}:{line}: {person}"));
+            }
+            // code and links count as one word
+            let pieces = block.split('`').enumerate().map(|(k, piece)| if k % 2 == 1 { "x" } else { piece });
+            let prose: String = pieces.collect();
+            for sentence in prose.split_inclusive(['.', ':', ';', '!', '?']).collect::<Vec<_>>().join("\n").split('\n')
+            {
+                let count = sentence.split_whitespace().count();
+                if count > 35 {
+                    wrong.push(format!("{path}:{line}: {count} words: {sentence:.60}"));
+                }
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+#[test]
+fn one_name_stands_for_one_type() {
+    let mut known = std::collections::BTreeMap::<String, Vec<String>>::new();
+    for (path, text) in sources() {
+        for line in code(&text).lines().filter(|line| !line.starts_with(' ')) {
+            let rest = line.strip_prefix("pub ").unwrap_or(line);
+            let rest = rest.strip_prefix("pub(").and_then(|rest| Some(rest.split_once(") ")?.1)).unwrap_or(rest);
+            let kinds = ["struct ", "enum ", "trait ", "type ", "union "];
+            let Some(name) = kinds.iter().find_map(|kind| rest.strip_prefix(kind)) else { continue };
+            let name = name.split(|c: char| !c.is_alphanumeric() && c != '_').next().unwrap_or_default();
+            known.entry(name.to_owned()).or_default().push(path.clone());
+        }
+    }
+    let several: Vec<_> = known.iter().filter(|(_, paths)| paths.len() > 1).collect();
+    assert!(known.len() > 500 && several.is_empty(), "{several:#?}");
+}
+
 /// `println!` and its kin end the program where a pipe has been closed or a disk is full.
 #[test]
 fn one_file_writes_to_the_terminal() {

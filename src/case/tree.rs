@@ -212,7 +212,7 @@ pub enum KeyPart {
 }
 
 impl KeyPart {
-    /// Whether it is this key.
+    /// True if it is this key.
     pub fn is_key(&self, key: &str) -> bool {
         matches!(self, Self::Key(known) if known == key)
     }

@@ -2,8 +2,8 @@
 
 use nalgebra::Vector3;
 
-/// [N] magnitude of the Coulomb force against a slip of `slip` >= 0 [m/s]: μ|f_n| with the `friction` μ [-], but never more than would stop
-/// the slip within `time_step` [s].
+/// [N] magnitude of the Coulomb force against a slip of `slip` >= 0 [m/s]: μ|f_n| with the `friction` μ [-], but never
+/// more than would stop the slip within `time_step` [s].
 #[inline]
 pub fn coulomb_limit(friction: f64, normal_force: f64, slip: f64, effective_mass: f64, time_step: f64) -> f64 {
     (friction * normal_force.abs()).min(effective_mass * slip / time_step)
@@ -27,8 +27,9 @@ pub struct Friction {
     pub power: f64,
 }
 
-/// Force against the slip with which a step of `time_step` [s] would end. Against the slip of now it would come one step late, and bodies at rest on a slope would
-/// creep. `to_middle` [s] is the time from the instant of the slip to that at which its power is taken. `None` where nothing slips.
+/// Force against the slip with which a step of `time_step` [s] would end. Against the slip of now it would come one
+/// step late, and bodies at rest on a slope would creep. `to_middle` [s] is the time from the instant of the slip to
+/// that at which its power is taken. `None` where nothing slips.
 #[inline(always)]
 pub fn coulomb(
     friction: f64,

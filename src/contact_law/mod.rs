@@ -1,8 +1,8 @@
 //! Contact laws of soft spheres: the force with which two touching bodies push each other apart.
 //!
-//! A law is one file here and one variant of [`ContactLaw`], or a type of the caller's behind [`ContactLaw::Other`]. Four answers are
-//! required: the constants between two bodies, the force, the stored energy, and the parameters. All others follow by numerical
-//! integration ([`numerical`]); a law with closed forms gives these instead.
+//! A law is one file here and one variant of [`ContactLaw`], or a type of the caller's behind [`ContactLaw::Other`].
+//! Four answers are required: the constants between two bodies, the force, the stored energy, and the parameters. All
+//! others follow by numerical integration ([`numerical`]); a law with closed forms gives these instead.
 //!
 //! Sign convention: the overlap δ [m] is positive while the bodies touch. Its rate is minus the normal velocity u_n
 //! [m/s], which is negative while the bodies approach. A contact ends when δ = 0 (the paper's convention). So the
@@ -27,8 +27,9 @@ use std::f64::consts::PI;
 
 /// A contact law for the normal force. Four answers are needed; the others follow from these.
 ///
-/// Contracts, checked when a simulation is made ([`ContactLaw::check`]): the elastic force vanishes at touch, its work up to an overlap is the
-/// stored energy there, some overlap stores the energy of every impact, and the viscous force never drives the motion.
+/// Contracts, checked when a simulation is made ([`ContactLaw::check`]): the elastic force vanishes at touch, its work
+/// up to an overlap is the stored energy there, some overlap stores the energy of every impact, and the viscous force
+/// never drives the motion.
 ///
 /// ```
 /// use diptych::contact_law::{Bodies, ContactLaw, Law, Parameter, Spring};
@@ -66,18 +67,19 @@ use std::f64::consts::PI;
 /// assert!((law.greatest_overlap(&spring, 1.0) / deepest - 1.0).abs() < 1e-6);
 /// ```
 pub trait Law: std::fmt::Debug + Send + Sync {
-    /// Constants of the law between two bodies; the elastic force is [`stiffness_ratio`](Bodies::stiffness_ratio) times that of the law.
+    /// Constants of the law between two bodies; the elastic force is [`stiffness_ratio`](Bodies::stiffness_ratio) times
+    /// that of the law.
     fn between(&self, bodies: &Bodies) -> Spring;
 
-    /// [N] elastic and viscous parts of the normal force at overlap δ [m] and normal velocity u_n [m/s]. A step may try a small
-    /// negative overlap at the end of a contact: the force goes on smoothly there, and pulls.
+    /// [N] elastic and viscous parts of the normal force at overlap δ [m] and normal velocity u_n [m/s]. A step may try
+    /// a small negative overlap at the end of a contact: the force goes on smoothly there, and pulls.
     fn force(&self, spring: &Spring, overlap: f64, normal_velocity: f64) -> (f64, f64);
 
     /// [J] energy stored at overlap δ [m]: the work of the elastic force since touch.
     fn stored_energy(&self, spring: &Spring, overlap: f64) -> f64;
 
-    /// All numbers that tell two laws apart; the first is the elastic one that a user makes larger for a stiffer contact. Laws are compared, and stored
-    /// runs are recognised, by these.
+    /// All numbers that tell two laws apart; the first is the elastic one that a user makes larger for a stiffer
+    /// contact. Laws are compared, and stored runs are recognised, by these.
     fn parameters(&self) -> Vec<Parameter>;
 
     /// Name of the law in a sentence.
@@ -85,7 +87,8 @@ pub trait Law: std::fmt::Debug + Send + Sync {
         self.parameters().first().map_or("contact law", |parameter| parameter.law)
     }
 
-    /// [-] n, if the elastic force is about proportional to the overlap to the power n. Estimates of the stiffness that a run needs assume it.
+    /// [-] n, if the elastic force is about proportional to the overlap to the power n. Estimates of the stiffness that
+    /// a run needs assume it.
     fn exponent(&self) -> f64 {
         1.0
     }
@@ -106,20 +109,21 @@ pub trait Law: std::fmt::Debug + Send + Sync {
         numerical::frequency(self, spring, speed)
     }
 
-    /// [-] largest viscous constant at overlaps that impacts at normal speed `speed` [m/s] reach, over the critical one 2 M ω of the
-    /// [`frequency`](Self::frequency) ω: a time step must be stable for both.
+    /// [-] largest viscous constant at overlaps that impacts at normal speed `speed` [m/s] reach, over the critical one
+    /// 2 M ω of the [`frequency`](Self::frequency) ω: a time step must be stable for both.
     fn damping_ratio(&self, spring: &Spring, speed: f64) -> f64 {
         numerical::damping_ratio(self, spring, speed)
     }
 
-    /// [m] ∫ exp(-V(δ)/E) dδ over all overlaps, V the stored energy: spheres whose relative motion has the energy scale `energy` E [J]
-    /// act on one another as if smaller by that much (Barker and Henderson 1967, J. Chem. Phys. 47, 4714).
+    /// [m] ∫ exp(-V(δ)/E) dδ over all overlaps, V the stored energy: spheres whose relative motion has the energy scale
+    /// `energy` E [J] act on one another as if smaller by that much (Barker and Henderson 1967, J. Chem. Phys. 47,
+    /// 4714).
     fn thermal_overlap(&self, spring: &Spring, energy: f64) -> f64 {
         numerical::thermal_overlap(self, spring, energy)
     }
 
-    /// Overlap [m] and its rate [m/s] at a time [s] after the touch of an impact at normal speed `speed` [m/s], for every time
-    /// up to its end.
+    /// Overlap [m] and its rate [m/s] at a time [s] after the touch of an impact at normal speed `speed` [m/s], for
+    /// every time up to its end.
     fn course(&self, spring: &Spring, speed: f64) -> Box<dyn Fn(f64) -> (f64, f64)> {
         let impact = numerical::IntegratedImpact::new(self, spring, speed);
         Box::new(move |time| impact.as_ref().map_or((f64::NAN, f64::NAN), |impact| impact.at(time)))
@@ -130,7 +134,8 @@ pub trait Law: std::fmt::Debug + Send + Sync {
         numerical::static_overlap(self, spring, force)
     }
 
-    /// [J] by how much the stored energy falls below that of touch at the overlap where it is least; 0 of a law that does not attract.
+    /// [J] by how much the stored energy falls below that of touch at the overlap where it is least; 0 of a law that
+    /// does not attract.
     fn well_depth(&self, spring: &Spring) -> f64 {
         numerical::well_depth(self, spring)
     }
@@ -222,7 +227,8 @@ impl ContactLaw {
         Self::LinearSpringDashpot(LinearSpringDashpot { stiffness })
     }
 
-    /// A law of the caller's. It stays in memory to the end of the program, so that laws can be copied as the numbers that they mostly are.
+    /// A law of the caller's. It stays in memory to the end of the program, so that laws can be copied as the numbers
+    /// that they mostly are.
     pub fn other(law: impl Law + 'static) -> Self {
         Self::Other(Box::leak(Box::new(law)))
     }
@@ -266,7 +272,8 @@ impl ContactLaw {
         NormalSpring { stiffness, dashpot, contact_time: self.contact_time(spring, 1.0) }
     }
 
-    /// True if the elastic force is proportional to the overlap and the viscous one to its rate: closed forms for such contacts hold.
+    /// True if the elastic force is proportional to the overlap and the viscous one to its rate: closed forms for such
+    /// contacts hold.
     pub fn is_linear(&self) -> bool {
         matches!(self, Self::LinearSpringDashpot(_))
     }

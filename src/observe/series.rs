@@ -53,8 +53,8 @@ pub struct Row {
 pub struct RotationSums {
     /// [J] rotational energy.
     pub energy: f64,
-    /// [m²/s²] parts of the rotational temperature along x, y and z: Σ I (ω - Ω)²/Σ m per component, about the mean spin Ω = Σ I ω/Σ I. Their mean is T_r,
-    /// which equals T where rotation and translation have equal energies.
+    /// [m²/s²] parts of the rotational temperature along x, y and z: Σ I (ω - Ω)²/Σ m per component, about the mean
+    /// spin Ω = Σ I ω/Σ I. Their mean is T_r, which equals T where rotation and translation have equal energies.
     pub temperature: Vector3<f64>,
     /// [rad/s] mean spin Ω of the particles.
     pub spin: Vector3<f64>,

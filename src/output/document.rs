@@ -18,7 +18,7 @@ pub(super) type TextRow = (bool, Vec<String>);
 pub(super) struct Table {
     pub head: Vec<String>,
     pub rows: Vec<TextRow>,
-    /// Whether the last column holds sentences.
+    /// True if the last column holds sentences.
     pub remarks: bool,
 }
 

@@ -1,11 +1,13 @@
 //! Columns of a particle store, declared once.
 //!
-//! The macro [`columns`] makes a struct of arrays, and everything that has to be done with each of its columns, from one list.
-//! A column that only some laws need is an `Option<Vec<T>>`: where it is `None` it takes no memory and every operation
-//! leaves it out. A store that has no such column takes it over from one that it copies from, with zeros for the particles it has already.
+//! The macro [`columns`] makes a struct of arrays, and everything that has to be done with each of its columns, from
+//! one list. A column that only some laws need is an `Option<Vec<T>>`: where it is `None` it takes no memory and every
+//! operation leaves it out. A store that has no such column takes it over from one that it copies from, with zeros for
+//! the particles it has already.
 //!
-//! What moves is marked `as moving`, and `as moving by kicks` where forces change it at once. From these marks follow `Motion`, the moving state of one
-//! particle, and all that takes, puts, sends, keeps or checks it. Nothing else lists what moves.
+//! What moves is marked `as moving`, and `as moving by kicks` where forces change it at once. From these marks follow
+//! `Motion`, the moving state of one particle, and all that takes, puts, sends, keeps or checks it. Nothing else lists
+//! what moves.
 
 use super::CHUNK;
 use super::values::AsBytes;
@@ -85,8 +87,8 @@ pub trait Column {
         }
     }
 
-    /// Appends `count` values from the beginning of bytes that a column like it has packed, and returns the rest; `None` if they are too few. `before` are in
-    /// the store already.
+    /// Appends `count` values from the beginning of bytes that a column like it has packed, and returns the rest;
+    /// `None` if they are too few. `before` are in the store already.
     fn unpack<'a>(&mut self, bytes: &'a [u8], count: usize, before: usize) -> Option<&'a [u8]> {
         let (is_there, rest) = bytes.split_first()?;
         if *is_there > 1 || (*is_there == 0 && !Self::IS_OPTIONAL) {
@@ -197,8 +199,9 @@ impl<T: Copy + Default + AsBytes + Send + Sync> Column for Option<Vec<T>> {
     }
 }
 
-/// Makes a store, and the moving state of one of its particles, from a list of columns. `=> ["x", "y", "z"]` behind a column says that it belongs to a
-/// saved state, as numbers of these names; `as moving` that it moves, `by kicks` that forces change it at once.
+/// Makes a store, and the moving state of one of its particles, from a list of columns. `=> ["x", "y", "z"]` behind a
+/// column says that it belongs to a saved state, as numbers of these names; `as moving` that it moves, `by kicks` that
+/// forces change it at once.
 macro_rules! columns {
     (
         $(#[$of_motion:meta])*
@@ -286,8 +289,9 @@ macro_rules! columns {
                 )?)+
             }
 
-            /// Calls `visit` with every number of the moving state of the particle at an index. A zero of a column that stores may lack counts as none: a
-            /// state of spheres that could rotate and do not is the state of spheres that cannot.
+            /// Calls `visit` with every number of the moving state of the particle at an index. A zero of a column that
+            /// stores may lack counts as none: a state of spheres that could rotate and do not is the state of spheres
+            /// that cannot.
             pub(crate) fn for_each_moving_number(&self, index: usize, visit: &mut impl FnMut(f64)) {
                 $($(
                     let _ = stringify!($moving);
@@ -310,8 +314,8 @@ macro_rules! columns {
                 )?)+
             }
 
-            /// Reads the moving state of the particle at an index from the beginning of bytes that a store with the same columns has packed, and returns the
-            /// rest; `None` if they are too few.
+            /// Reads the moving state of the particle at an index from the beginning of bytes that a store with the
+            /// same columns has packed, and returns the rest; `None` if they are too few.
             pub(crate) fn unpack_motion<'a>(&mut self, index: usize, bytes: &'a [u8]) -> Option<&'a [u8]> {
                 $($(
                     let _ = stringify!($moving);
@@ -347,7 +351,8 @@ macro_rules! columns {
                 )?)?)+
             }
 
-            /// Takes back what forces have changed since [`keep_kicked`](Self::keep_kicked); `kept` then holds what they had made of it.
+            /// Takes back what forces have changed since [`keep_kicked`](Self::keep_kicked); `kept` then holds what
+            /// they had made of it.
             pub(crate) fn take_back(&mut self, kept: &mut Self) {
                 $($($(
                     let _ = stringify!($kicks);

@@ -41,7 +41,8 @@ columns! {
     /// ```
     #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
     pub struct Particles {
-        /// [m] centres; along a periodic axis they may have left the box since the last [`wrap`](crate::domain::Domain::wrap).
+        /// [m] centres; along a periodic axis they may have left the box since the last
+        /// [`wrap`](crate::domain::Domain::wrap).
         pub position: Vec<Vector3<f64>> => ["x", "y", "z"] as moving,
         /// [m/s] velocities.
         pub velocity: Vec<Vector3<f64>> => ["vx", "vy", "vz"] as moving by kicks,
@@ -133,8 +134,8 @@ impl Particles {
         sum
     }
 
-    /// Gives each sphere a spin of 0 and the moment of inertia factor·m r² [kg m²] of its species, if it has none. `factors` [-] stand in the order of
-    /// [`Scene::species`](crate::scene::Scene::species).
+    /// Gives each sphere a spin of 0 and the moment of inertia factor·m r² [kg m²] of its species, if it has none.
+    /// `factors` [-] stand in the order of [`Scene::species`](crate::scene::Scene::species).
     pub fn let_rotate(&mut self, factors: &[f64]) {
         let count = self.len();
         self.spin.get_or_insert_with(|| vec![Vector3::zeros(); count]);

@@ -95,9 +95,9 @@ impl Diameters {
     }
 }
 
-/// Gaussian velocities or spins, shifted and scaled so that every component has exactly the mean and the standard deviation
-/// asked for. The standard deviation is the root of the mean square about the mean, over the number of spheres. One
-/// sphere alone has no spread: it keeps the velocity drawn.
+/// Gaussian velocities or spins, shifted and scaled so that every component has exactly the mean and the standard
+/// deviation asked for. The standard deviation is the root of the mean square about the mean, over the number of
+/// spheres. One sphere alone has no spread: it keeps the velocity drawn.
 ///
 /// The velocities are drawn three times: for their mean, for their spread, and for use. To keep them would take more
 /// memory than the particles, if only a part of these is kept.

@@ -96,7 +96,8 @@ fn tangential(experiment: &Experiment, law: &ContactLaw, bodies: &Bodies, step: 
     Some((frequency * step, 0.5 * dashpot / (mass * frequency)))
 }
 
-/// The failure of a contact law of the caller's that breaks a contract between two bodies of the scene; `None` if it keeps all.
+/// The failure of a contact law of the caller's that breaks a contract between two bodies of the scene; `None` if it
+/// keeps all.
 pub fn broken_contract(experiment: &Experiment, particles: usize) -> Option<Failure> {
     let law = experiment.law().filter(|law| matches!(law, ContactLaw::Other(_)))?;
     let (speed, contacts) = (fastest_impact(experiment), contacts(&experiment.scene, particles));
@@ -104,7 +105,7 @@ pub fn broken_contract(experiment: &Experiment, particles: usize) -> Option<Fail
     Some(Failure::BrokenContract { law: law.to_string(), broken })
 }
 
-/// How far the energy of a scene may grow by the scheme's own doing.
+/// Growth of energy that a scheme itself can explain.
 ///
 /// It is the sum of these terms:
 ///

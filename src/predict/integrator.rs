@@ -165,10 +165,11 @@ pub fn stability_limit(method: Method, damping: f64) -> f64 {
     low
 }
 
-/// Restitution of one isolated impact of two bodies with that spring at that normal speed [m/s], in `steps` steps per contact N_c. `None` if the contact does not end:
-/// the step is beyond the scheme's stability, or the restitution is 0.
+/// Restitution of one isolated impact of two bodies with that spring at that normal speed [m/s], in `steps` steps per
+/// contact N_c. `None` if the contact does not end: the step is beyond the scheme's stability, or the restitution is 0.
 ///
-/// On the step grid the touch falls anywhere within a step: 200 equally spaced phases. With exact instants there is one.
+/// On the step grid the touch falls anywhere within a step: 200 equally spaced phases. With exact instants there is
+/// one.
 pub fn realised_restitution(
     scheme: Scheme,
     law: &ContactLaw,
@@ -198,7 +199,8 @@ pub fn realised_restitution(
     Some(realised)
 }
 
-/// [-] rebound speed over that of an approach at `speed` [m/s] that touches a fraction `before` of a step [s] after the end of one.
+/// [-] rebound speed over that of an approach at `speed` [m/s] that touches a fraction `before` of a step [s] after the
+/// end of one.
 fn on_the_grid(force: &GapForce, speed: f64, method: Method, (step, before): (f64, f64), longest: u64) -> Option<f64> {
     let mut state = GapState { x: before * (speed * step), v: -speed };
     for _ in 0..longest {
@@ -210,7 +212,8 @@ fn on_the_grid(force: &GapForce, speed: f64, method: Method, (step, before): (f6
     None
 }
 
-/// [-] rebound speed over that of an approach at `speed` [m/s], from the instant of touch to the instant at which the overlap is gone.
+/// [-] rebound speed over that of an approach at `speed` [m/s], from the instant of touch to the instant at which the
+/// overlap is gone.
 fn with_exact_instants(force: &GapForce, speed: f64, method: Method, step: f64, longest: u64) -> Option<f64> {
     let mut state = GapState { x: 0.0, v: -speed };
     for _ in 0..longest {
@@ -239,7 +242,8 @@ pub fn heating_per_collision(realised: &Realised) -> f64 {
     (realised.mean_square - 1.0) / 3.0
 }
 
-/// A linear spring and dashpot of that restitution, with mass and stiffness 1: all linear impacts of one restitution look alike in its units.
+/// A linear spring and dashpot of that restitution, with mass and stiffness 1: all linear impacts of one restitution
+/// look alike in its units.
 pub fn unit_spring(restitution: f64) -> Spring {
     let dashpot = 2.0 * damping_ratio(restitution);
     Spring { effective_mass: 1.0, restitution, stiffness: 1.0, dashpot }

@@ -9,13 +9,14 @@ use std::sync::Arc;
 /// Rule of the tangential impulse of an instantaneous impact.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ImpactRule {
-    /// Sticking impacts give the slip -β_0 s, all others slide: J_t = min(μ J_n, M_t (1 + β_0) |s|) (Walton 1993; Foerster et al. 1994, Phys. Fluids 6,
-    /// 1108).
+    /// Sticking impacts give the slip -β_0 s, all others slide: J_t = min(μ J_n, M_t (1 + β_0) |s|) (Walton 1993;
+    /// Foerster et al. 1994, Phys. Fluids 6, 1108).
     Walton {
         /// [-] β_0, -1 ..= 1: -1 leaves the slip as it is, 1 reverses it.
         tangential_restitution: f64,
     },
-    /// The impact of stiff soft spheres: s' = μ u_n Φ(s/(μ u_n)), with the function Φ of their linear law. One table for each restitution of the scene.
+    /// The impact of stiff soft spheres: s' = μ u_n Φ(s/(μ u_n)), with the function Φ of their linear law. One table
+    /// for each restitution of the scene.
     OfSpring(Arc<[ReboundTable]>),
 }
 

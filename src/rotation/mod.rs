@@ -1,8 +1,9 @@
-//! Rotation of spheres: the tangential law of contacts that last, and the rule of instantaneous impacts that belongs to it.
+//! Rotation of spheres: the tangential law of contacts that last, and the rule of instantaneous impacts that belongs to
+//! it.
 //!
-//! Conventions (docs/rotation.md): the normal n points from the other body to particle i; the slip is s = u_t - (l_i ω_i + l_j ω_j) × n with the
-//! lever arms l; the tangential force on particle i is -F, and the torque on either particle is l n × F. Only parameters and closed rules stand here:
-//! engines apply them.
+//! Conventions (docs/rotation.md): the normal n points from the other body to particle i; the slip is s = u_t - (l_i
+//! ω_i + l_j ω_j) × n with the lever arms l; the tangential force on particle i is -F, and the torque on either
+//! particle is l n × F. Only parameters and closed rules stand here: engines apply them.
 
 mod impact;
 mod rebound;
@@ -18,7 +19,8 @@ use serde::Serialize;
 /// [-] moment of inertia of a solid sphere over m r² (any textbook of mechanics: 2/5).
 pub const SOLID_SPHERE: f64 = 0.4;
 
-/// [-] moment of inertia of a thin shell over m r² (any textbook of mechanics: 2/3), the largest that a sphere can have.
+/// [-] moment of inertia of a thin shell over m r² (any textbook of mechanics: 2/3), the largest that a sphere can
+/// have.
 pub const THIN_SHELL: f64 = 2.0 / 3.0;
 
 /// Tangential behaviour of spheres that rotate.
@@ -36,15 +38,15 @@ impl std::fmt::Display for Rotation {
     }
 }
 
-/// [kg] effective mass M_t of the slip of two bodies: 1/M_t = Σ (1/m)(1 + m r²/I), from mass m [kg], radius r [m] and moment of inertia I [kg m²] of
-/// each. A wall has none. For two solid spheres M_t = (2/7) M.
+/// [kg] effective mass M_t of the slip of two bodies: 1/M_t = Σ (1/m)(1 + m r²/I), from mass m [kg], radius r [m] and
+/// moment of inertia I [kg m²] of each. A wall has none. For two solid spheres M_t = (2/7) M.
 pub fn tangential_mass(bodies: impl IntoIterator<Item = (f64, f64, f64)>) -> f64 {
     let mobility = |(mass, radius, inertia): (f64, f64, f64)| 1.0 / mass + radius * radius / inertia;
     1.0 / bodies.into_iter().map(mobility).sum::<f64>()
 }
 
-/// [m/s] slip of particle i against the other body, along the surface: s = u_t - w × n. `velocity` is u_i - u_j [m/s], `normal` n points to particle i, and
-/// `surface` is w = l_i ω_i + l_j ω_j [m/s].
+/// [m/s] slip of particle i against the other body, along the surface: s = u_t - w × n. `velocity` is u_i - u_j [m/s],
+/// `normal` n points to particle i, and `surface` is w = l_i ω_i + l_j ω_j [m/s].
 #[inline(always)]
 pub fn slip(velocity: &Vector3<f64>, normal: &Vector3<f64>, surface: &Vector3<f64>) -> Vector3<f64> {
     velocity - normal * velocity.dot(normal) - surface.cross(normal)

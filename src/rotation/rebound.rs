@@ -1,16 +1,19 @@
 //! Rebound of an oblique impact of stiff spheres under the linear laws: one function of one number.
 //!
-//! In units of the undamped frequency ω_0, the effective mass M and the normal speed u_n the overlap is δ(t) = exp(-ζt) sin(ω_d t)/ω_d, and the normal force
-//! f = δ + 2ζ δ'. With the slip σ = s/(μ u_n) and the shear ξ in units of μ u_n/ω_0 the tangential motion is ξ' = σ, (M_t/M) σ' = -F, F = κ ξ + c σ, at
-//! most max(f, 0). It knows neither μ nor sizes nor speeds: σ' = Φ(σ_0) (Becker et al. 2008, Phys. Rev. E 77, 011304, propose such a map).
+//! In units of the undamped frequency ω_0, the effective mass M and the normal speed u_n the overlap is δ(t) = exp(-ζt)
+//! sin(ω_d t)/ω_d, and the normal force f = δ + 2ζ δ'. The slip is σ = s/(μ u_n), and the shear ξ stands in units of
+//! μ u_n/ω_0. The tangential motion is ξ' = σ, (M_t/M) σ' = -F, F = κ ξ + c σ, at most max(f, 0). It knows neither μ
+//! nor sizes nor speeds: σ' = Φ(σ_0) (Becker et al. 2008, Phys. Rev. E 77, 011304, propose such a map).
 
 use super::{NormalSpring, TangentialLaw, TangentialSpring};
 use std::f64::consts::PI;
+use std::sync::OnceLock;
 
 /// Steps of the classical Runge-Kutta method in an impact: an error of some 1e-8.
 const STEPS: u32 = 120;
 
-/// Points of a table up to the slip beyond which all impacts slide to their end, and as many beyond: linear interpolation errs by 1e-6, and near the slips at which phases change by 1e-5 at most.
+/// Points of a table up to the slip beyond which all impacts slide to their end, and as many beyond: linear
+/// interpolation errs by 1e-6, and near the slips at which phases change by 1e-5 at most.
 const POINTS: usize = 4096;
 
 /// An oblique impact of two bodies under the linear normal and tangential laws, in units of ω_0, M and u_n.
@@ -36,14 +39,15 @@ struct State {
 
 /// Way in which the surfaces move on one another.
 #[derive(Clone, Copy, PartialEq, Debug)]
-enum Phase {
+enum SlipPhase {
     Stick,
     /// With the sign of the force.
     Slide(f64),
 }
 
 impl ObliqueImpact {
-    /// Impact of surfaces with restitution e, 0 < e <= 1, of bodies with that M_t/M [-], under a tangential law that remembers.
+    /// Impact of surfaces with restitution e, 0 < e <= 1, of bodies with that M_t/M [-], under a tangential law that
+    /// remembers.
     pub fn of_law(law: &TangentialLaw, restitution: f64, mass: f64) -> Self {
         let ln = restitution.ln();
         let damping_ratio = -ln / (PI * PI + ln * ln).sqrt();
@@ -74,10 +78,10 @@ impl ObliqueImpact {
         if force > 0.0 { (force, rate - 2.0 * ratio * force) } else { (0.0, 0.0) }
     }
 
-    fn step(&self, phase: Phase, from: &State, dt: f64) -> State {
+    fn step(&self, phase: SlipPhase, from: &State, dt: f64) -> State {
         let force = |time: f64, slip: f64, shear: f64| match phase {
-            Phase::Stick => self.stiffness * shear + self.dashpot * slip,
-            Phase::Slide(sign) => sign * self.limit(time).0,
+            SlipPhase::Stick => self.stiffness * shear + self.dashpot * slip,
+            SlipPhase::Slide(sign) => sign * self.limit(time).0,
         };
         let rate = |time: f64, slip: f64, shear: f64| (-force(time, slip, shear) / self.mass, slip);
         let State { time, slip, shear } = *from;
@@ -88,38 +92,40 @@ impl ObliqueImpact {
         let time = time + dt;
         let slip = slip + dt / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4);
         let shear = match phase {
-            Phase::Stick => shear + dt / 6.0 * (b1 + 2.0 * b2 + 2.0 * b3 + b4),
-            Phase::Slide(sign) => sign * (self.limit(time).0 - self.dashpot * slip * sign).max(0.0) / self.stiffness,
+            SlipPhase::Stick => shear + dt / 6.0 * (b1 + 2.0 * b2 + 2.0 * b3 + b4),
+            SlipPhase::Slide(sign) => {
+                sign * (self.limit(time).0 - self.dashpot * slip * sign).max(0.0) / self.stiffness
+            }
         };
         State { time, slip, shear }
     }
 
     /// Positive while the phase goes on: the distance to the limit, or the rate of sliding.
-    fn goes_on(&self, phase: Phase, state: &State) -> f64 {
+    fn goes_on(&self, phase: SlipPhase, state: &State) -> f64 {
         let (limit, rate) = self.limit(state.time);
         match phase {
-            Phase::Stick => limit - (self.stiffness * state.shear + self.dashpot * state.slip).abs(),
+            SlipPhase::Stick => limit - (self.stiffness * state.shear + self.dashpot * state.slip).abs(),
             // the dashpot alone is at the limit: the spring is not stretched
-            Phase::Slide(sign) if limit <= self.dashpot * state.slip * sign => f64::INFINITY,
-            Phase::Slide(sign) => {
+            SlipPhase::Slide(sign) if limit <= self.dashpot * state.slip * sign => f64::INFINITY,
+            SlipPhase::Slide(sign) => {
                 // rate of the force if it stuck, over that of the limit
                 self.stiffness * state.slip * sign - self.dashpot * limit / self.mass - rate
             }
         }
     }
 
-    /// Phase that a state on the limit is about to take.
-    fn next_phase(&self, state: &State) -> Phase {
+    /// SlipPhase that a state on the limit is about to take.
+    fn next_phase(&self, state: &State) -> SlipPhase {
         let force = self.stiffness * state.shear + self.dashpot * state.slip;
         let sign = if force == 0.0 { 1.0 } else { force.signum() };
-        if self.goes_on(Phase::Slide(sign), state) > 0.0 { Phase::Slide(sign) } else { Phase::Stick }
+        if self.goes_on(SlipPhase::Slide(sign), state) > 0.0 { SlipPhase::Slide(sign) } else { SlipPhase::Stick }
     }
 
     /// Reduced slip Φ(σ_0) [-] after the impact, from that before it, `slip` σ_0 >= 0 [-].
     pub fn rebound(&self, slip: f64) -> f64 {
         let mut state = State { time: 0.0, slip, shear: 0.0 };
         let on_limit = self.limit(0.0).0 <= self.dashpot * slip;
-        let mut phase = if on_limit { self.next_phase(&state) } else { Phase::Stick };
+        let mut phase = if on_limit { self.next_phase(&state) } else { SlipPhase::Stick };
         let (end, dt) = (self.duration(), self.duration() / f64::from(STEPS));
         // f = 0 where ω_d t = 2 arccos ζ: from there on damping pulls, and the limit is 0
         let pulls = 2.0 * self.damping_ratio.acos() / self.damped();
@@ -140,21 +146,28 @@ impl ObliqueImpact {
             // a little beyond, so that time goes on
             state = self.step(phase, &state, high.max(1e-9) * step);
             phase = match phase {
-                Phase::Stick => Phase::Slide((self.stiffness * state.shear + self.dashpot * state.slip).signum()),
-                Phase::Slide(_) => Phase::Stick,
+                SlipPhase::Stick => {
+                    SlipPhase::Slide((self.stiffness * state.shear + self.dashpot * state.slip).signum())
+                }
+                SlipPhase::Slide(_) => SlipPhase::Stick,
             };
         }
         state.slip
     }
 }
 
-/// Φ of an [`ObliqueImpact`], tabulated.
-#[derive(Clone, Debug, PartialEq)]
+/// Φ of an [`ObliqueImpact`], tabulated when it is first asked for: soft runs never ask.
+#[derive(Clone, Debug)]
 pub struct ReboundTable {
     /// [-] restitution of the surfaces.
     restitution: f64,
-    /// [-] M_t/M.
-    mass: f64,
+    impact: ObliqueImpact,
+    points: OnceLock<ReboundPoints>,
+}
+
+/// Points of a table.
+#[derive(Clone, Debug)]
+struct ReboundPoints {
     /// [-] slip up to which `near` holds.
     most: f64,
     /// Φ at equal distances of σ_0 from 0 to `most`.
@@ -170,31 +183,45 @@ fn interpolate(points: &[f64], place: f64) -> f64 {
     points[k] + (points[k + 1] - points[k]) * (place - k as f64)
 }
 
-impl ReboundTable {
-    /// Tabulates Φ for surfaces with that restitution [-].
-    pub fn new(restitution: f64, impact: ObliqueImpact) -> Self {
+impl ReboundPoints {
+    fn of(impact: &ObliqueImpact) -> Self {
         // an impact that slides throughout takes ∫ max(f, 0) dt/(M_t/M) <= 2 (M/M_t) from the slip
         let most = 4.0 / impact.mass;
         let near = (0..=POINTS).map(|k| impact.rebound(most * k as f64 / POINTS as f64)).collect();
         let taken = |slip: f64| slip - impact.rebound(slip);
         // the limit 1/σ_0 -> 0 by a slip that is huge
         let far = (0..=POINTS).map(|k| taken(most * POINTS as f64 / (k as f64).max(1e-3))).collect();
-        Self { restitution, mass: impact.mass, most, near, far }
+        Self { most, near, far }
+    }
+}
+
+impl PartialEq for ReboundTable {
+    /// Tables of equal impacts are one table.
+    fn eq(&self, other: &Self) -> bool {
+        (self.restitution, self.impact) == (other.restitution, other.impact)
+    }
+}
+
+impl ReboundTable {
+    /// Table of Φ for surfaces with that restitution [-].
+    pub fn new(restitution: f64, impact: ObliqueImpact) -> Self {
+        Self { restitution, impact, points: OnceLock::new() }
     }
 
-    /// [-] how far the table is from one for surfaces with that restitution and bodies with that M_t/M.
+    /// Distance [-] of the table from one for surfaces with that restitution and bodies with that M_t/M.
     #[inline]
     pub fn distance(&self, restitution: f64, mass: f64) -> f64 {
-        2.0 * (self.restitution - restitution).abs() + (self.mass - mass).abs()
+        2.0 * (self.restitution - restitution).abs() + (self.impact.mass - mass).abs()
     }
 
     /// Reduced slip Φ(σ_0) [-] after an impact.
     #[inline]
     pub fn rebound(&self, slip: f64) -> f64 {
-        if slip <= self.most {
-            interpolate(&self.near, slip / self.most * POINTS as f64)
+        let ReboundPoints { most, near, far } = self.points.get_or_init(|| ReboundPoints::of(&self.impact));
+        if slip <= *most {
+            interpolate(near, slip / most * POINTS as f64)
         } else {
-            slip - interpolate(&self.far, self.most / slip * POINTS as f64)
+            slip - interpolate(far, most / slip * POINTS as f64)
         }
     }
 }

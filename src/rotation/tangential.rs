@@ -10,7 +10,8 @@ use std::f64::consts::PI;
 pub enum TangentialLaw {
     /// Coulomb's law without memory: μ |f_n| against the slip, but never more than stops it within a step.
     Coulomb,
-    /// A linear spring beside a linear dashpot, together at most μ max(f_n, 0) (Cundall and Strack 1979, Géotechnique 29, 47).
+    /// A linear spring beside a linear dashpot, together at most μ max(f_n, 0) (Cundall and Strack 1979, Géotechnique
+    /// 29, 47).
     Linear(LinearTangential),
 }
 
@@ -25,8 +26,8 @@ pub enum LinearTangential {
         /// [-] c_t/c_n.
         dashpot: f64,
     },
-    /// [-] β_0, 0 < β_0 <= 1, of impacts that stick: spring and dashpot swing for half a period in the contact time (equal half periods; Deen et al.
-    /// 2007, Chem. Eng. Sci. 62, 28).
+    /// [-] β_0, 0 < β_0 <= 1, of impacts that stick: spring and dashpot swing for half a period in the contact time
+    /// (equal half periods; Deen et al. 2007, Chem. Eng. Sci. 62, 28).
     Restitution(f64),
 }
 
@@ -110,8 +111,9 @@ impl TangentialSpring {
         shear * self.stiffness + slip * self.dashpot
     }
 
-    /// [m] length of the spring of a contact that slides along the unit vector e at a force limit [N], for a slip `along` s·e [m/s]: spring and dashpot
-    /// together give the limit, and the spring is never stretched against the force (Luding 2008, Granular Matter 10, 235).
+    /// [m] length of the spring of a contact that slides along the unit vector e at a force limit [N], for a slip
+    /// `along` s·e [m/s]: spring and dashpot together give the limit, and the spring is never stretched against the
+    /// force (Luding 2008, Granular Matter 10, 235).
     #[inline(always)]
     pub fn sliding_length(&self, limit: f64, along: f64) -> f64 {
         (limit - self.dashpot * along).max(0.0) / self.stiffness
@@ -130,7 +132,8 @@ impl TangentialSpring {
     }
 }
 
-/// The shear ξ [m] turned into the plane normal to `normal`, with its length kept, and about the normal by a small `angle` [rad] of a step.
+/// The shear ξ [m] turned into the plane normal to `normal`, with its length kept, and about the normal by a small
+/// `angle` [rad] of a step.
 #[inline(always)]
 pub fn turned(shear: &Vector3<f64>, normal: &Vector3<f64>, angle: f64) -> Vector3<f64> {
     let square = shear.norm_squared();

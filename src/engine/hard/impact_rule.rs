@@ -16,8 +16,9 @@ pub struct RoughImpulse {
 }
 
 impl Collision {
-    /// Impulse by the rule of a scene whose spheres rotate; the spins of the two change at once. J_n = (1+e) M u_n along the normal; J_t by the rule
-    /// against the slip; the torque impulse on either body is l n × J_t (docs/rotation.md). `normal_impulse` J_n [kg m/s] is known already.
+    /// Impulse by the rule of a scene whose spheres rotate; the spins of the two change at once. J_n = (1+e) M u_n
+    /// along the normal; J_t by the rule against the slip; the torque impulse on either body is l n × J_t
+    /// (docs/rotation.md). `normal_impulse` J_n [kg m/s] is known already.
     pub fn rough_impulse(
         &self,
         rotation: &Rotation,

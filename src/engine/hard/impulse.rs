@@ -100,8 +100,8 @@ impl Collision {
         changes
     }
 
-    /// Records the impulse, changes the spins of `particles` if spheres rotate, and returns the velocity changes [m/s] of `i` and of the other particle (zero for a wall).
-    /// `remaining` [s] of the window are left.
+    /// Records the impulse, changes the spins of `particles` if spheres rotate, and returns the velocity changes [m/s]
+    /// of `i` and of the other particle (zero for a wall). `remaining` [s] of the window are left.
     pub fn apply_impulse(
         &self,
         weights: &CollisionMasses,

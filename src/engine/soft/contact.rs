@@ -100,7 +100,8 @@ pub struct ContactState {
     pub began: f64,
     /// Normal at the last evaluation, which only tells sides; `None` before the first.
     pub normal: Option<Vector3<f32>>,
-    /// [m] shear ξ of the tangential spring: by how much particle i has been displaced along the other surface; 0 without memory.
+    /// [m] shear ξ of the tangential spring: by how much particle i has been displaced along the other surface; 0
+    /// without memory.
     pub shear: Vector3<f64>,
 }
 
@@ -317,8 +318,8 @@ impl ContactConstants {
         if couple.is_wall() { scene.gravity - met.normal * scene.gravity.dot(&met.normal) } else { Vector3::zeros() }
     }
 
-    /// Force of the contact of two bodies. Friction acts for a time step [s], the first of the times. Powers are taken the second of them [s], `to_middle`,
-    /// after the time of these velocities.
+    /// Force of the contact of two bodies. Friction acts for a time step [s], the first of the times. Powers are taken
+    /// the second of them [s], `to_middle`, after the time of these velocities.
     #[inline(always)]
     pub fn force(
         &self,

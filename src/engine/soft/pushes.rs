@@ -40,7 +40,8 @@ impl StoreIndex {
 pub struct ForceBuffer {
     /// Forces; a particle that appears more than once is pushed in this order.
     pub list: Vec<ForceIncrement>,
-    /// [N] torque of each force on either of its particles, over the radius of that particle; empty where spheres do not rotate.
+    /// [N] torque of each force on either of its particles, over the radius of that particle; empty where spheres do
+    /// not rotate.
     torques: Vec<Vector3<f64>>,
     /// Range that contains the indices of all particles in `list`.
     span: Range<u32>,
@@ -113,8 +114,9 @@ impl ForceBuffer {
         }
     }
 
-    /// Changes velocities [m/s] by force/mass·`dt` [s], for particles with masses `mass` [kg], and spins by their torques. Returns the square of
-    /// the largest speed [m/s] relative to `frame` [m/s] that a particle had after a push.
+    /// Changes velocities [m/s] by force/mass·`dt` [s], for particles with masses `mass` [kg], and spins by their
+    /// torques. Returns the square of the largest speed [m/s] relative to `frame` [m/s] that a particle had after a
+    /// push.
     pub fn kick(&self, part: &mut VelocityBlock, mass: impl Fn(usize) -> f64, dt: f64, frame: Vector3<f64>) -> f64 {
         let mut most = 0.0f64;
         let places = part.first..part.first + part.velocities.len();

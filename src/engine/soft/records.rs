@@ -154,7 +154,8 @@ impl Records {
         (&self.constants[kept.constants as usize], kept.course())
     }
 
-    /// Constants, packed record and shear [m] of the contact at index `place`, to be changed; `None` where springs do not remember.
+    /// Constants, packed record and shear [m] of the contact at index `place`, to be changed; `None` where springs do
+    /// not remember.
     #[inline(always)]
     pub fn rotating(&mut self, place: u32) -> RotatingRecord<'_> {
         let (chunk, index) = (place as usize / CHUNK, place as usize % CHUNK);

@@ -31,9 +31,10 @@ impl SurfaceMotion {
 }
 
 impl ContactConstants {
-    /// Force of the contact between bodies that rotate, at the end of a step in which the surfaces have slipped for `at.shear_time` [s]. The shear is first
-    /// turned with the normal and with the mean spin about it, and then grows by the slip.
-    /// Gives the force on the centres with its powers, the torque on either particle over its radius [N], (l/r) n × F, and the shear ξ [m] that is left.
+    /// Force of the contact between bodies that rotate, at the end of a step in which the surfaces have slipped for
+    /// `at.shear_time` [s]. The shear is first turned with the normal and with the mean spin about it, and then grows
+    /// by the slip. Gives the force on the centres with its powers, the torque on either particle over its radius [N],
+    /// (l/r) n × F, and the shear ξ [m] that is left.
     #[inline(always)]
     pub fn rotating_force(
         &self,

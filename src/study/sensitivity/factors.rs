@@ -9,6 +9,7 @@ use crate::drag::Drag;
 use crate::experiment::{Amount, Experiment, HardStepping, Integrator, Model, TimeStep};
 use crate::fluid::Profile;
 use crate::output::numbers::quantity;
+use crate::rotation::{ImpactRule, LinearTangential, TangentialLaw};
 use crate::scene::{Kind, Surface};
 
 /// [-] restitution of the paper's inelastic walls (section 4), where a case is elastic.
@@ -17,6 +18,9 @@ const PAPER_RESTITUTION: f64 = 0.94;
 const RESTITUTION_ERROR: f64 = 0.02;
 /// [-] friction of glass on glass (Foerster et al. 1994), where particles have none.
 const GLASS_FRICTION: f64 = 0.092;
+/// [-] tangential restitution of glass on glass, and its standard error (Foerster et al. 1994).
+const GLASS_TANGENTIAL: f64 = 0.44;
+const TANGENTIAL_ERROR: f64 = 0.07;
 /// [-] friction of the paper's rough walls (section 4), where walls have none.
 const PAPER_WALL_FRICTION: f64 = 0.325;
 /// [-] standard error of a measured friction: cellulose acetate 0.25 ± 0.02 (Foerster et al. 1994).
@@ -44,7 +48,7 @@ pub struct Known {
 }
 
 /// All built-in factors, in the order of the help text.
-pub const KNOWN: [Known; 12] = [
+pub const KNOWN: [Known; 14] = [
     Known { name: "model", title: "the contact model", make: model },
     Known { name: "stiffness", title: "the stiffness", make: stiffness },
     Known { name: "integrator", title: "the integrator of soft contacts", make: integrator },
@@ -53,6 +57,8 @@ pub const KNOWN: [Known; 12] = [
     Known { name: "wall-restitution", title: "the restitution at walls", make: wall_restitution },
     Known { name: "friction", title: "the friction between particles", make: friction },
     Known { name: "wall-friction", title: "the friction at walls", make: wall_friction },
+    Known { name: "rotation", title: "the rotation of particles", make: rotation },
+    Known { name: "tangential-restitution", title: "the tangential restitution", make: tangential_restitution },
     Known { name: "gas", title: "the gas profile", make: gas },
     Known { name: "drag", title: "the drag law", make: drag },
     Known { name: "box", title: "the length of the box", make: shorter_box },
@@ -222,6 +228,45 @@ fn wall_friction(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<Plann
     let ideal = all.iter().all(|(_, own, _)| *own == 0.0);
     let source = if ideal { "the paper's rough walls" } else { FRICTION_IS_KNOWN };
     surface(plan, &all, ("friction", "wall μ"), why(size, source))
+}
+
+fn rotation(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<PlannedFactor, String> {
+    no_size(size)?;
+    let first = plan.first();
+    let scene = &plan.run(first).scene;
+    if scene.rotation.is_some() {
+        let run = plan.add("no rotation", &["contact.rotation=false".into()], None, None)?;
+        return Ok(PlannedFactor::against(first, run, "rotation → none", "the paper's spheres do not rotate"));
+    }
+    let rough = |surface: &Surface| surface.friction > 0.0;
+    if !scene.surfaces(plan.reference().count()).iter().any(rough) {
+        return Err("there is no friction that could turn a particle".into());
+    }
+    let rule = format!("hard.friction.walton.tangential_restitution={GLASS_TANGENTIAL}");
+    let run = plan.add("rotation", &["contact.rotation=true".into(), rule], None, None)?;
+    let change = format!("no rotation → rotation, β_0 = {GLASS_TANGENTIAL}");
+    Ok(PlannedFactor::against(first, run, change, "glass, Foerster et al. 1994"))
+}
+
+fn tangential_restitution(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<PlannedFactor, String> {
+    let first = plan.first();
+    let Some(rotation) = plan.run(first).scene.rotation.clone() else { return Err("spheres do not rotate".into()) };
+    let of_rule = match rotation.impact {
+        ImpactRule::Walton { tangential_restitution } => Some(tangential_restitution),
+        ImpactRule::OfSpring(_) => None,
+    };
+    let of_spring = match rotation.tangential {
+        TangentialLaw::Linear(LinearTangential::Restitution(restitution)) => Some(restitution),
+        _ => None,
+    };
+    let Some(own) = of_rule.or(of_spring) else { return Err("the case gives a stiffness ratio in its place".into()) };
+    // away from the reversal at 1, beyond which there is nothing
+    let usual = plain(if own + TANGENTIAL_ERROR <= 1.0 { own + TANGENTIAL_ERROR } else { own - TANGENTIAL_ERROR });
+    let to = sized(size, usual, -1.0, 1.0)?;
+    let key = if of_rule.is_some() { "hard.friction.walton" } else { "soft.tangential.linear" };
+    let run = plan.add(&format!("β_0 = {to}"), &[format!("{key}.tangential_restitution={to}")], None, None)?;
+    let usual = "a measured tangential restitution is known to ± 0.07, Foerster et al. 1994";
+    Ok(PlannedFactor::against(first, run, format!("β_0 {} → {to}", plain(own)), why(size, usual)))
 }
 
 /// Reason for the step in friction.

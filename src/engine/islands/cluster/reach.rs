@@ -15,8 +15,8 @@ pub(super) fn two_largest([a, b]: [f64; 2], [c, d]: [f64; 2]) -> [f64; 2] {
     if a >= c { [a, b.max(c)] } else { [c, d.max(a)] }
 }
 
-/// Kinetic energy [J] and speed [m/s] of a particle, given by index, seen from a frame [m/s]. Rotation counts as far as friction may turn it into motion:
-/// with its energy, and with the speed of the surface.
+/// Kinetic energy [J] and speed [m/s] of a particle, given by index, seen from a frame [m/s]. Rotation counts as far as
+/// friction may turn it into motion: with its energy, and with the speed of the surface.
 pub(super) fn motion(particles: &Particles, frame: Vector3<f64>, place: u32) -> (f64, f64) {
     let square = (particles.velocity[place as usize] - frame).norm_squared();
     let place = place as usize;

@@ -1,8 +1,10 @@
-//! Tangential springs of an island whose spheres rotate: they stick or slide, and the instants at which that changes are found within a step.
+//! Tangential springs of an island whose spheres rotate: they stick or slide, and the instants at which that changes
+//! are found within a step.
 //!
-//! While a contact sticks, its shear ξ is a state of the Runge-Kutta method: dξ/dt = s + ω_n n × ξ, where ω_n is the mean spin about the normal. While it
-//! slides, its state is the direction e of the force: the length of the spring follows from the limit, and e turns towards the slip as the spring is
-//! dragged along. States are held in the plane normal to n at the start of the step, and are carried along with n from there.
+//! While a contact sticks, its shear ξ is a state of the Runge-Kutta method: dξ/dt = s + ω_n n × ξ, where ω_n is the
+//! mean spin about the normal. While it slides, its state is the direction e of the force: the length of the spring
+//! follows from the limit, and e turns towards the slip as the spring is dragged along. States are held in the plane
+//! normal to n at the start of the step, and are carried along with n from there.
 
 use super::{InstantaneousRule, IslandRun, Rates, TRIALS};
 use crate::contact_law::ContactLaw;
@@ -51,7 +53,7 @@ pub struct SlidingContact {
 }
 
 /// Relative motion and normal force of a contact between bodies that rotate.
-struct SurfaceMotion {
+struct SlidingMotion {
     /// [m/s]
     slip: Vector3<f64>,
     /// [-] lever arms over radii.
@@ -91,7 +93,7 @@ impl SlidingContact {
     }
 }
 
-impl SurfaceMotion {
+impl SlidingMotion {
     fn of(run: &IslandRun<'_, impl InstantaneousRule>, touch: &TouchingPair, met: &Encounter) -> Self {
         let (surface, arm) = touch.couple.surface_velocity(run.particles, touch.reach, met.gap);
         let (elastic, viscous) = run.engine.law.force(&touch.spring, met.overlap(), met.normal_velocity);
@@ -141,7 +143,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
             return sliding;
         }
         let met = touch.couple.meet(self.particles, self.scene, self.moment());
-        let motion = SurfaceMotion::of(self, touch, &met);
+        let motion = SlidingMotion::of(self, touch, &met);
         let flat = shear - met.normal * shear.dot(&met.normal);
         sliding.now = SpringState { vector: flat, normal: met.normal };
         sliding.shear = flat;
@@ -198,7 +200,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         }
     }
 
-    /// Moves spins and springs from the start of the step to a stage `dt` [s] after it, at the rates of the stage before.
+    /// Moves spins and springs from the start of the step to a stage `dt` [s] after it, at the rates of the stage
+    /// before.
     pub(super) fn turn_to_stage(&mut self, dt: f64) {
         let scratch = &mut *self.scratch;
         if let Some(spins) = &mut self.particles.spin {
@@ -228,7 +231,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         }
         for k in 0..self.scratch.sliding.len() {
             let (touch, met) = self.met(k);
-            let motion = SurfaceMotion::of(self, &touch, &met);
+            let motion = SlidingMotion::of(self, &touch, &met);
             let sliding = &mut self.scratch.sliding[k];
             let vector = carried(&(sliding.start.vector + sliding.mean * dt), &sliding.start.normal, &met.normal);
             sliding.now = SpringState { vector, normal: met.normal };
@@ -245,10 +248,11 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         }
     }
 
-    /// Force of a contact at a stage of a step of `dt` [s]; torques go to the turning of its particles, and the rate of its spring is kept.
+    /// Force of a contact at a stage of a step of `dt` [s]; torques go to the turning of its particles, and the rate of
+    /// its spring is kept.
     pub(super) fn force_at_stage(&mut self, k: usize, touch: &TouchingPair, met: &Encounter, dt: f64) -> ContactForce {
-        let motion = SurfaceMotion::of(self, touch, met);
-        let SurfaceMotion { slip, arm, elastic, viscous, limit } = motion;
+        let motion = SlidingMotion::of(self, touch, met);
+        let SlidingMotion { slip, arm, elastic, viscous, limit } = motion;
         let (normal, spring) = (elastic + viscous, &touch.tangential);
         let sliding = &mut self.scratch.sliding[k];
         let SpringState { normal: start, .. } = sliding.start;
@@ -289,13 +293,13 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         }
     }
 
-    /// How far contact `k` is from the end of its phase, at the end of a trial of a step of `dt` [s]. Accelerations are those of the last stage, which stands
-    /// at the end of the step.
+    /// Margins by which contact `k` is away from the end of its phase, at the end of a trial of a step of `dt` [s]. Accelerations are
+    /// those of the last stage, which stands at the end of the step.
     fn margins(
         &self,
         k: usize,
         touch: &TouchingPair,
-        (met, motion): (&Encounter, &SurfaceMotion),
+        (met, motion): (&Encounter, &SlidingMotion),
         dt: f64,
     ) -> [f64; 2] {
         let sliding = &self.scratch.sliding[k];
@@ -310,12 +314,13 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         }
     }
 
-    /// [m/s] rate λ = s·e - d|ξ|/dt at which the surfaces of a contact slide; a contact that would have to slide backwards sticks.
+    /// [m/s] rate λ = s·e - d|ξ|/dt at which the surfaces of a contact slide; a contact that would have to slide
+    /// backwards sticks.
     fn sliding_rate(
         &self,
         touch: &TouchingPair,
         met: &Encounter,
-        motion: &SurfaceMotion,
+        motion: &SlidingMotion,
         (sliding, dt): (&SlidingContact, f64),
     ) -> f64 {
         let (along, spring) = (sliding.now.vector, &touch.tangential);
@@ -337,7 +342,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         speed - (rate - spring.dashpot * slip_rate) / spring.stiffness
     }
 
-    /// The first end of a phase within a step: the fraction of the step at which it is about to come, the contact, and the margin that it shows in.
+    /// The first end of a phase within a step: the fraction of the step at which it is about to come, the contact, and
+    /// the margin that it shows in.
     pub(super) fn first_switch(&self) -> Option<(f64, usize, usize)> {
         let ends = self.scratch.sliding.iter().enumerate().flat_map(|(k, sliding)| {
             let [before, after] = sliding.margins;
@@ -353,7 +359,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         ends.min_by(|a, b| a.0.total_cmp(&b.0))
     }
 
-    /// Repeats the step from `start` [s] with the length at which a phase of a contact ends; begins with a fraction of `dt` [s].
+    /// Repeats the step from `start` [s] with the length at which a phase of a contact ends; begins with a fraction of
+    /// `dt` [s].
     pub(super) fn find_switch(&mut self, start: f64, dt: f64, (fraction, k, which): (f64, usize, usize)) -> Rates {
         let before = self.scratch.sliding[k].margins[BEFORE][which];
         let mut low = (0.0, before.max(0.0));
@@ -387,7 +394,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
             let over = || (0..2).rev().find(|&which| sliding.margins[AFTER][which] < 0.0);
             let Some(which) = due.filter(|(of, _)| *of == k).map(|(_, which)| which).or_else(over) else { continue };
             let (touch, met) = self.met(k);
-            let motion = SurfaceMotion::of(self, &touch, &met);
+            let motion = SlidingMotion::of(self, &touch, &met);
             let along = |vector: Vector3<f64>| vector.try_normalize(0.0).unwrap_or_else(Vector3::zeros);
             let (phase, vector) = match sliding.phase {
                 Phase::Memoryless => continue,
@@ -410,7 +417,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         energies
     }
 
-    /// Takes what tangential springs hold more than the energies [J] that they `stored` before a step from the work that friction did in it.
+    /// Takes what tangential springs hold more than the energies [J] that they `stored` before a step from the work
+    /// that friction did in it.
     pub(super) fn keep_in_springs(&mut self, stored: [f64; 2]) {
         let kept = self.spring_energies();
         let ledger = &mut self.island.log.ledger;
