@@ -8,8 +8,9 @@
 
 use super::{InstantaneousRule, IslandRun, Rates, TRIALS};
 use crate::contact_law::ContactLaw;
+use crate::contact_law::friction::{Slip, coulomb};
 use crate::encounter::Encounter;
-use crate::engine::soft::contact::{Contact, ContactForce, TouchingPair};
+use crate::engine::soft::contact::{Contact, ContactConstants, ContactForce, TouchingPair};
 use crate::rotation::{TangentialSpring, slip};
 use nalgebra::Vector3;
 
@@ -260,9 +261,10 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         let spun = |vector: &Vector3<f64>| met.normal.cross(vector) * touch.couple.twist(self.particles, &met.normal);
         let (tangential, rate) = match sliding.phase {
             Phase::Memoryless => {
-                let speed = slip.norm();
-                let most = (touch.friction * normal.abs()).min(spring.mass * speed / dt);
-                (if speed > 0.0 { slip * (most / speed) } else { slip }, Vector3::zeros())
+                let slip =
+                    Slip { velocity: slip, acceleration: ContactConstants::pull_along(&touch.couple, met, self.scene) };
+                let friction = coulomb(touch.friction, normal, &slip, spring.mass, [dt, 0.0]);
+                (friction.map_or_else(Vector3::zeros, |friction| friction.force), Vector3::zeros())
             }
             Phase::Stick => (spring.force(&vector, &slip), slip + spun(&vector)),
             Phase::Slide => {
