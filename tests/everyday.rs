@@ -1,8 +1,9 @@
 //! What meets everybody: long names, folders in use or emptied, damaged files, large scenes, bad cases read by programs.
 
-use crate::support::{BASE, diptych, plane, surface, words};
+use crate::support::{BASE, diptych, empty, experiment, plane, small, surface, words};
 use diptych::case::Case;
 use diptych::checkpoint::{Store, StoredCommand};
+use diptych::experiment::{Experiment, Model};
 use diptych::placement::{initial_state, initial_state_within};
 use diptych::study::check_text;
 use diptych::walls::{Geometry, Nearest, Wall, WallGeometry};
@@ -157,6 +158,37 @@ impl Geometry for NoRoom {
 }
 
 /// Counts, not clocks: a placement that is given so much effort asks a wall no more often than that, and a few times more a particle.
+/// Beads between a floor and a lid, `height` [m] apart, in a box ten times as high.
+fn between_planes(count: usize, height: f64, gravity: f64) -> Experiment {
+    let mut scene = empty([4e-3, 10.0 * height, 4e-3], [true, false, true], small(), surface(0.9, 0.0));
+    scene.gravity.y = -gravity;
+    scene.walls = vec![
+        plane([0.0; 3], [0.0, 1.0, 0.0], surface(0.9, 0.0)),
+        plane([0.0, height, 0.0], [0.0, -1.0, 0.0], surface(0.9, 0.0)),
+    ];
+    experiment(scene, count, [0.0; 3], 0.1, Model::Hard, 1)
+}
+
+/// A list of neighbours that allowed for the fall in each step of the relaxation held all pairs: 5000 beads took minutes.
+#[test]
+fn a_dense_start_knows_no_gravity() {
+    // φ = 0.58
+    let height = 700.0 * small().volume() / (0.58 * 4e-3 * 4e-3);
+    let [still, falling] = [0.0, 9.81].map(|g| initial_state(&between_planes(700, height, g)).unwrap());
+    assert_eq!(still.position, falling.position);
+}
+
+#[test]
+fn more_spheres_than_any_arrangement_holds_are_refused_before_they_are_tried() {
+    let height = |fraction: f64| 700.0 * small().volume() / (fraction * 4e-3 * 4e-3);
+    let told = |fraction: f64| initial_state_within(&between_planes(700, height(fraction), 9.81), 20_000).unwrap_err();
+    let overfull = told(0.75);
+    assert!(!overfull.given_up && overfull.most == Some(std::f64::consts::PI / 18f64.sqrt()), "{overfull}");
+    assert!(overfull.to_string().contains("no arrangement of such spheres more than 7.405e-1"), "{overfull}");
+    // nobody knows whether a random start is found below that: it is tried, for as long as is asked
+    assert!(told(0.70).given_up);
+}
+
 #[test]
 fn a_start_that_is_not_found_is_given_up_after_its_effort() {
     let mut experiment = read(TEXT).experiment(None, None).unwrap().0;
@@ -182,8 +214,14 @@ fn a_start_that_is_not_found_is_given_up_after_its_effort() {
 
 #[test]
 fn check_says_that_no_start_was_found() {
-    let text = TEXT.replace("point = [\"0 m\", \"4 mm\", \"0 m\"]", "point = [\"0 m\", \"1e-15 mm\", \"0 m\"]");
-    let text = text.replace("count = 100", "count = 20000");
-    let told = check_text(&read(&text.replace("diameter = \"406 um\"", "diameter = \"10 um\""))).unwrap();
+    // φ = 0.70: between random packings and the densest
+    let lid = |height: &str| {
+        TEXT.replace("point = [\"0 m\", \"4 mm\", \"0 m\"]", &format!("point = [\"0 m\", \"{height}\", \"0 m\"]"))
+    };
+    let told = check_text(&read(&lid("2 mm").replace("count = 100", "count = 2876"))).unwrap();
     assert!(told.contains("no random start was found with the effort that `check` makes"), "{told}");
+    // no room at all: refused, as `run` does
+    let text = lid("1e-15 mm").replace("count = 100", "count = 20000");
+    let why = check_text(&read(&text.replace("diameter = \"406 um\"", "diameter = \"10 um\""))).unwrap_err();
+    assert!(why.to_string().contains("there is no random start: the particles fill 1.454e11"), "{why}");
 }

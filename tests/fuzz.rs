@@ -404,6 +404,11 @@ fn memory() -> Option<u64> {
     status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?.split_whitespace().next()?.parse().ok()
 }
 
+/// Random numbers of one input of a reader.
+fn draw_of(reader: &str, number: u64) -> Xoshiro256PlusPlus {
+    Xoshiro256PlusPlus::seed_from_u64(number ^ reader.bytes().fold(0, |sum, byte| sum << 8 | u64::from(byte)))
+}
+
 /// `inputs` in all, from number `first` on; gives the faults and prints how many went to each reader.
 fn soak(inputs: u64, first: u64) -> Vec<String> {
     let fuzz = Fuzz::new();
@@ -413,9 +418,7 @@ fn soak(inputs: u64, first: u64) -> Vec<String> {
         let (began, mut slowest) = (Instant::now(), Duration::ZERO);
         for number in first..first + count {
             let at = Instant::now();
-            let mut draw = Xoshiro256PlusPlus::seed_from_u64(
-                number ^ reader.bytes().fold(0, |sum, byte| sum << 8 | u64::from(byte)),
-            );
+            let mut draw = draw_of(reader, number);
             if catch_unwind(AssertUnwindSafe(|| fuzz.one(reader, &mut draw))).is_err() {
                 faults.push(format!("{reader}, input {number}: it panicked"));
             }
@@ -440,6 +443,17 @@ fn soak(inputs: u64, first: u64) -> Vec<String> {
 fn fuzz_a_few_inputs() {
     let faults = soak(10_000, 0);
     assert!(faults.is_empty(), "{faults:#?}");
+}
+
+#[test]
+#[ignore = "one input that a longer run has named: FUZZ_ONE='case 1139606' cargo test --test it -- --ignored fuzz_one --nocapture"]
+fn fuzz_one_input() {
+    let asked = std::env::var("FUZZ_ONE").unwrap_or_else(|_| "case 0".into());
+    let (reader, number) = asked.split_once(' ').unwrap();
+    let (fuzz, began) = (Fuzz::new(), Instant::now());
+    fuzz.one(reader, &mut draw_of(reader, number.parse().unwrap()));
+    println!("{asked}: {:.1?}", began.elapsed());
+    assert!(began.elapsed() < LONGEST);
 }
 
 #[test]

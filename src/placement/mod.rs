@@ -35,6 +35,10 @@ const ROUNDS: usize = 5000;
 /// is still within a larger sphere at a volume fraction of 0.3.
 const ROUNDS_OF_INSERTION: usize = 8;
 
+/// Pairs of a list that count as much effort as one particle of a round: about as many as a particle has in a dense
+/// start.
+const PER_PARTICLE: u64 = 32;
+
 /// [-] fraction by which spheres are enlarged during placement, so that none start in touch; half of it remains as a
 /// gap.
 const MARGIN: f64 = 1e-3;
@@ -42,7 +46,9 @@ const MARGIN: f64 = 1e-3;
 /// A start that could not be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error(
-    "no random start without overlap found after {ROUNDS} rounds: the particles fill {wanted:.3e} of the {room:.3e} m^3 that walls and bodies in the box leave them, and those that overlap nothing {reached:.3e}; ask for fewer particles, make that room larger (a larger box around a vessel is of no use), or give positions in a file"
+    "{}: the particles fill {wanted:.3e} of the {room:.3e} m^3 that walls and bodies in the box leave them, and {}; ask for fewer particles, make that room larger (a larger box around a vessel is of no use), or give positions in a file",
+    self.what(),
+    self.bound()
 )]
 pub struct Crowded {
     /// [-] volume of the particles over that of their room.
@@ -53,6 +59,33 @@ pub struct Crowded {
     pub room: f64,
     /// True if the search was given up for its effort before all rounds were done.
     pub given_up: bool,
+    /// [-] volume fraction that no arrangement of these spheres exceeds, if they are to fill more.
+    pub most: Option<f64>,
+}
+
+impl Crowded {
+    fn what(&self) -> String {
+        match self.most {
+            Some(_) => "there is no random start".into(),
+            None => format!("no random start without overlap found after {ROUNDS} rounds"),
+        }
+    }
+
+    fn bound(&self) -> String {
+        match self.most {
+            Some(most) => format!("no arrangement of such spheres more than {most:.3e}"),
+            None => format!("those that overlap nothing {:.3e}", self.reached),
+        }
+    }
+
+    /// Refuses particles that fill more of their room than any arrangement does, before any is sought.
+    fn refuse_overfull(wanted: f64, room: &FreeRoom) -> Result<(), Self> {
+        let most = room.most();
+        if wanted <= most {
+            return Ok(());
+        }
+        Err(Self { wanted, reached: 0.0, room: room.volume(), given_up: false, most: Some(most) })
+    }
 }
 
 /// The initial state: equal for every model, made from the seed alone.
@@ -86,6 +119,7 @@ pub fn initial_state_within(experiment: &Experiment, effort: u64) -> Result<Part
         }
         if is_free.iter().any(|free| *free) {
             let fraction = volume(experiment, |index| populations.contains(&index)) / room.volume();
+            Crowded::refuse_overfull(fraction, room)?;
             work_sharing::keep_workers_spinning(|| separate(&mut particles, &is_free, fraction, room, &mut random))?;
         }
     }
@@ -139,7 +173,7 @@ fn separate(
     for round in 0..rounds {
         let overlaps;
         (overlaps, bad) = look_for_overlaps(particles, &mut list, &there, room);
-        if bad == 0 || !room.spend(particles.len() as u64) {
+        if bad == 0 || !room.spend(particles.len() as u64 + list.slots() as u64 / PER_PARTICLE) {
             break;
         }
         if fraction <= INSERTION_LIMIT {
@@ -165,7 +199,7 @@ fn separate(
         Ok(())
     } else {
         let reached = fraction * (1.0 - bad as f64 / particles.len() as f64).max(0.0);
-        Err(Crowded { wanted: fraction, reached, room: room.volume(), given_up: !room.spend(0) })
+        Err(Crowded { wanted: fraction, reached, room: room.volume(), given_up: !room.spend(0), most: None })
     }
 }
 

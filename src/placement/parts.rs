@@ -113,7 +113,7 @@ fn part(experiment: &Experiment, communicator: &dyn Communicator) -> Result<Part
     }
     let wanted = filled(experiment, &room);
     let reached = wanted * (1.0 - bad[0] as f64 / experiment.count() as f64).max(0.0);
-    Err(Crowded { wanted, reached, room: room.volume(), given_up: false })
+    Err(Crowded { wanted, reached, room: room.volume(), given_up: false, most: None })
 }
 
 /// Removes all particles for which `stays` is false.

@@ -1,6 +1,6 @@
 //! Dense starts: overlapping spheres push each other apart like soft spheres, until nothing overlaps.
 
-use super::{FreeRoom, MARGIN, ROUNDS};
+use super::{FreeRoom, MARGIN, PER_PARTICLE, ROUNDS};
 use crate::encounter::FrameTime;
 use crate::neighbours::NeighbourList;
 use crate::particles::Particles;
@@ -80,7 +80,7 @@ fn settle(particles: &mut Particles, is_free: &[bool], room: &FreeRoom, margin: 
         }
         list.overlapping(particles, scene, &mut slots);
         deep = overlaps(&list, &slots, (particles, scene), (is_free, margin), &mut force);
-        if deep == 0 || !room.spend(particles.len() as u64) {
+        if deep == 0 || !room.spend(particles.len() as u64 + list.slots() as u64 / PER_PARTICLE) {
             break;
         }
         for (force, id) in force.iter_mut().zip(&particles.id) {

@@ -53,9 +53,28 @@ impl FreeRoom {
             None => {}
         }
         let corners = corners(&walls, &inside, scene.domain.size);
-        let scene = Scene { walls: Repeated::all(&walls, &scene.domain), ..scene.clone() };
+        // places know no gravity: lists of neighbours would allow for a fall in each step of a relaxation
+        let gravity = Vector3::zeros();
+        let scene = Scene { walls: Repeated::all(&walls, &scene.domain), gravity, ..scene.clone() };
         let near = NearWalls::of(&scene.walls);
         Self { scene, near, corners, inside, effort: AtomicU64::new(u64::MAX), volume: OnceLock::new() }
+    }
+
+    /// Largest volume fraction [-] that spheres can fill, with the error of a measured volume. In a box spheres of one
+    /// size fill at most π/√18 (Hales 2005, Ann. Math. 162, 1065); a vessel as wide as its sphere is full.
+    pub fn most(&self) -> f64 {
+        /// [-] room for the error of a measured volume, some standard errors of the points.
+        const MEASURED: f64 = 1.05;
+        let is_box = self.is_box();
+        let one_size = !self.scene.has_sizes() && self.scene.smallest_diameter() == self.scene.largest_diameter();
+        let densest = if is_box && one_size { std::f64::consts::PI / 18f64.sqrt() } else { 1.0 };
+        if is_box { densest } else { MEASURED * densest }
+    }
+
+    /// True if the space is a box: its volume is then exact.
+    fn is_box(&self) -> bool {
+        let are_sides = |wall: &Wall| wall.geometry.plane().is_some_and(|plane| plane.normal.amax() > 1.0 - ROUNDING);
+        self.inside.is_empty() && self.scene.walls.iter().all(are_sides)
     }
 
     /// This space with a limit on the effort spent on it.
@@ -144,8 +163,7 @@ impl FreeRoom {
         const ROOT: f64 = 1.220_744_084_605_759_5;
         let [low, high] = self.corners;
         let box_volume = (high - low).iter().map(|edge| edge.max(0.0)).product::<f64>();
-        let are_sides = |wall: &Wall| wall.geometry.plane().is_some_and(|plane| plane.normal.amax() > 1.0 - ROUNDING);
-        if self.inside.is_empty() && self.scene.walls.iter().all(are_sides) {
+        if self.is_box() {
             return box_volume;
         }
         let is_free = |number: &u32| {
