@@ -21,6 +21,19 @@ pub struct CellGrid {
 }
 
 impl CellGrid {
+    /// Divides a region into cells with edges of at least `edge` [m].
+    fn divide(&mut self, region: &Region, edge: f64) {
+        self.region = region.clone();
+        self.periodic = region.periodic();
+        self.count = std::array::from_fn(|axis| {
+            // the cap limits the number of cells, however empty the box
+            let fitting = (region.size()[axis] / edge).clamp(1.0, 4096.0) as usize;
+            // with two periodic cells each would be a neighbour of the other twice
+            if self.periodic[axis] && fitting < 3 { 1 } else { fitting }
+        });
+        self.per_length = Vector3::from_fn(|axis, _| self.count[axis] as f64 / region.size()[axis]);
+    }
+
     /// Sorts items inside a region into cells with edges of at least `edge` [m], by the positions [m] that `position`
     /// gives. `order` receives the indices of the items in cell order.
     pub fn sort<T: Sync>(
@@ -31,15 +44,7 @@ impl CellGrid {
         edge: f64,
         order: &mut Vec<u32>,
     ) {
-        self.region = region.clone();
-        self.periodic = region.periodic();
-        self.count = std::array::from_fn(|axis| {
-            // the cap limits the number of cells, however empty the box
-            let fitting = (region.size()[axis] / edge).clamp(1.0, 4096.0) as usize;
-            // with two periodic cells each would be a neighbour of the other twice
-            if self.periodic[axis] && fitting < 3 { 1 } else { fitting }
-        });
-        self.per_length = Vector3::from_fn(|axis, _| self.count[axis] as f64 / region.size()[axis]);
+        self.divide(region, edge);
         let mut cell = std::mem::take(&mut self.cell);
         cell.resize(items.len(), 0);
         let spans: Vec<[u32; 2]> =

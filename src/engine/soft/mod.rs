@@ -10,6 +10,7 @@ mod ghost_exchange;
 mod halo;
 mod heun;
 mod local;
+mod passing;
 mod pushes;
 mod records;
 mod rotating;
@@ -29,7 +30,7 @@ use crate::neighbours::{NeighbourList, along_walls};
 use crate::particles::Particles;
 use crate::scene::Scene;
 use backoff::{Backoff, Rival};
-use contact::{Alike, SHORT, passed};
+use contact::Alike;
 pub(in crate::engine) use contact::{Contact, TouchingPair};
 use contacts::Due;
 use contacts::{ContactSearch, Contacts, EvaluationTime, StepRecord};
@@ -187,40 +188,6 @@ impl SoftSolver {
         let done = self.contacts.evaluate(view, &mut self.pushes, book)?;
         self.counters.pair_checks += done.checks;
         self.counters.force_evaluations += done.forces;
-        Ok(())
-    }
-
-    fn has_thin_walls(scene: &Scene) -> bool {
-        scene.walls.iter().any(|wall| wall.geometry.law().is_thin())
-    }
-
-    /// True if a step of `dt` [s] is long enough to take the centre of a sphere through a thin wall.
-    fn may_pass(&self, scene: &Scene, elapsed: f64, dt: f64) -> bool {
-        let fall = scene.gravity * (elapsed + 0.5 * dt);
-        self.smallest.is_some_and(|smallest| (self.speed.all + fall.norm()) * dt >= SHORT * smallest)
-    }
-
-    /// Refuses a step that takes the centre of a sphere through a thin wall. Such a step may show no overlap at either
-    /// end.
-    fn refuse_to_pass(
-        &self,
-        particles: &Particles,
-        scene: &Scene,
-        window: Window,
-        elapsed: f64,
-        dt: f64,
-    ) -> Result<(), Failure> {
-        let fall = scene.gravity * (elapsed + 0.5 * dt);
-        for near in self.list.walls.iter().filter(|near| near.at.which == 0) {
-            let i = near.particle as usize;
-            let from = particles.position[i];
-            let to = from + (particles.velocity[i] + fall) * dt;
-            let geometry = &scene.walls[near.at.wall as usize].geometry;
-            if geometry.is_passed(&from, &to, particles.radius[i]) {
-                let instant = (near.at.wall, window.start + elapsed);
-                return Err(passed(particles, i, instant, (to - from).norm()));
-            }
-        }
         Ok(())
     }
 

@@ -1,0 +1,112 @@
+//! Steps of an island by an explicit Runge-Kutta method.
+
+use super::{InstantaneousRule, IslandRun, Rates};
+use crate::encounter::FrameTime;
+use nalgebra::Vector3;
+
+/// Stage of an explicit Runge-Kutta method in which each stage uses only the stage before.
+#[derive(Clone, Copy, Debug)]
+pub struct RungeKuttaStage {
+    /// [-] time of the stage, as a fraction of the step.
+    pub at: f64,
+    /// [-] weight of the stage in the mean over the step.
+    pub weight: f64,
+}
+
+/// Classical Runge-Kutta method of fourth order.
+pub const FOURTH_ORDER: [RungeKuttaStage; 4] = [
+    RungeKuttaStage { at: 0.0, weight: 1.0 / 6.0 },
+    RungeKuttaStage { at: 0.5, weight: 1.0 / 3.0 },
+    RungeKuttaStage { at: 0.5, weight: 1.0 / 3.0 },
+    RungeKuttaStage { at: 1.0, weight: 1.0 / 6.0 },
+];
+
+/// Heun's method of second order.
+pub const HEUN: [RungeKuttaStage; 2] =
+    [RungeKuttaStage { at: 0.0, weight: 0.5 }, RungeKuttaStage { at: 1.0, weight: 0.5 }];
+
+impl<I: InstantaneousRule> IslandRun<'_, I> {
+    /// Moves all particles by `dt` [s] with the present contacts; returns the mean powers and wall forces.
+    pub(super) fn integrate(&mut self, dt: f64) -> Rates {
+        let stages = self.engine.stages();
+        let mut rates = Rates::default();
+        let (start, count) = (self.now, self.particles.len());
+        let scratch = &mut *self.scratch;
+        scratch.acceleration.resize(count, Vector3::zeros());
+        scratch.moved.clear();
+        scratch.moved.resize(count, Vector3::zeros());
+        scratch.kicked.clear();
+        scratch.kicked.resize(count, Vector3::zeros());
+        self.island.updates += (stages.len() * count) as u64;
+        if self.rotates() {
+            self.begin_turning(count);
+        }
+        for stage in stages {
+            if stage.at > 0.0 {
+                for k in 0..count {
+                    let velocity = self.particles.velocity[k];
+                    self.particles.position[k] = self.scratch.position[k] + velocity * (stage.at * dt);
+                    self.particles.velocity[k] =
+                        self.scratch.velocity[k] + self.scratch.acceleration[k] * (stage.at * dt);
+                }
+                if self.rotates() {
+                    self.turn_to_stage(stage.at * dt);
+                }
+            }
+            self.accelerations(start + stage.at * dt, dt, stage.weight, &mut rates);
+            let scratch = &mut *self.scratch;
+            for k in 0..count {
+                scratch.moved[k] += self.particles.velocity[k] * stage.weight;
+                scratch.kicked[k] += scratch.acceleration[k] * stage.weight;
+            }
+            if self.rotates() {
+                self.add_turning(stage.weight);
+            }
+        }
+        for k in 0..count {
+            self.particles.position[k] = self.scratch.position[k] + self.scratch.moved[k] * dt;
+            self.particles.velocity[k] = self.scratch.velocity[k] + self.scratch.kicked[k] * dt;
+        }
+        self.now = start + dt;
+        if self.rotates() {
+            self.end_turning(dt);
+        }
+        rates
+    }
+
+    fn accelerations(&mut self, time: f64, dt: f64, weight: f64, rates: &mut Rates) {
+        self.scratch.acceleration.fill(Vector3::zeros());
+        self.scratch.turning.fill(Vector3::zeros());
+        self.island.force_evaluations += self.scratch.contacts.len() as u64;
+        for k in 0..self.scratch.contacts.len() {
+            let touch = self.scratch.contacts[k].touch;
+            let met = touch.couple.meet(self.particles, self.scene, FrameTime::in_free_fall(time));
+            let force = if self.rotates() {
+                self.force_at_stage(k, &touch, &met, dt)
+            } else {
+                touch.force(&self.engine.law, &met, self.scene, [dt, 0.0])
+            };
+            rates.count(&touch.couple, &force, weight);
+            let i = touch.couple.i as usize;
+            self.scratch.acceleration[i] += force.on_i / self.particles.mass[i];
+            if let Some(j) = touch.couple.j() {
+                self.scratch.acceleration[j as usize] -= force.on_i / self.particles.mass[j as usize];
+            }
+        }
+    }
+}
+
+/// Fraction of a step of `dt` [s] at which a gap changes sign: a root of the cubic through gap and rate at both ends.
+pub fn crossing((gap0, rate0): (f64, f64), (gap1, rate1): (f64, f64), dt: f64) -> f64 {
+    let value = |t: f64| {
+        let (u, t2) = (1.0 - t, t * t);
+        (1.0 + 2.0 * t) * u * u * gap0 + t * u * u * dt * rate0 + t2 * (3.0 - 2.0 * t) * gap1 - t2 * u * dt * rate1
+    };
+    let (mut low, mut high) = (0.0, 1.0);
+    // bisection to the accuracy of the cubic itself; Newton's method on the true motion does the rest
+    for _ in 0..20 {
+        let middle = 0.5 * (low + high);
+        if (value(middle) > 0.0) == (gap1 > 0.0) { high = middle } else { low = middle }
+    }
+    0.5 * (low + high)
+}

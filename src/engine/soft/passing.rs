@@ -1,0 +1,43 @@
+//! Uniform steps that could take the centre of a sphere through a thin wall.
+
+use super::SoftSolver;
+use super::contact::{SHORT, passed};
+use crate::engine::{Failure, Window};
+use crate::particles::Particles;
+use crate::scene::Scene;
+
+impl SoftSolver {
+    pub(super) fn has_thin_walls(scene: &Scene) -> bool {
+        scene.walls.iter().any(|wall| wall.geometry.law().is_thin())
+    }
+
+    /// True if a step of `dt` [s] is long enough to take the centre of a sphere through a thin wall.
+    pub(super) fn may_pass(&self, scene: &Scene, elapsed: f64, dt: f64) -> bool {
+        let fall = scene.gravity * (elapsed + 0.5 * dt);
+        self.smallest.is_some_and(|smallest| (self.speed.all + fall.norm()) * dt >= SHORT * smallest)
+    }
+
+    /// Refuses a step that takes the centre of a sphere through a thin wall. Such a step may show no overlap at either
+    /// end.
+    pub(super) fn refuse_to_pass(
+        &self,
+        particles: &Particles,
+        scene: &Scene,
+        window: Window,
+        elapsed: f64,
+        dt: f64,
+    ) -> Result<(), Failure> {
+        let fall = scene.gravity * (elapsed + 0.5 * dt);
+        for near in self.list.walls.iter().filter(|near| near.at.which == 0) {
+            let i = near.particle as usize;
+            let from = particles.position[i];
+            let to = from + (particles.velocity[i] + fall) * dt;
+            let geometry = &scene.walls[near.at.wall as usize].geometry;
+            if geometry.is_passed(&from, &to, particles.radius[i]) {
+                let instant = (near.at.wall, window.start + elapsed);
+                return Err(passed(particles, i, instant, (to - from).norm()));
+            }
+        }
+        Ok(())
+    }
+}
