@@ -182,7 +182,7 @@ impl Couple {
     pub fn is_beyond(&self, other: &Self, scene: &Scene) -> bool {
         let (Other::Wall(at), Other::Wall(before)) = (self.other, other.other) else { return false };
         let same = self.i == other.i && at.wall == before.wall && at.which > before.which;
-        same && scene.walls[at.wall as usize].geometry.is_nearest_first()
+        same && scene.walls[at.wall as usize].geometry.law().is_nearest_first()
     }
 
     /// Index of the other particle; `None` for a wall.

@@ -231,7 +231,7 @@ pub struct Scene {
 impl Scene {
     /// [m³] volume available to particles: the domain, or the smallest vessel in it.
     pub fn room(&self) -> f64 {
-        let vessels = self.walls.iter().filter_map(|wall| wall.geometry.vessel_volume(&self.domain.size));
+        let vessels = self.walls.iter().filter_map(|wall| wall.geometry.law().vessel_volume(&self.domain.size));
         vessels.fold(self.domain.volume(), f64::min)
     }
 

@@ -29,7 +29,7 @@ fn smaller(experiment: &mut Experiment) {
     let (all, scene) = (experiment.count(), &mut experiment.scene);
     let placed = |amount: &Amount| matches!(amount, Amount::Placed(_));
     // a body stands at its place
-    let bodies = scene.walls.iter().any(|wall| wall.geometry.bounds().is_some());
+    let bodies = scene.walls.iter().any(|wall| wall.geometry.law().bounds().is_some());
     if all <= FEW || bodies || experiment.start.iter().any(|population| placed(&population.amount)) {
         return;
     }

@@ -264,7 +264,10 @@ fn what_cannot_be_is_refused() {
     let with = |other: &str| case(&GAS.replace(sizes, other), Model::Hard, &[]).map(|_| ()).unwrap_err();
     for (typed, words) in [
         ("", "sizes"),
-        ("diameter = \"1 mm\"\nsizes.uniform = { from = \"0.1 mm\", to = \"0.2 mm\" }", "both say how large"),
+        (
+            "diameter = \"1 mm\"\nsizes.uniform = { from = \"0.1 mm\", to = \"0.2 mm\" }",
+            "`diameter` and `sizes`, which exclude each other",
+        ),
         ("sizes.uniform = { from = \"0.2 mm\", to = \"0.2 mm\" }", "is not less than"),
         ("sizes.uniform = { to = \"0.2 mm\" }", "sizes.uniform.from"),
         ("sizes.uniform = { from = \"0.2 mm\", to = \"2 m\" }", "1e-7 m ..= 1 m"),

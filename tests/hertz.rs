@@ -4,7 +4,7 @@ use crate::support::*;
 use diptych::case::Case;
 use diptych::contact_law::{Bodies, ContactLaw, Hertz};
 use diptych::engine::soft::Soft;
-use diptych::experiment::{Integrator, SoftStepping, Spheres};
+use diptych::experiment::{Integrator, Model, SoftStepping, Spheres};
 use diptych::placement::initial_state;
 use diptych::scene::Elasticity;
 use diptych::simulation::Simulation;
@@ -148,8 +148,16 @@ fn bad_elasticity_is_refused() {
     assert!(refused("soft.hertz.youngs_modulus=0 Pa").contains("greater than 0 Pa"));
     assert!(refused("soft.hertz.poissons_ratio=0.6").contains("up to 0.5"));
     assert!(refused("soft.hertz.youngs_modulus=3000 N/m").contains("pressure"));
-    assert!(refused("soft.linear_spring_dashpot.stiffness=3000 N/m").contains("two contact laws"));
-    assert!(refused("particles[0].elasticity.poissons_ratio=0.3").contains("youngs_modulus` is missing"));
+    let both = std::fs::read_to_string(&path).unwrap() + "\n[soft.linear_spring_dashpot]\nstiffness = \"3000 N/m\"\n";
+    let both = Case::from_text(&path, both.into(), &[]).and_then(|case| case.experiment(None, None)).unwrap_err();
+    assert!(both.to_string().contains("keep one of `linear_spring_dashpot` and `hertz`"), "{both}");
+    // a law of the command line replaces that of the case
+    let other = Case::read(&path, &["soft.linear_spring_dashpot.stiffness=3000 N/m".into()]).unwrap();
+    assert!(other.experiment(Some(Model::Soft), None).unwrap().0.law().unwrap().is_linear());
+    assert!(
+        refused("particles[0].elasticity.poissons_ratio=0.3")
+            .contains("missing: `particles[0].elasticity.youngs_modulus`")
+    );
 }
 
 fn root() -> &'static Path {

@@ -167,6 +167,13 @@ fn every_example_is_read_and_every_key_explained() {
     }
 }
 
+/// True if [`FULL`] has no such table, so that all required keys of it have to be set.
+fn is_new(table: &str) -> bool {
+    ["particles.sizes", "fluid.profile", "soft.tangential", "hard.friction"]
+        .iter()
+        .any(|outer| table.starts_with(outer))
+}
+
 /// A number outside of a range that is given in words.
 fn outside(range: &str, whole: bool) -> f64 {
     let number = |text: &str| text.trim().split(' ').next().unwrap().parse::<f64>().unwrap();
@@ -185,7 +192,11 @@ fn ranges_are_those_that_messages_name() {
         for key in &table.keys {
             let Some(range) = &key.range else { continue };
             let number = outside(range, key.kind == "whole number");
-            let value = if key.kind.starts_with("list") { format!("[{number}, 0, 0]") } else { number.to_string() };
+            let value = match key.kind.as_str() {
+                kind if kind.starts_with("list of 3") => format!("[{number}, 0, 0]"),
+                kind if kind.starts_with("list") => format!("[{number}, {number}]"),
+                _ => number.to_string(),
+            };
             let path = tree::child_place(&place(&table.name), &key.name);
             let law = if table.name.ends_with("hertz") { HERTZ } else { SPRING };
             let model = match table.name.as_str() {
@@ -193,7 +204,18 @@ fn ranges_are_those_that_messages_name() {
                 "hybrid" => Model::Hybrid,
                 _ => Model::Soft,
             };
-            let told = told(&format!("{FULL}{law}"), &[format!("{path}={value}")], Some(model));
+            // what the table needs besides; the key itself replaces those that it excludes
+            let others = table.keys.iter().filter(|other| {
+                other.name != key.name
+                    && other.required.as_ref().is_some_and(|when| when == "always" || when.starts_with("or "))
+            });
+            let outer = place(&table.name);
+            let set = |other: &Key| {
+                other.example.as_ref().map(|example| format!("{}={example}", tree::child_place(&outer, &other.name)))
+            };
+            let others = others.filter_map(set).filter(|_| is_new(&table.name));
+            let sets: Vec<String> = others.chain([format!("{path}={value}")]).collect();
+            let told = told(&format!("{FULL}{law}"), &sets, Some(model));
             assert!(told.contains(&format!("allowed: {range}\n")), "{path} = {value}, {range}: {told}");
             seen += 1;
         }

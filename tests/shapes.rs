@@ -381,7 +381,7 @@ fn a_surface_that_moves_is_one_at_rest_to_whoever_moves_with_it() {
     let floors = [plane([0.0; 3], [0.0, 1.0, 0.0], surface(e, mu)), wall(WallGeometry::Mesh(Arc::new(sheet)), e, mu)];
     let start = Vector3::new(10.0, 1.5, 10.0);
     for floor in floors {
-        assert!(floor.geometry.slides(&belt) && !floor.geometry.slides(&Vector3::y()));
+        assert!(floor.geometry.law().slides(&belt) && !floor.geometry.law().slides(&Vector3::y()));
         for (name, engine) in engines(1e4, 5e-4) {
             let end = |velocity: Vector3<f64>, v: Vector3<f64>| {
                 let mut scene = empty([size; 3], [false; 3], unit(), surface(1.0, 0.0));

@@ -127,8 +127,8 @@ fn regions_that_make_no_sense_are_refused() {
         (format!("count = 2\n{open}"), "names a wall that has no inside"),
         ("count = 2\nin = { inside = \"roof\" }".into(), "names no wall"),
         (format!("count = 2\n{far}"), "1.7000e-2 ..= 2.1000e-2 m"),
-        (format!("count = 2\n{both}"), "needs exactly one of `box`, `cylinder` and `inside`"),
-        ("count = 2\nin = {}".into(), "needs exactly one of `box`, `cylinder` and `inside`"),
+        (format!("count = 2\n{both}"), "keep one of `box`, `cylinder` and `inside`"),
+        ("count = 2\nin = {}".into(), "missing: `particles[0].in.box` (or `cylinder`, `inside`)"),
         (placed, "is of no use: these particles have given places"),
     ];
     for (keys, words) in refused {

@@ -92,7 +92,7 @@ pub(crate) fn scene_in_words(experiment: &Experiment) -> String {
                     short(n.z, 4)
                 )
             }
-            None => wall.geometry.in_words(),
+            None => wall.geometry.law().in_words(),
         };
         let _ = writeln!(text, "Wall {index}: {shape}, {}.", surface(&wall.surface));
     }

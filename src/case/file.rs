@@ -1,15 +1,20 @@
 //! All keys that may be typed in a case, with their descriptions.
 //!
-//! Every key is optional in these types, so that one message can name all missing keys. The code that resolves a part
-//! of the scene decides which keys are required there. Choices are tables named after the law
+//! Every key is optional in these types, so that one message can name all missing keys. Choices are tables named after the law
 //! (`[drag.schiller_naumann]`), so that a misspelt law is an error at its line.
 //!
 //! These types are the only list of keys. serde reads a case into them. schemars makes from them the reference of
 //! `diptych keys`, the page `docs/keys.md` and the schema for editors. The comment of a field becomes the description
-//! of the key. Attributes of the field add an example and, where needed, `default` (or `x-default` in words), `x-range`
-//! and `x-required`. `x-range` has the words of the message about a value out of range; `x-required` says when the key
-//! is required. An example that is a list stands in `extend("examples" = [[…]])`, because schemars by itself does not
-//! read a list there.
+//! of the key. Attributes of the field add an example and, where needed, `default` (or `x-default` in words) and rules,
+//! which the reader of a case applies ([`rules`](super::rules)):
+//! - `x-range`: the range of a number, in the words of the message about a number out of range;
+//! - `x-required`: when the key is required: `always`, `or` with the keys that would do as well, or other words, which
+//!   the code that resolves the key applies;
+//! - `x-one-of`: the name of a group, of which a table has one key at most; a later source replaces the key of an
+//!   earlier one.
+//!
+//! An example that is a list stands in `extend("examples" = [[…]])`, because schemars by itself does not read a list
+//! there.
 
 mod contact;
 mod region;
@@ -119,6 +124,7 @@ impl Axis {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct GravityFile {
+    // the range ends at a hundred times the fastest centrifuges
     /// Components of the acceleration along x, y and z.
     #[schemars(extend("examples" = [["0 m/s^2", "-9.81 m/s^2", "0 m/s^2"]]))]
     #[schemars(extend("x-required" = "always", "x-range" = "-1e9 ..= 1e9 m/s^2"))]
@@ -178,7 +184,7 @@ pub enum ProfileFile {
         #[schemars(extend("x-required" = "always", "x-range" = "6000 ..= 1e8"))]
         reynolds_number: Option<Located<Ratio>>,
         /// Diameter of the pipe, D.
-        #[schemars(example = &"40 mm", extend("x-default" = "L_y"))]
+        #[schemars(example = &"40 mm", extend("x-default" = "L_y", "x-range" = "greater than 0 m"))]
         diameter: Option<Located<Length>>,
         /// Coordinates x and y of the pipe axis.
         #[schemars(extend("examples" = [["20 mm", "20 mm"]], "x-default" = "the middle of the box"))]
@@ -189,16 +195,17 @@ pub enum ProfileFile {
     LogLaw {
         /// Friction velocity, u_τ.
         #[schemars(example = &"0.80 m/s")]
-        #[schemars(extend("x-required" = "or `reynolds_number`", "x-range" = "greater than 0, up to 1e3 m/s"))]
+        #[schemars(extend("x-required" = "or `reynolds_number`", "x-one-of" = "flow rate"))]
+        #[schemars(extend("x-range" = "greater than 0, up to 1e3 m/s"))]
         friction_velocity: Option<Located<Speed>>,
         /// Reynolds number of the bulk velocity and the full width, U_b L_y/ν, from which the friction velocity follows.
-        #[schemars(example = 42000, extend("x-range" = "6000 ..= 1e8"))]
+        #[schemars(example = 42000, extend("x-range" = "6000 ..= 1e8", "x-one-of" = "flow rate"))]
         reynolds_number: Option<Located<Ratio>>,
-        /// Von Kármán's constant κ, 0.2 to 0.8.
-        #[schemars(example = 0.4, extend("default" = 0.41))]
+        /// Von Kármán's constant κ.
+        #[schemars(example = 0.4, extend("default" = 0.41, "x-range" = "0.2 ..= 0.8"))]
         von_karman: Option<Located<Ratio>>,
-        /// Additive constant B of the law, -10 to 20.
-        #[schemars(example = 5.2, extend("default" = 5.0))]
+        /// Additive constant B of the law.
+        #[schemars(example = 5.2, extend("default" = 5.0, "x-range" = "-10 ..= 20"))]
         intercept: Option<Located<Ratio>>,
     },
 }
@@ -222,19 +229,21 @@ pub struct ParticlesFile {
     pub name: Option<Located<String>>,
     /// Diameter, d.
     #[schemars(example = &"406 um", extend("x-required" = "or `sizes`", "x-range" = "1e-7 m ..= 1 m"))]
+    #[schemars(extend("x-one-of" = "size"))]
     pub diameter: Option<Located<Length>>,
     /// Distribution of the diameters, in place of `diameter`.
+    #[schemars(extend("x-one-of" = "size"))]
     pub sizes: Option<Located<SizesFile>>,
     /// Density of the material, ρ_p.
     #[schemars(example = &"1038 kg/m^3", extend("x-required" = "always", "x-range" = "0.1 ..= 3e4 kg/m^3"))]
     pub density: Option<Located<Density>>,
     /// Number of particles, at random positions without overlap.
     #[schemars(example = 100, extend("x-range" = "0 ..= 50000000"))]
-    #[schemars(extend("x-required" = "or `volume_fraction`, `file`, `at`"))]
+    #[schemars(extend("x-required" = "or `volume_fraction`, `file`, `at`", "x-one-of" = "amount"))]
     pub count: Option<Located<i64>>,
     /// Share of the volume that the particles fill, at random positions without overlap. The volume is the whole box,
     /// or the `box` or `cylinder` of `in`.
-    #[schemars(example = 0.014, extend("x-range" = "0 ..= 0.64"))]
+    #[schemars(example = 0.014, extend("x-range" = "0 ..= 0.64", "x-one-of" = "amount"))]
     pub volume_fraction: Option<Located<Ratio>>,
     /// Part of the domain for the random positions, in place of the whole domain: exactly one of `box`, `cylinder` and
     /// `inside`.
@@ -244,9 +253,10 @@ pub struct ParticlesFile {
     /// table with the columns `x,y,z`; an extended XYZ file; or a LAMMPS or LIGGGHTS data file or text dump in SI. A
     /// CSV table may also have `vx,vy,vz,diameter,species,id`. Its columns are in SI, or in a unit given as in `x_mm`.
     /// The format is recognized from the content or the name of the file.
-    #[schemars(example = &"state.csv")]
+    #[schemars(example = &"state.csv", extend("x-one-of" = "amount"))]
     pub file: Option<Located<String>>,
     /// List of particles, each with its position.
+    #[schemars(extend("x-one-of" = "amount"))]
     pub at: Option<Located<Vec<Located<PlacedFile>>>>,
     /// Mean velocity of a random start. The sample mean equals it exactly.
     #[schemars(extend("examples" = [["0 m/s", "0 m/s", "9.5 m/s"]]))]
@@ -256,9 +266,11 @@ pub struct ParticlesFile {
     /// three along x, y and z. With two or more particles the sample has exactly this deviation.
     #[schemars(example = &"0.5 m/s", extend("default" = "0 m/s", "x-range" = "0 ..= 1e5 m/s"))]
     pub velocity_fluctuation: Option<Located<FluctuationFile>>,
+    // two thirds may be typed as 0.667
     /// Moment of inertia about the centre over m r²: 0.4 of a solid sphere, 2/3 of a thin shell.
     #[schemars(example = 0.667, extend("default" = 0.4, "x-range" = "greater than 0, up to 0.667"))]
     pub inertia_factor: Option<Located<Ratio>>,
+    // at the end of the range the surface of a sphere of 1 µm radius has 1000 m/s
     /// Mean spin of a random start.
     #[schemars(extend("examples" = [["0 rad/s", "100 rad/s", "0 rad/s"]]))]
     #[schemars(extend("default" = ["0 rad/s", "0 rad/s", "0 rad/s"], "x-range" = "-1e9 ..= 1e9 rad/s"))]
@@ -296,15 +308,17 @@ pub struct PlacedFile {
 #[serde(deny_unknown_fields)]
 pub struct SoftFile {
     /// Contact law: linear spring and dashpot. The soft and the hybrid model require one contact law.
+    #[schemars(extend("x-one-of" = "contact law"))]
     pub linear_spring_dashpot: Option<Located<SpringFile>>,
     /// Contact law: Hertz's law of elastic spheres, with a dashpot. The soft and the hybrid model require one contact
     /// law.
+    #[schemars(extend("x-one-of" = "contact law"))]
     pub hertz: Option<Located<ElasticityFile>>,
     /// Time steps per shortest contact, N_c; or give `time_step`. Fewer than 5 are refused without `allow_large_step`.
-    #[schemars(example = 50, extend("default" = 20, "x-range" = "greater than 0, up to 1e6"))]
+    #[schemars(example = 50, extend("default" = 20, "x-range" = "greater than 0, up to 1e6", "x-one-of" = "step"))]
     pub steps_per_contact: Option<Located<Ratio>>,
     /// Time step, Δt; or give `steps_per_contact`.
-    #[schemars(example = &"4e-7 s", extend("x-range" = "greater than 0 s"))]
+    #[schemars(example = &"4e-7 s", extend("x-range" = "greater than 0 s", "x-one-of" = "step"))]
     pub time_step: Option<Located<Time>>,
     /// True: allows a time step longer than a fifth of a contact.
     #[schemars(example = true, extend("default" = false))]
@@ -391,7 +405,7 @@ pub struct RunFile {
     #[schemars(example = &"hard", extend("x-required" = "by `run` without `--model`"))]
     pub model: Option<Located<Model>>,
     /// Simulated time. 0 s writes the initial state only.
-    #[schemars(example = &"2 s", extend("x-required" = "always", "x-range" = "up to 1e9 s"))]
+    #[schemars(example = &"2 s", extend("x-required" = "always", "x-range" = "0 ..= 1e9 s"))]
     pub duration: Option<Located<Time>>,
     /// Start of averaging. "steady": the run detects when the flow has become steady.
     #[schemars(example = &"1.5 s", extend("default" = "steady"))]

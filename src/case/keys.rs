@@ -152,7 +152,7 @@ fn branches(schema: &Value) -> &[Value] {
 }
 
 /// The keys of a table with their schemas; none if `schema` is not a table, or is one that accepts any key.
-fn properties(schema: &Value) -> impl Iterator<Item = (&String, &Value)> {
+pub(super) fn properties(schema: &Value) -> impl Iterator<Item = (&String, &Value)> {
     let of = |branch| Value::as_object(Value::get(branch, "properties")?);
     branches(schema).iter().filter_map(of).flat_map(Map::iter)
 }
@@ -163,6 +163,11 @@ pub(super) fn inner<'a>(schema: &'a Value, key: Option<&str>) -> Option<&'a Valu
         Some(key) => properties(schema).find(|(name, _)| *name == key).map(|(_, inner)| inner),
         None => schema.get("items"),
     }
+}
+
+/// True if a schema is a choice between tables, each named after a law.
+pub(super) fn is_choice(schema: &Value) -> bool {
+    schema.get("oneOf").is_some() && properties(schema).next().is_some()
 }
 
 /// The schema of a whole case, without `use`.

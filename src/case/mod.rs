@@ -15,10 +15,12 @@ mod diagnostic;
 pub mod file;
 mod fluctuation;
 pub mod keys;
+mod merge;
 mod models;
 mod parameters;
 pub mod quantity;
 mod resolve;
+mod rules;
 pub mod saved;
 mod schema;
 mod source;
@@ -296,7 +298,8 @@ struct Merged {
 impl Merged {
     /// The experiment of one choice of model and seed, with all warnings.
     fn resolve(&self, choice: &VariantChoice) -> Result<Checked, Diagnostic> {
-        let (experiment, warnings) = resolve(&self.file, choice, self.sources.clone())?;
+        rules::refuse_conflicts(&self.tree, &self.sources)?;
+        let (experiment, warnings) = resolve((&self.file, &self.tree), choice, self.sources.clone())?;
         Ok((experiment, bare_numbers(&self.tree, &self.sources).into_iter().chain(warnings).collect()))
     }
 }

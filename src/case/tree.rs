@@ -1,4 +1,4 @@
-//! A case as a tree of values, each with its source position, and the merging of trees.
+//! A case as a tree of values, each with its source position.
 //!
 //! A file, the parts of `models/` that it uses, the `set` of a variant and the `--set` arguments all become such trees.
 //! One rule, [`CaseNode::overlay`], merges them.
@@ -61,24 +61,6 @@ pub struct Entry {
     pub node: CaseNode,
 }
 
-/// Keys of which a table holds only one: a key of a later source replaces the alternative of an earlier source. `[]`
-/// stands for any element of a list.
-pub(super) const ALTERNATIVES: &[(&str, &[&str])] = &[
-    ("particles[]", &["count", "volume_fraction", "file", "at"]),
-    ("particles[]", &["diameter", "sizes"]),
-    ("particles[].sizes", &["uniform", "log_normal", "table"]),
-    ("walls[]", &["plane", "sphere", "cuboid", "cylinder", "box", "cone", "mesh"]),
-    ("fluid.profile", &["uniform", "table", "k_epsilon_channel", "k_epsilon_pipe", "log_law"]),
-    ("fluid.profile.log_law", &["friction_velocity", "reynolds_number"]),
-    ("drag", &["schiller_naumann", "stokes"]),
-    ("soft", &["steps_per_contact", "time_step"]),
-];
-
-/// The keys that exclude `key` in the table at `place`.
-fn alternatives(place: &str, key: &str) -> &'static [&'static str] {
-    ALTERNATIVES.iter().find(|(table, keys)| *table == place && keys.contains(&key)).map_or(&[], |(_, keys)| *keys)
-}
-
 /// `place.key`, or `key` at the root.
 pub fn child_place(place: &str, key: &str) -> String {
     if place.is_empty() { key.to_string() } else { format!("{place}.{key}") }
@@ -111,93 +93,6 @@ impl CaseNode {
                 Some(entries.remove(at))
             }
             _ => None,
-        }
-    }
-
-    /// Merges `over` into this node, which stands at `place`. Tables are merged key by key, all other values are
-    /// replaced, and a key removes its alternatives.
-    pub fn overlay(&mut self, over: CaseNode, place: &str) {
-        let (entries, over_entries) = match (&mut self.value, over.value) {
-            (Value::Table(entries), Value::Table(over_entries)) => (entries, over_entries),
-            (value, over_value) => {
-                *value = over_value;
-                self.origin = over.origin;
-                return;
-            }
-        };
-        let together: Vec<String> = over_entries.iter().map(|entry| entry.key.clone()).collect();
-        for entry in over_entries {
-            let rivals = alternatives(place, &entry.key);
-            entries.retain(|old| {
-                old.key == entry.key || together.contains(&old.key) || !rivals.contains(&old.key.as_str())
-            });
-            match entries.iter_mut().find(|old| old.key == entry.key) {
-                Some(old) => {
-                    let inner = child_place(place, &entry.key);
-                    old.key_origin = entry.key_origin;
-                    old.node.overlay(entry.node, &inner);
-                }
-                None => entries.push(entry),
-            }
-        }
-    }
-
-    /// Sets the value of the key at `path` and creates the tables on the way.
-    ///
-    /// # Errors
-    /// In words, if the path leads through something that is not a table, or to an element that a list has not.
-    pub fn set(&mut self, path: &[KeyPart], value: CaseNode, key_origin: &Origin) -> Result<(), String> {
-        self.set_at(path, value, key_origin, "", "")
-    }
-
-    /// Sets a value below this node. `place` is the path of the node, for the alternatives; `walked` is that path as
-    /// typed, for messages.
-    fn set_at(
-        &mut self,
-        path: &[KeyPart],
-        value: CaseNode,
-        key_origin: &Origin,
-        place: &str,
-        walked: &str,
-    ) -> Result<(), String> {
-        let Some((segment, rest)) = path.split_first() else {
-            self.overlay(value, place);
-            return Ok(());
-        };
-        let kind = self.value.kind();
-        match (&mut self.value, segment) {
-            (Value::Array(items), segment) if segment.index().is_some() => {
-                let count = items.len();
-                let index = segment.index().unwrap_or(usize::MAX);
-                let item = items.get_mut(index).ok_or_else(|| {
-                    format!("`{walked}` has {count} element{}, counted from 0", if count == 1 { "" } else { "s" })
-                })?;
-                item.set_at(rest, value, key_origin, &format!("{place}[]"), &format!("{walked}[{index}]"))
-            }
-            (Value::Table(entries), KeyPart::Key(key)) => {
-                let inner_place = child_place(place, key);
-                let inner_walked = child_place(walked, key);
-                if !entries.iter().any(|entry| entry.key == *key) {
-                    if matches!(rest.first(), Some(KeyPart::Index(_))) {
-                        return Err(format!("there is no list `{inner_walked}` in the case file itself"));
-                    }
-                    let rivals = alternatives(place, key);
-                    entries.retain(|old| !rivals.contains(&old.key.as_str()));
-                    let node = CaseNode::empty_table(key_origin.clone());
-                    entries.push(Entry { key: key.clone(), key_origin: key_origin.clone(), node });
-                }
-                match entries.iter_mut().find(|entry| entry.key == *key) {
-                    Some(entry) => {
-                        if rest.is_empty() {
-                            entry.key_origin = key_origin.clone();
-                        }
-                        entry.node.set_at(rest, value, key_origin, &inner_place, &inner_walked)
-                    }
-                    None => Err(format!("there is no `{inner_walked}`")),
-                }
-            }
-            (_, KeyPart::Key(key)) => Err(format!("`{walked}` is {kind}, it has no key `{key}`")),
-            (_, KeyPart::Index(index)) => Err(format!("`{walked}` is {kind}, it has no element {index}")),
         }
     }
 }

@@ -130,7 +130,7 @@ impl FreeRoom {
 
     /// True if a centre at `place` [m] is inside the walls around the region, or if there are none.
     pub fn holds(&self, place: &Vector3<f64>) -> bool {
-        let holds = |wall: &u32| self.scene.walls[*wall as usize].geometry.encloses(place);
+        let holds = |wall: &u32| self.scene.walls[*wall as usize].geometry.law().encloses(place);
         self.inside.is_empty() || self.inside.iter().any(holds)
     }
 
@@ -204,9 +204,9 @@ fn corners(walls: &[Wall], inside: &[u32], size: Vector3<f64>) -> [Vector3<f64>;
         }
     };
     for wall in walls {
-        wall.geometry.room_corners().into_iter().for_each(&mut narrow);
+        wall.geometry.law().room_corners().into_iter().for_each(&mut narrow);
     }
-    let bounds = inside.iter().filter_map(|wall| walls[*wall as usize].geometry.extent());
+    let bounds = inside.iter().filter_map(|wall| walls[*wall as usize].geometry.law().extent());
     let around = bounds.reduce(|[a, b], [c, d]| [a.inf(&c), b.sup(&d)]);
     around.into_iter().for_each(&mut narrow);
     [low, high]

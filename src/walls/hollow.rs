@@ -2,9 +2,10 @@
 //! separate contact, so a sphere in a corner has one contact per side that it touches. A round side has one more
 //! contact, opposite to the nearest point, for spheres as wide as the body.
 
+use super::drawing::turned;
 use super::round::{Bowl, Frustum, OppositeBowl, OppositeTube, RoundAxis, Tube};
-use super::{Flight, Geometry, Nearest, Plane, Touch};
-use nalgebra::Vector3;
+use super::{Drawing, Flight, Geometry, Nearest, Obstacle, Plane, Touch};
+use nalgebra::{Vector2, Vector3};
 use serde::Serialize;
 use std::f64::consts::PI;
 use std::fmt;
@@ -164,6 +165,62 @@ impl Geometry for Hollow {
 
     fn first_touch(&self, which: u32, flight: &Flight, radius: f64, until: f64) -> Option<Touch> {
         self.side(which).touch_time(flight, radius, until).map(Touch::at)
+    }
+
+    fn slides(&self, velocity: &Vector3<f64>) -> bool {
+        match &self.room {
+            Cavity::Pipe { axle, .. } => (0..3).all(|k| k == axle.axis || velocity[k] == 0.0),
+            Cavity::Box { .. } | Cavity::Sphere { .. } | Cavity::ClosedCylinder(_) => false,
+        }
+    }
+
+    fn extent(&self) -> Option<[Vector3<f64>; 2]> {
+        self.room_corners()
+    }
+
+    fn room_corners(&self) -> Option<[Vector3<f64>; 2]> {
+        Some(self.corners())
+    }
+
+    fn holds_along(&self, axis: usize) -> bool {
+        match &self.room {
+            Cavity::Pipe { axle, .. } => axle.axis != axis,
+            Cavity::Box { .. } | Cavity::Sphere { .. } | Cavity::ClosedCylinder(_) => true,
+        }
+    }
+
+    fn vessel_volume(&self, size: &Vector3<f64>) -> Option<f64> {
+        Some(self.volume(size))
+    }
+
+    fn has_inside(&self) -> bool {
+        true
+    }
+
+    fn encloses(&self, point: &Vector3<f64>) -> bool {
+        self.nearest(point).distance > 0.0
+    }
+
+    fn in_words(&self) -> String {
+        let shape = match &self.room {
+            Cavity::Box { .. } => "hollow box",
+            Cavity::Sphere { .. } => "hollow sphere",
+            Cavity::ClosedCylinder(_) => "closed round vessel",
+            Cavity::Pipe { .. } => "pipe without ends",
+        };
+        format!("{shape} with the particles inside")
+    }
+
+    fn drawing(&self, size: &Vector3<f64>) -> Drawing {
+        match self.room {
+            Cavity::Box { center, half_extents } => Obstacle::cuboid(center, half_extents).triangles(),
+            Cavity::Sphere { center, radius } => Obstacle::sphere(center, radius).triangles(),
+            Cavity::ClosedCylinder(can) => turned(&can.axle, &Frustum { solid: true, ..can }.outline()),
+            Cavity::Pipe { axle, radius } => {
+                let at = axle.center[axle.axis];
+                turned(&axle, &[Vector2::new(radius, -at), Vector2::new(radius, size[axle.axis] - at)])
+            }
+        }
     }
 }
 

@@ -5,7 +5,7 @@
 //! at which the gap along a flight becomes zero.
 //!
 //! To add a shape: one file with `impl Geometry`, then a `mod` line, a variant of [`WallGeometry`] and an arm of
-//! `law`.
+//! [`WallGeometry::law`].
 
 mod advancement;
 mod convex;
@@ -21,6 +21,7 @@ mod round;
 mod shape;
 mod shell;
 
+pub use drawing::Drawing;
 pub use hollow::{Cavity, Hollow};
 pub use mesh::{Continued, Fault, Findings, Mesh, Mismatch, Nested, Sides, continued};
 pub use near::NearWalls;
@@ -66,7 +67,8 @@ impl Touch {
     }
 }
 
-/// The shape of a wall. Only the nearest point is required; a shape that has a better time of touch gives it too.
+/// The shape of a wall. Only the nearest point is required. A shape that has a better time of touch gives it too, and a
+/// shape that a case can name also says where it is, what it holds and how it is drawn.
 pub trait Geometry: std::fmt::Debug + Send + Sync {
     /// The nearest point of the surface to `point` [m].
     fn nearest(&self, point: &Vector3<f64>) -> Nearest;
@@ -141,6 +143,70 @@ pub trait Geometry: std::fmt::Debug + Send + Sync {
         let _ = (point, distance);
         false
     }
+
+    /// True if the contacts are numbered from the nearest on.
+    fn is_nearest_first(&self) -> bool {
+        false
+    }
+
+    /// True if the surface can move along itself with that velocity [m/s] and stay in position: if the velocity is
+    /// perpendicular to all normals.
+    fn slides(&self, velocity: &Vector3<f64>) -> bool {
+        let _ = velocity;
+        false
+    }
+
+    /// [m] corners of a box around the body; `None` for endless shapes and for vessels, which hold all particles.
+    fn bounds(&self) -> Option<[Vector3<f64>; 2]> {
+        None
+    }
+
+    /// [m] corners of the box around the wall, also around a vessel; `None` for an endless wall.
+    fn extent(&self) -> Option<[Vector3<f64>; 2]> {
+        self.bounds()
+    }
+
+    /// [m] corners of a box that holds all particles, infinite where the wall sets no limit: for flat walls across an
+    /// axis, and for vessels.
+    fn room_corners(&self) -> Option<[Vector3<f64>; 2]> {
+        None
+    }
+
+    /// True if the wall is a vessel that holds all particles along axis 0, 1 or 2.
+    fn holds_along(&self, axis: usize) -> bool {
+        let _ = axis;
+        false
+    }
+
+    /// [m³] volume of a vessel that holds all particles, in a domain with these edges [m]; `None` if the wall is no
+    /// vessel.
+    fn vessel_volume(&self, size: &Vector3<f64>) -> Option<f64> {
+        let _ = size;
+        None
+    }
+
+    /// True if the wall has an inside: a vessel, a shell that is open at its ends, or a sheet of triangles.
+    fn has_inside(&self) -> bool {
+        false
+    }
+
+    /// True if `point` [m] is inside the wall. An open surface encloses points up to its rim.
+    fn encloses(&self, point: &Vector3<f64>) -> bool {
+        let _ = point;
+        false
+    }
+
+    /// Name of the shape for a description of the scene.
+    fn in_words(&self) -> String {
+        "shape of the caller's".into()
+    }
+
+    /// Surface of the wall as triangles; an endless pipe is drawn as long as the box, `size` [m]. Empty for planes,
+    /// which are drawn to the edges of the box.
+    fn drawing(&self, size: &Vector3<f64>) -> Drawing {
+        let _ = size;
+        Drawing::default()
+    }
 }
 
 /// Ballistic motion in uniform gravity.
@@ -211,56 +277,6 @@ impl WallGeometry {
         self.plane().is_some()
     }
 
-    /// True if the surface can move along itself with that velocity [m/s] and stay in position: if the velocity is
-    /// perpendicular to all normals.
-    pub fn slides(&self, velocity: &Vector3<f64>) -> bool {
-        /// [-] part of a direction that counts as rounding.
-        const ROUNDING: f64 = 1e-9;
-        let across = |normal: &Vector3<f64>| velocity.dot(normal).abs() <= ROUNDING * velocity.norm();
-        match self {
-            Self::Plane(plane) => across(&plane.normal),
-            Self::Hollow(hollow) => match hollow.room() {
-                Cavity::Pipe { axle, .. } => (0..3).all(|k| k == axle.axis || velocity[k] == 0.0),
-                Cavity::Box { .. } | Cavity::Sphere { .. } | Cavity::ClosedCylinder(_) => false,
-            },
-            Self::Mesh(mesh) => mesh.normals().all(across),
-            Self::Repeated(body) => body.shape().slides(velocity),
-            Self::Obstacle(_) | Self::Frustum(_) | Self::Other(_) => false,
-        }
-    }
-
-    /// True if the contacts are numbered from the nearest on.
-    pub fn is_nearest_first(&self) -> bool {
-        match self {
-            Self::Repeated(body) => body.shape().is_nearest_first(),
-            shape => matches!(shape, Self::Mesh(_) | Self::Frustum(_)),
-        }
-    }
-
-    /// True if the wall is a vessel that holds all particles along axis 0, 1 or 2.
-    pub fn holds_along(&self, axis: usize) -> bool {
-        match self {
-            Self::Hollow(hollow) => match hollow.room() {
-                Cavity::Pipe { axle, .. } => axle.axis != axis,
-                Cavity::Box { .. } | Cavity::Sphere { .. } | Cavity::ClosedCylinder(_) => true,
-            },
-            Self::Mesh(mesh) => mesh.sides() == Sides::Inside,
-            Self::Repeated(body) => body.shape().holds_along(axis),
-            Self::Plane(_) | Self::Obstacle(_) | Self::Frustum(_) | Self::Other(_) => false,
-        }
-    }
-
-    /// [m³] volume of a vessel that holds all particles, in a domain with these edges [m]; `None` if the wall is no
-    /// vessel.
-    pub fn vessel_volume(&self, size: &Vector3<f64>) -> Option<f64> {
-        match self {
-            Self::Hollow(hollow) => Some(hollow.volume(size)),
-            Self::Mesh(mesh) if mesh.sides() == Sides::Inside => Some(mesh.volume()),
-            Self::Repeated(body) => body.shape().vessel_volume(size),
-            Self::Mesh(_) | Self::Plane(_) | Self::Obstacle(_) | Self::Frustum(_) | Self::Other(_) => None,
-        }
-    }
-
     /// Largest number of simultaneous contacts with one sphere.
     #[inline]
     pub fn contacts(&self) -> u32 {
@@ -324,28 +340,11 @@ impl WallGeometry {
 }
 
 impl WallGeometry {
-    /// [m] corners of a box around the body; `None` for endless shapes, for vessels, and for shapes of the calling
-    /// program.
-    pub fn bounds(&self) -> Option<[Vector3<f64>; 2]> {
-        let about = |center: Vector3<f64>, half: Vector3<f64>| [center - half, center + half];
-        match self {
-            Self::Obstacle(body) => Some(about(body.center(), body.half_extents())),
-            Self::Frustum(body) => {
-                let radius = body.radii[0].max(body.radii[1]);
-                let half = |k: usize| if k == body.axle.axis { body.half_height } else { radius };
-                Some(about(body.axle.center, Vector3::from_fn(|k, _| half(k))))
-            }
-            Self::Mesh(mesh) if mesh.sides() != Sides::Inside => Some(mesh.bounds()),
-            Self::Repeated(body) => body.shape().bounds(),
-            Self::Plane(_) | Self::Hollow(_) | Self::Mesh(_) | Self::Other(_) => None,
-        }
-    }
-
     /// [m] corners of boxes around the body and its nearest images; none where there are no bounds.
     pub fn boxes(&self) -> Vec<[Vector3<f64>; 2]> {
         match self {
             Self::Repeated(body) => body.boxes(),
-            shape => shape.bounds().into_iter().collect(),
+            shape => shape.law().bounds().into_iter().collect(),
         }
     }
 

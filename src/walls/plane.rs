@@ -4,6 +4,9 @@ use super::{Flight, Geometry, Nearest};
 use nalgebra::Vector3;
 use serde::Serialize;
 
+/// [-] part of a direction that counts as rounding.
+const ROUNDING: f64 = 1e-9;
+
 /// A half-space: all points with (x - point)·normal < 0 are wall.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Plane {
@@ -37,6 +40,27 @@ impl Geometry for Plane {
         let t = first_closing(gap, speed, acceleration)?;
         (t <= until).then_some(t)
     }
+
+    fn slides(&self, velocity: &Vector3<f64>) -> bool {
+        is_along(velocity, &self.normal)
+    }
+
+    fn room_corners(&self) -> Option<[Vector3<f64>; 2]> {
+        let axis = (0..3).find(|&axis| self.normal[axis].abs() > 1.0 - ROUNDING)?;
+        let [mut low, mut high] = [f64::NEG_INFINITY, f64::INFINITY].map(Vector3::repeat);
+        let side = if self.normal[axis] > 0.0 { &mut low } else { &mut high };
+        side[axis] = self.point[axis];
+        Some([low, high])
+    }
+
+    fn in_words(&self) -> String {
+        "plane".into()
+    }
+}
+
+/// True if a velocity [m/s] is perpendicular to a normal, up to rounding.
+pub(super) fn is_along(velocity: &Vector3<f64>, normal: &Vector3<f64>) -> bool {
+    velocity.dot(normal).abs() <= ROUNDING * velocity.norm()
 }
 
 /// [s] first t > 0 at which g0 + v t + a t²/2 falls through zero; a gap that is already closed (rounding) while it

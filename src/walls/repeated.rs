@@ -1,6 +1,6 @@
 //! A body and its images across periodic sides.
 
-use super::{Flight, Geometry, Nearest, Touch, Wall, WallGeometry};
+use super::{Drawing, Flight, Geometry, Nearest, Touch, Wall, WallGeometry};
 use crate::domain::Domain;
 use nalgebra::Vector3;
 use serde::Serialize;
@@ -24,7 +24,7 @@ impl Repeated {
     /// A shape with its images in a domain; the shape itself if the domain is not periodic, or if the shape has no
     /// bounds.
     pub fn of(shape: WallGeometry, domain: &Domain) -> WallGeometry {
-        let Some(around) = shape.bounds().filter(|_| domain.periodic.contains(&true)) else { return shape };
+        let Some(around) = shape.law().bounds().filter(|_| domain.periodic.contains(&true)) else { return shape };
         let periods = std::array::from_fn(|axis| domain.periodic[axis].then_some(domain.size[axis]));
         WallGeometry::Repeated(std::sync::Arc::new(Self { shape, around, periods }))
     }
@@ -180,5 +180,49 @@ impl Geometry for Repeated {
 
     fn is_clear(&self, point: &Vector3<f64>, distance: f64) -> bool {
         !self.any_near(point, distance, |point| !self.shape.law().is_clear(point, distance))
+    }
+
+    fn is_nearest_first(&self) -> bool {
+        self.shape.law().is_nearest_first()
+    }
+
+    fn slides(&self, velocity: &Vector3<f64>) -> bool {
+        self.shape.law().slides(velocity)
+    }
+
+    fn bounds(&self) -> Option<[Vector3<f64>; 2]> {
+        self.shape.law().bounds()
+    }
+
+    fn extent(&self) -> Option<[Vector3<f64>; 2]> {
+        self.shape.law().extent()
+    }
+
+    fn room_corners(&self) -> Option<[Vector3<f64>; 2]> {
+        self.shape.law().room_corners()
+    }
+
+    fn holds_along(&self, axis: usize) -> bool {
+        self.shape.law().holds_along(axis)
+    }
+
+    fn vessel_volume(&self, size: &Vector3<f64>) -> Option<f64> {
+        self.shape.law().vessel_volume(size)
+    }
+
+    fn has_inside(&self) -> bool {
+        self.shape.law().has_inside()
+    }
+
+    fn encloses(&self, point: &Vector3<f64>) -> bool {
+        self.shape.law().encloses(&self.near(point))
+    }
+
+    fn in_words(&self) -> String {
+        self.shape.law().in_words()
+    }
+
+    fn drawing(&self, size: &Vector3<f64>) -> Drawing {
+        self.shape.law().drawing(size)
     }
 }

@@ -1,7 +1,8 @@
 //! Round walls about an axis of the domain: truncated cones, solid or as thin shells, and the inner sides of pipes and
 //! cones.
 
-use super::{Flight, Geometry, Nearest, Touch, convex, polynomial, shell};
+use super::drawing::turned;
+use super::{Drawing, Flight, Geometry, Nearest, Touch, convex, polynomial, shell};
 use nalgebra::{Vector2, Vector3};
 use serde::Serialize;
 
@@ -302,5 +303,31 @@ impl Geometry for Frustum {
         } else {
             shell::touch_time(self, flight, radius, until)
         }
+    }
+
+    fn is_nearest_first(&self) -> bool {
+        true
+    }
+
+    fn bounds(&self) -> Option<[Vector3<f64>; 2]> {
+        let radius = self.radii[0].max(self.radii[1]);
+        let half = Vector3::from_fn(|k, _| if k == self.axle.axis { self.half_height } else { radius });
+        Some([self.axle.center - half, self.axle.center + half])
+    }
+
+    fn has_inside(&self) -> bool {
+        !self.solid
+    }
+
+    fn encloses(&self, point: &Vector3<f64>) -> bool {
+        !self.solid && self.surrounds(point)
+    }
+
+    fn in_words(&self) -> String {
+        if self.solid { "solid body".into() } else { "thin round shell, open at both ends".into() }
+    }
+
+    fn drawing(&self, _size: &Vector3<f64>) -> Drawing {
+        turned(&self.axle, &self.outline())
     }
 }

@@ -4,7 +4,7 @@
 //! absolute tolerances that fail at the size of a particle. Its double-precision build is used: overlaps of 1e-6
 //! radius are lost in single precision.
 
-use super::{Flight, Geometry, Nearest, convex};
+use super::{Drawing, Flight, Geometry, Nearest, convex};
 use nalgebra::Vector3;
 use parry3d_f64::math::Vector as ParryVector;
 use parry3d_f64::query::PointQuery;
@@ -111,6 +111,18 @@ impl Geometry for Obstacle {
 
     fn touch_time(&self, flight: &Flight, radius: f64, until: f64) -> Option<f64> {
         convex::touch_time(|x| self.nearest(x), flight, radius, until)
+    }
+
+    fn bounds(&self) -> Option<[Vector3<f64>; 2]> {
+        Some([self.center - self.half_extents(), self.center + self.half_extents()])
+    }
+
+    fn in_words(&self) -> String {
+        "solid body".into()
+    }
+
+    fn drawing(&self, _size: &Vector3<f64>) -> Drawing {
+        self.triangles()
     }
 }
 

@@ -12,11 +12,13 @@ use serde::Deserialize;
 pub struct RegionFile {
     /// A block with edges along the axes.
     #[serde(rename = "box")]
+    #[schemars(extend("x-one-of" = "region", "x-required" = "or `cylinder`, `inside`"))]
     pub block: Option<Located<BlockRegionFile>>,
     /// A cylinder along an axis.
+    #[schemars(extend("x-one-of" = "region"))]
     pub cylinder: Option<Located<CylinderRegionFile>>,
     /// The `name` of a wall that encloses the centres: a vessel, a shell that is open at its ends, or an open mesh.
-    #[schemars(example = &"hopper")]
+    #[schemars(example = &"hopper", extend("x-one-of" = "region"))]
     pub inside: Option<Located<String>>,
 }
 

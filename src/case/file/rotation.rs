@@ -14,14 +14,15 @@ pub enum TangentialFile {
     Linear {
         /// Tangential stiffness over the normal one, κ = k_t/k_n.
         #[schemars(example = 0.2857)]
-        #[schemars(extend("x-required" = "or `tangential_restitution`", "x-range" = "greater than 0, up to 10"))]
+        #[schemars(extend("x-required" = "or `tangential_restitution`", "x-one-of" = "spring"))]
+        #[schemars(extend("x-range" = "greater than 0, up to 10"))]
         stiffness_ratio: Option<Located<Ratio>>,
-        /// Tangential dashpot over the normal one, c_t/c_n, 0 to 10.
-        #[schemars(example = 0.5, extend("default" = 0))]
+        /// Tangential dashpot over the normal one, c_t/c_n.
+        #[schemars(example = 0.5, extend("default" = 0, "x-range" = "0 ..= 10"))]
         dashpot_ratio: Option<Located<Ratio>>,
         /// Ratio β_0 of the slip after and before an impact without sliding. Spring and dashpot then swing for half a period
         /// in the contact time.
-        #[schemars(example = 0.44, extend("x-range" = "greater than 0, up to 1"))]
+        #[schemars(example = 0.44, extend("x-range" = "greater than 0, up to 1", "x-one-of" = "spring"))]
         tangential_restitution: Option<Located<Ratio>>,
     },
     /// Friction without memory: friction times the normal force against the slip, but at most what stops it in a step.

@@ -12,35 +12,38 @@ pub enum SizesFile {
     /// Uniform distribution: all diameters between two limits are equally likely.
     Uniform {
         /// Smallest diameter.
-        #[schemars(example = &"300 um", extend("x-required" = "always"))]
+        #[schemars(example = &"300 um", extend("x-required" = "always", "x-range" = "1e-7 m ..= 1 m"))]
         from: Option<Located<Length>>,
         /// Largest diameter.
-        #[schemars(example = &"500 um", extend("x-required" = "always"))]
+        #[schemars(example = &"500 um", extend("x-required" = "always", "x-range" = "1e-7 m ..= 1 m"))]
         to: Option<Located<Length>>,
     },
     /// Log-normal distribution, cut off at both ends.
     LogNormal {
         /// Median of the diameters, by number, before the ends are cut off.
-        #[schemars(example = &"400 um", extend("x-required" = "always"))]
+        #[schemars(example = &"400 um", extend("x-required" = "always", "x-range" = "1e-7 m ..= 1 m"))]
         median: Option<Located<Length>>,
+        // with more than 10 two thirds of the diameters would span four decades of volume: a typing error
         /// Geometric standard deviation before the ends are cut off. About two thirds of the diameters lie between the
         /// median divided by it and the median times it.
-        #[schemars(example = 1.3, extend("x-required" = "always"))]
+        #[schemars(example = 1.3, extend("x-required" = "always", "x-range" = "greater than 1, up to 10"))]
         geometric_deviation: Option<Located<Ratio>>,
         /// Smallest diameter. The time step of soft spheres and the window of drag must resolve spheres of this size.
-        #[schemars(example = &"200 um", extend("x-required" = "always"))]
+        #[schemars(example = &"200 um", extend("x-required" = "always", "x-range" = "1e-7 m ..= 1 m"))]
         from: Option<Located<Length>>,
         /// Largest diameter.
-        #[schemars(example = &"800 um", extend("x-required" = "always"))]
+        #[schemars(example = &"800 um", extend("x-required" = "always", "x-range" = "1e-7 m ..= 1 m"))]
         to: Option<Located<Length>>,
     },
     /// A list of diameters, such as those of sieves.
     Table {
         /// Diameters.
         #[schemars(extend("examples" = [["300 um", "400 um"]], "x-required" = "always"))]
+        #[schemars(extend("x-range" = "1e-7 m ..= 1 m"))]
         diameters: Option<Located<Vec<Located<Length>>>>,
         /// Shares of the diameters, in the order of `diameters`; only the ratios matter, the sum need not be 1.
         #[schemars(extend("examples" = [[0.25, 0.75]], "x-required" = "always"))]
+        #[schemars(extend("x-range" = "greater than 0, up to 1e9"))]
         fractions: Option<Located<Vec<Located<Ratio>>>>,
         /// Meaning of the shares.
         #[schemars(example = &"volume", extend("default" = "number"))]

@@ -11,19 +11,26 @@ use serde::Deserialize;
 #[serde(deny_unknown_fields)]
 pub struct WallFile {
     /// A flat wall; everything behind it is solid.
+    #[schemars(extend("x-one-of" = "shape", "x-required" = "or another shape"))]
     pub plane: Option<Located<PlaneFile>>,
     /// A solid ball, or a hollow one with the particles inside.
+    #[schemars(extend("x-one-of" = "shape"))]
     pub sphere: Option<Located<SphereFile>>,
     /// A solid block with edges along the axes.
+    #[schemars(extend("x-one-of" = "shape"))]
     pub cuboid: Option<Located<CuboidFile>>,
     /// A block with edges along the axes: solid, or hollow with the particles inside.
     #[serde(rename = "box")]
+    #[schemars(extend("x-one-of" = "shape"))]
     pub room: Option<Located<BoxFile>>,
     /// A cylinder along an axis: solid, hollow with the particles inside (a can, or a pipe without ends), or a thin shell.
+    #[schemars(extend("x-one-of" = "shape"))]
     pub cylinder: Option<Located<CylinderFile>>,
     /// A truncated cone along an axis: solid, hollow with the particles inside, or a thin shell (a hopper).
+    #[schemars(extend("x-one-of" = "shape"))]
     pub cone: Option<Located<ConeFile>>,
     /// A surface of triangles from a file.
+    #[schemars(extend("x-one-of" = "shape"))]
     pub mesh: Option<Located<MeshFile>>,
     /// Name of the wall in `[[contact.pairs]]`; several walls of one material may share a name.
     #[schemars(example = &"steel wall")]
@@ -37,6 +44,7 @@ pub struct WallFile {
     /// Velocity of the surface along itself, as of a belt or a sheared side; the shape stays at rest. Allowed for
     /// planes, pipes without ends, and meshes all of whose triangles are parallel to the velocity.
     #[schemars(extend("examples" = [["0 m/s", "0 m/s", "0.5 m/s"]], "default" = [0, 0, 0]))]
+    #[schemars(extend("x-range" = "-1e5 ..= 1e5 m/s"))]
     pub velocity: Option<Three<Speed>>,
     /// Elasticity of this wall, if it differs from `[soft.hertz]`.
     pub elasticity: Option<Located<ElasticityFile>>,

@@ -7,7 +7,7 @@ use crate::case::file::CaseFile;
 use crate::case::quantity::{Length, Quantity, Ratio, Speed};
 use crate::domain::Domain;
 use crate::experiment::{Amount, Experiment, Population};
-use crate::fluid::{Fluid, LogConstants, LogLaw, Profile, TurbulenceModel};
+use crate::fluid::{Fluid, LogConstants, LogLaw, Profile};
 use crate::predict::flow::terminal_slip;
 
 /// Number of positions across the gap at which the gas is compared with the velocity of a start.
@@ -36,10 +36,9 @@ impl Resolver {
         (domain, nu): (&Domain, f64),
     ) -> Result<Profile, Diagnostic> {
         let help = "Re = U_b D/ν with the bulk velocity and the diameter; the model is for turbulent flow";
-        let lowest = TurbulenceModel::LaunderSharma.lowest_reynolds();
-        let reynolds = self.checked(number, |re| (lowest..=1e8).contains(&re), &format!("{lowest} ..= 1e8"), help)?;
+        let reynolds = self.in_range(number, help)?;
         let d = match diameter {
-            Some(typed) => self.checked(typed, |d| d > 0.0, "greater than 0 m", "the inner diameter of the pipe")?,
+            Some(typed) => self.in_range(typed, "the inner diameter of the pipe")?,
             None => domain.size.y,
         };
         let middle = [0.5 * domain.size.x, 0.5 * domain.size.y];
@@ -73,11 +72,11 @@ impl Resolver {
         let mut constants = LogConstants::default();
         let help = "measured in channels and pipes: κ = 0.37 ..= 0.44, B = 3.7 ..= 6 on smooth walls";
         if let Some(kappa) = von_karman {
-            constants.von_karman = self.checked(kappa, |k| (0.2..=0.8).contains(&k), "0.2 ..= 0.8", help)?;
+            constants.von_karman = self.in_range(kappa, help)?;
         }
         if let Some(intercept) = intercept {
             // rough walls have a smaller value, drag-reducing ones a larger one
-            constants.intercept = self.checked(intercept, |b| (-10.0..=20.0).contains(&b), "-10 ..= 20", help)?;
+            constants.intercept = self.in_range(intercept, help)?;
         }
         Ok(constants)
     }
@@ -96,24 +95,18 @@ impl Resolver {
             (Some(friction), None) => {
                 self.between_walls(friction, domain)?;
                 let help = "about a twentieth of the bulk velocity";
-                let u = self.checked(friction, |u| u > 0.0 && u <= 1e3, "greater than 0, up to 1e3 m/s", help)?;
+                let u = self.in_range(friction, help)?;
                 LogLaw::with_friction_velocity(u, height, nu, constants)
                     .map_err(|why| self.refuse(friction, format!("gives no turbulent channel: {why}")).help(help))
             }
             (None, Some(number)) => {
                 self.between_walls(number, domain)?;
                 let help = "Re = U_b L_y/ν with the bulk velocity and the full width";
-                let range = LogLaw::LOWEST_REYNOLDS..=1e8;
-                let allowed = format!("{} ..= 1e8", LogLaw::LOWEST_REYNOLDS);
-                let reynolds = self.checked(number, |re| range.contains(&re), &allowed, help)?;
+                let reynolds = self.in_range(number, help)?;
                 LogLaw::with_bulk_velocity(reynolds * nu / height, height, nu, constants)
                     .map_err(|why| self.refuse(number, format!("gives no turbulent channel: {why}")).help(help))
             }
-            (Some(_), Some(number)) => {
-                let why = "says the same as `friction_velocity`, which is given too";
-                Err(self.refuse(number, why).help("keep one of them: the other follows"))
-            }
-            (None, None) => {
+            _ => {
                 let message = "`fluid.profile.log_law` needs `friction_velocity` or `reynolds_number`";
                 Err(Diagnostic::about("the case", message))
             }

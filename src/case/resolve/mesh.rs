@@ -86,9 +86,9 @@ impl Resolver {
     fn scale(&self, mesh: &Located<MeshFile>) -> Result<f64, Diagnostic> {
         let unit = self.need(&mesh.value.unit, "mesh.unit")?;
         let help = "files of triangles mostly are in \"1 mm\"";
-        let scale = self.checked(unit, |unit| unit > 0.0, "greater than 0 m", help)?;
+        let scale = self.in_range(unit, help)?;
         let Some(factor) = &mesh.value.scale else { return Ok(scale) };
-        Ok(scale * self.checked(factor, |factor| factor > 0.0, "greater than 0", "1 leaves the size as it is")?)
+        Ok(scale * self.in_range(factor, "1 leaves the size as it is")?)
     }
 
     /// [m] the triangles scaled, turned and moved.

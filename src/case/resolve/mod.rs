@@ -24,7 +24,9 @@ use super::de::Located;
 use super::diagnostic::Diagnostic;
 use super::file::{CaseFile, Three};
 use super::quantity::Quantity;
+use super::rules::{is_within, range};
 use super::source::{Origin, SourceKind, Sources};
+use super::tree::CaseNode;
 use crate::experiment::{Experiment, Model, Trajectories};
 use crate::rotation::{ImpactRule, Rotation, TangentialLaw};
 use nalgebra::Vector3;
@@ -62,13 +64,13 @@ pub(super) struct Resolver {
 /// # Errors
 /// The first fault, or all missing keys.
 pub fn resolve(
-    file: &CaseFile,
+    (file, tree): (&CaseFile, &CaseNode),
     choice: &VariantChoice,
     sources: Sources,
 ) -> Result<(Experiment, Vec<Diagnostic>), Diagnostic> {
     let typed = file.run.as_ref().and_then(|run| run.value.model.as_ref()).map(|model| model.value);
     let named = choice.model.or(typed);
-    missing::refuse_missing(file, named, &sources)?;
+    missing::refuse_missing((file, tree), named, &sources)?;
     // refuse_missing has refused a case without a model
     let mut resolver = Resolver { sources, warnings: Vec::new(), model: named.unwrap_or(Model::Hard) };
     let domain = resolver.domain(file)?;
@@ -155,7 +157,18 @@ impl Resolver {
         }
     }
 
-    /// [SI] a value if it is `good`; else an error with the allowed range and a remedy.
+    /// [SI] a value if it is within the range that stands at its key; else an error with the range and a remedy.
+    fn in_range<const M: i8, const K: i8, const S: i8>(
+        &self,
+        value: &Located<Quantity<M, K, S>>,
+        help: impl AsRef<str>,
+    ) -> Result<f64, Diagnostic> {
+        let range = range(&value.path).unwrap_or_default();
+        self.checked(value, |number| is_within(range, number), range, help)
+    }
+
+    /// [SI] a value if it is `good`; else an error with the allowed range and a remedy. For ranges that depend on other
+    /// keys; fixed ones stand at their key.
     fn checked<const M: i8, const K: i8, const S: i8>(
         &self,
         value: &Located<Quantity<M, K, S>>,

@@ -22,7 +22,7 @@ impl Resolver {
             return Ok(None);
         };
         let help = "the time between two instants of a trajectory, for example \"1 ms\"; leave it out for none";
-        let every = self.checked(typed, |every| every > 0.0, "greater than 0 s", help)?;
+        let every = self.in_range(typed, help)?;
         let format = output.format.as_ref().map_or(TrajectoryFormat::Vtp, |format| format.value);
         Ok(Some(Trajectories { every, format }))
     }

@@ -119,12 +119,11 @@ impl Resolver {
         let (mass, damping) = (bodies.effective_mass, damping_ratio(surface.restitution));
         let mut wanted: Vec<Wanted> = Vec::new();
         if let Some(k) = &pair.stiffness {
-            let allowed = |k: f64| SPRINGS.contains(&k);
-            let stiffness = self.checked(k, allowed, "1e-9 ..= 1e20 N/m", "how stiff a contact of the two is")?;
+            let stiffness = self.in_range(k, "how stiff a contact of the two is")?;
             wanted.push(Wanted { stiffness, at_mass: None, key: (&k.origin, &k.path) });
         }
         if let Some(time) = &pair.contact_time {
-            let t = self.checked(time, |t| t > 0.0, "greater than 0 s", "how long a contact lasts")?;
+            let t = self.in_range(time, "how long a contact lasts")?;
             if damping >= 1.0 {
                 let why = "cannot be had at restitution 0: a contact never ends";
                 return Err(self.refuse(time, why).help("leave it out"));
@@ -136,6 +135,7 @@ impl Resolver {
             let stiffness = mass * (reduced_overlap(surface.restitution) * speed / depth).powi(2);
             wanted.extend(pair.overlap.as_ref().map(|l| Wanted { stiffness, at_mass, key: (&l.origin, &l.path) }));
         }
+        // not a group of keys at its key: `impact_speed`, which goes with `overlap`, would be left behind
         if let [_, Wanted { key: (origin, path), .. }, ..] = wanted.as_slice() {
             let message = format!("`{path}` says again how stiff the pair is");
             let help = "keep one of `stiffness`, `contact_time` and `overlap`";
@@ -153,14 +153,8 @@ impl Resolver {
 
     /// Wanted overlap [m] of an impact of the pair and its normal speed [m/s], if they are given.
     fn overlap(&self, pair: &PairFile) -> Result<Option<[f64; 2]>, Diagnostic> {
-        let depth = pair
-            .overlap
-            .as_ref()
-            .map(|overlap| self.checked(overlap, |l| l > 0.0, "greater than 0 m", "how deep an impact goes"));
-        let speed = pair
-            .impact_speed
-            .as_ref()
-            .map(|speed| self.checked(speed, |u| u > 0.0, "greater than 0 m/s", "the normal speed of the impact"));
+        let depth = pair.overlap.as_ref().map(|overlap| self.in_range(overlap, "how deep an impact goes"));
+        let speed = pair.impact_speed.as_ref().map(|speed| self.in_range(speed, "the normal speed of the impact"));
         let (depth, speed) = (depth.transpose()?, speed.transpose()?);
         match (&pair.overlap, &pair.impact_speed) {
             (None, Some(speed)) => {

@@ -22,13 +22,11 @@ impl Resolver {
             return Err(self.sources.error(&region.origin, message).help("leave it out"));
         }
         let found = match (&region.value.block, &region.value.cylinder, &region.value.inside) {
-            (Some(block), None, None) => StartRegion::Body(self.block_region(block, scene)?),
-            (None, Some(cylinder), None) => StartRegion::Body(self.cylinder_region(cylinder, scene)?),
-            (None, None, Some(name)) => StartRegion::InsideWalls(self.walls_inside(name, file, scene)?),
-            _ => {
-                let message = format!("`{}` needs exactly one of `box`, `cylinder` and `inside`", region.path);
-                let help = "for example in = { inside = \"hopper\" }, with the `name` of a wall";
-                return Err(self.sources.error(&region.origin, message).help(help));
+            (Some(block), ..) => StartRegion::Body(self.block_region(block, scene)?),
+            (_, Some(cylinder), _) => StartRegion::Body(self.cylinder_region(cylinder, scene)?),
+            (_, _, inside) => {
+                let name = self.need(inside, "particles.in.inside")?;
+                StartRegion::InsideWalls(self.walls_inside(name, file, scene)?)
             }
         };
         Ok(Some(found))
@@ -71,7 +69,7 @@ impl Resolver {
             };
             return Err(self.refuse(name, "names no wall").help(help));
         }
-        if named.iter().any(|wall| !scene.walls[*wall as usize].geometry.has_inside()) {
+        if named.iter().any(|wall| !scene.walls[*wall as usize].geometry.law().has_inside()) {
             let help = "a vessel (`inside = true`), a shell (`open = true`) or an open mesh has one; for other places use `box` or `cylinder`";
             return Err(self.refuse(name, "names a wall that has no inside").help(help));
         }

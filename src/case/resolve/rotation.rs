@@ -6,12 +6,9 @@ use crate::case::diagnostic::Diagnostic;
 use crate::case::file::{CaseFile, ImpactRuleFile, ParticlesFile, TangentialFile, Three};
 use crate::case::quantity::{Ratio, Spin};
 use crate::experiment::{Integrator, SoftSettings};
-use crate::rotation::{ImpactRule, LinearTangential, Rotation, SOLID_SPHERE, THIN_SHELL, TangentialLaw};
+use crate::rotation::{ImpactRule, LinearTangential, Rotation, SOLID_SPHERE, TangentialLaw};
 use crate::scene::Scene;
 use nalgebra::Vector3;
-
-/// [rad/s] fastest spin of a start: a surface of 1 µm radius then has 1000 m/s.
-const FASTEST_SPIN: f64 = 1e9;
 
 impl Resolver {
     /// True if spheres of the case rotate.
@@ -26,8 +23,7 @@ impl Resolver {
     pub(super) fn inertia_factor(&self, kind: &Located<ParticlesFile>) -> Result<f64, Diagnostic> {
         let Some(typed) = &kind.value.inertia_factor else { return Ok(SOLID_SPHERE) };
         let help = "0.4 is a solid sphere, 0.667 a thin shell";
-        // two thirds may be typed as 0.667
-        self.checked(typed, |factor| factor > 0.0 && factor <= THIN_SHELL + 1e-3, "greater than 0, up to 0.667", help)
+        self.in_range(typed, help)
     }
 
     /// [rad/s] spin of a placed particle.
@@ -35,7 +31,7 @@ impl Resolver {
         let Some(typed) = typed else { return Ok(Vector3::zeros()) };
         for component in &typed.value {
             let help = "a particle's spin, right-handed about its direction";
-            self.checked(component, |spin| spin.abs() <= FASTEST_SPIN, "-1e9 ..= 1e9 rad/s", help)?;
+            self.in_range(component, help)?;
         }
         self.warn_of_spin(typed, scene);
         Ok(vector(typed))
@@ -52,8 +48,7 @@ impl Resolver {
         let mut deviation = 0.0;
         if let Some(typed) = &kind.spin_fluctuation {
             let help = "the standard deviation of each spin component";
-            let good = |spin: f64| (0.0..=FASTEST_SPIN).contains(&spin);
-            deviation = self.checked(typed, good, "0 ..= 1e9 rad/s", help)?;
+            deviation = self.in_range(typed, help)?;
             self.warn_of_spin(typed, scene);
         }
         let typed = kind.spin_mean.as_ref().map(|typed| (&typed.origin, &typed.path));
@@ -98,7 +93,7 @@ impl Resolver {
         };
         let typed = self.need(tangential_restitution, "hard.friction.walton.tangential_restitution")?;
         let help = "-1 leaves the slip as it is, 0 stops it, 1 reverses it; glass has 0.44";
-        self.checked(typed, |beta| (-1.0..=1.0).contains(&beta), "-1 ..= 1", help).map(Some)
+        self.in_range(typed, help).map(Some)
     }
 
     /// The tangential law that a case names; with Walton's rule alone, the spring that has its β_0.
@@ -130,12 +125,10 @@ impl Resolver {
                     }
                     (None, Some(typed)) => {
                         let help = "no spring in equal half periods has less; `stiffness_ratio` below 1/14 has β_0 < 0";
-                        let good = |beta: f64| beta > 0.0 && beta <= 1.0;
-                        let beta = self.checked(typed, good, "greater than 0, up to 1", help)?;
+                        let beta = self.in_range(typed, help)?;
                         Ok(TangentialLaw::Linear(LinearTangential::Restitution(beta)))
                     }
-                    (Some(_), Some(_)) => Err(one().help("keep one of them")),
-                    (None, None) => Err(one().help("0.2857 (2/7) is a usual `stiffness_ratio`")),
+                    _ => Err(one().help("0.2857 (2/7) is a usual `stiffness_ratio`")),
                 }
             }
         }
@@ -147,12 +140,9 @@ impl Resolver {
         dashpot: Option<&Located<Ratio>>,
     ) -> Result<LinearTangential, Diagnostic> {
         let help = "spheres of an elastic solid have 2(1 - ν)/(2 - ν), 0.67 to 1; 2/7 swings as the normal spring does";
-        let stiffness =
-            self.checked(stiffness, |ratio| ratio > 0.0 && ratio <= 10.0, "greater than 0, up to 10", help)?;
+        let stiffness = self.in_range(stiffness, help)?;
         let dashpot = match dashpot {
-            Some(typed) => {
-                self.checked(typed, |ratio| (0.0..=10.0).contains(&ratio), "0 ..= 10", "other codes often take 0.5")?
-            }
+            Some(typed) => self.in_range(typed, "other codes often take 0.5")?,
             None => 0.0,
         };
         Ok(LinearTangential::Ratios { stiffness, dashpot })

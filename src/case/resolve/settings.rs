@@ -19,8 +19,6 @@ use crate::simulation::soft_step;
 const FEWEST_STEPS: f64 = 5.0;
 /// [-] N_c below which the literature warns (the paper's section 3.4: T_c/50 ..= T_c/15).
 const GOOD_STEPS: f64 = 15.0;
-/// [s] longest run.
-const LONGEST: f64 = 1e9;
 /// [N/m] range of spring stiffness. Others do not exist (a bubble has 0.1, a diamond sphere of 1 mm 1e9), and with them
 /// squares of times or of frequencies would leave the range of numbers.
 pub(super) const SPRINGS: std::ops::RangeInclusive<f64> = 1e-9..=1e20;
@@ -58,19 +56,14 @@ impl Resolver {
         };
         let Some(soft) = file.soft.as_ref().map(|soft| &soft.value) else { return Ok(settings) };
         settings.law = self.contact_law(soft)?;
-        if let (Some(steps), Some(step)) = (&soft.steps_per_contact, &soft.time_step) {
-            let message =
-                format!("{} and {} both say how long a time step is", self.as_typed(steps), self.as_typed(step));
-            return Err(self.sources.error(&step.origin, message).help("keep one of them"));
-        }
         if let Some(steps) = &soft.steps_per_contact {
             let help = "N_c, time steps in the shortest contact; 20 is a good start";
-            let n = self.checked(steps, |n| n > 0.0 && n <= 1e6, "greater than 0, up to 1e6", help)?;
+            let n = self.in_range(steps, help)?;
             settings.time_step = TimeStep::PerContact(n);
         }
         if let Some(step) = &soft.time_step {
             let help = "or give `steps_per_contact = 20` instead, which finds the step";
-            settings.time_step = TimeStep::Fixed(self.checked(step, |dt| dt > 0.0, "greater than 0 s", help)?);
+            settings.time_step = TimeStep::Fixed(self.in_range(step, help)?);
         }
         if let Some(stepping) = &soft.stepping {
             settings.stepping = stepping.value;
@@ -85,35 +78,29 @@ impl Resolver {
     /// The contact law that a case names.
     fn contact_law(&mut self, soft: &SoftFile) -> Result<Option<ContactLaw>, Diagnostic> {
         let spring = soft.linear_spring_dashpot.as_ref();
-        if let (Some(_), Some(hertz)) = (spring, &soft.hertz) {
-            let message = "`soft.linear_spring_dashpot` and `soft.hertz` are two contact laws";
-            return Err(self.sources.error(&hertz.origin, message).help("keep one of them"));
-        }
         if let Some(hertz) = &soft.hertz {
-            return Ok(self.elasticity(hertz)?.map(|elasticity| ContactLaw::Hertz(Hertz { elasticity })));
+            return Ok(Some(ContactLaw::Hertz(Hertz { elasticity: self.elasticity(hertz)? })));
         }
         let Some(stiffness) = spring.and_then(|law| law.value.stiffness.as_ref()) else { return Ok(None) };
         let help = "the paper uses 3000 N/m and 5000 N/m";
-        let k = self.checked(stiffness, |k| k > 0.0, "greater than 0 N/m", help)?;
-        self.checked(stiffness, |k| SPRINGS.contains(&k), "1e-9 ..= 1e20 N/m", help)?;
-        Ok(Some(ContactLaw::linear(k)))
+        Ok(Some(ContactLaw::linear(self.in_range(stiffness, help)?)))
     }
 
-    /// Young's modulus and Poisson's ratio of a table; `None` without Young's modulus.
-    fn elasticity(&mut self, typed: &Located<ElasticityFile>) -> Result<Option<Elasticity>, Diagnostic> {
+    /// Young's modulus and Poisson's ratio of a table.
+    fn elasticity(&self, typed: &Located<ElasticityFile>) -> Result<Elasticity, Diagnostic> {
         /// [-] Poisson's ratio of most metals, glasses and plastics: a round textbook value (Johnson 1985).
         const USUAL: f64 = 0.3;
-        let Some(modulus) = &typed.value.youngs_modulus else { return Ok(None) };
+        let modulus = self.need(&typed.value.youngs_modulus, "youngs_modulus")?;
         let help = "70 GPa is glass, 3 GPa polystyrene; softer bodies are often computed, and then a plan says how soft they may be";
-        let youngs_modulus = self.checked(modulus, |e| e > 0.0, "greater than 0 Pa", help)?;
+        let youngs_modulus = self.in_range(modulus, help)?;
         let poissons_ratio = match &typed.value.poissons_ratio {
             Some(ratio) => {
                 let help = "0.5 is rubber, 0.2 glass, 0.3 most others";
-                self.checked(ratio, |nu| nu > -1.0 && nu <= 0.5, "more than -1, up to 0.5", help)?
+                self.in_range(ratio, help)?
             }
             None => USUAL,
         };
-        Ok(Some(Elasticity { youngs_modulus, poissons_ratio }))
+        Ok(Elasticity { youngs_modulus, poissons_ratio })
     }
 
     /// The elasticity of one kind of particles or one wall, if it has its own.
@@ -128,11 +115,7 @@ impl Resolver {
                 format!("`{}` is not used: only `soft.hertz` derives its stiffness from materials", typed.path);
             self.warn(&typed.origin, message, "add [soft.hertz], or leave it out");
         }
-        let Some(own) = self.elasticity(typed)? else {
-            let message = format!("`{}.youngs_modulus` is missing", typed.path);
-            return Err(self.sources.error(&typed.origin, message).help("such as \"70 GPa\""));
-        };
-        Ok(Some(own))
+        self.elasticity(typed).map(Some)
     }
 
     /// Refuses a step that does not resolve the shortest contact; warns of one that barely does.
@@ -200,7 +183,7 @@ impl Resolver {
         let mut theta = 0.3;
         if let Some(typed) = &hard.theta {
             let help = "the stepped hard engine uses Δt < θ d/u_r (the paper's section 3.4); the paper takes 0.3";
-            match self.checked(typed, |theta| theta > 0.0 && theta <= 1.0, "greater than 0, up to 1", help) {
+            match self.in_range(typed, help) {
                 Ok(number) => theta = number,
                 Err(error) if self.model != Model::Hard => self.warnings.push(error.into_warning()),
                 Err(error) => return Err(error),
@@ -224,7 +207,7 @@ impl Resolver {
     fn contact_time(&mut self, hard: &HardFile, stepping: HardSteppingFile) -> Result<Option<f64>, Diagnostic> {
         let Some(typed) = &hard.contact_time else { return Ok(None) };
         let help = "t_c of the TC model: how long a contact would last, for example \"1e-6 s\"; leave it out for none";
-        let time = match self.checked(typed, |time| time > 0.0, "greater than 0 s", help) {
+        let time = match self.in_range(typed, help) {
             Err(error) if self.model != Model::Hard => {
                 self.warnings.push(error.into_warning());
                 return Ok(None);
@@ -245,7 +228,7 @@ impl Resolver {
             return Ok(settings);
         };
         let help = "a touch is an instant if nobody else can come within so many contact times";
-        match self.checked(typed, |times| (1.0..=1e6).contains(&times), "1 ..= 1e6", help) {
+        match self.in_range(typed, help) {
             Ok(clearance) => settings.clearance = clearance,
             Err(error) if self.model != Model::Hybrid => self.warnings.push(error.into_warning()),
             Err(error) => return Err(error),
@@ -263,8 +246,8 @@ impl Resolver {
         let run = &self.need(&file.run, "run")?.value;
         let typed = self.need(&run.duration, "run.duration")?;
         let help = "0 s writes the initial state only";
-        let duration = self.checked(typed, |duration| duration >= 0.0, "0 s or more", help)?;
-        self.checked(typed, |duration| duration <= LONGEST, "up to 1e9 s", "1e9 s are thirty years")?;
+        let help = if typed.value.0 < 0.0 { help } else { "1e9 s are thirty years" };
+        let duration = self.in_range(typed, help)?;
         let mut average_from = AverageFrom::Steady;
         if let Some(typed) = &run.average_from {
             average_from = match typed.value {
@@ -327,7 +310,7 @@ impl Resolver {
         }
         if let Some(interval) = &statistics.sample_interval {
             let help = "the time between two samples; leave it out to have it chosen";
-            settings.sample_interval = Some(self.checked(interval, |t| t > 0.0, "greater than 0 s", help)?);
+            settings.sample_interval = Some(self.in_range(interval, help)?);
         }
         Ok(settings)
     }

@@ -8,9 +8,6 @@ use crate::case::file::{ByFile, ParticlesFile, PlacedFile, SizesFile};
 use crate::case::quantity::{Length, Ratio};
 use crate::scene::{Fraction, SizeDistribution, Species};
 
-/// [-] largest geometric deviation; a larger one is a typing error, since two thirds of the diameters would span four
-/// decades of volume.
-const WIDEST: f64 = 10.0;
 /// [-] least share of a log-normal distribution between its cut-offs: the quantiles of a smaller one are rounding
 /// errors.
 const LEAST_LEFT: f64 = 1e-6;
@@ -22,12 +19,8 @@ impl Resolver {
         kind: &Located<ParticlesFile>,
     ) -> Result<(f64, Option<SizeDistribution>), Diagnostic> {
         match (&kind.value.diameter, &kind.value.sizes) {
-            (Some(diameter), None) => Ok((self.length(diameter)?, None)),
-            (Some(_), Some(sizes)) => {
-                let message = format!("`{}` and `diameter` both say how large the particles are", sizes.path);
-                Err(self.sources.error(&sizes.origin, message).help("keep one of them"))
-            }
-            (None, sizes) => {
+            (Some(diameter), _) => Ok((self.length(diameter)?, None)),
+            (_, sizes) => {
                 let sizes = self.sizes(self.need(sizes, "particles.diameter")?)?;
                 Ok((sizes.mean_power(3).cbrt(), Some(sizes)))
             }
@@ -54,8 +47,9 @@ impl Resolver {
     }
 
     fn length(&self, typed: &Located<Length>) -> Result<f64, Diagnostic> {
-        let d = self.checked(typed, |d| d > 0.0, "greater than 0 m", "a sphere has a positive diameter")?;
-        self.checked(typed, |d| (1e-7..=1.0).contains(&d), "1e-7 m ..= 1 m", unit_slip(d))
+        let d = typed.value.0;
+        let help = if d > 0.0 { unit_slip(d) } else { "a sphere has a positive diameter".into() };
+        self.in_range(typed, help)
     }
 
     fn sizes(&self, typed: &Located<SizesFile>) -> Result<SizeDistribution, Diagnostic> {
@@ -70,9 +64,7 @@ impl Resolver {
                 let median = self.length(middle)?;
                 let key = "particles.sizes.log_normal.geometric_deviation";
                 let help = "a ratio of diameters: 1.3 is a narrow powder, 2 a wide one";
-                let wide = |ratio: f64| ratio > 1.0 && ratio <= WIDEST;
-                let allowed = "greater than 1, up to 10";
-                let deviation = self.checked(self.need(geometric_deviation, key)?, wide, allowed, help)?;
+                let deviation = self.in_range(self.need(geometric_deviation, key)?, help)?;
                 let sizes = SizeDistribution::LogNormal { median, geometric_deviation: deviation, from, to };
                 let left = sizes.left();
                 if left < LEAST_LEFT {
@@ -116,7 +108,7 @@ impl Resolver {
         for (diameter, fraction) in diameters.value.iter().zip(&fractions.value) {
             let d = self.length(diameter)?;
             let help = "leave out diameters that no particle has";
-            let share = self.checked(fraction, |f| f > 0.0 && f <= 1e9, "greater than 0", help)?;
+            let share = self.in_range(fraction, help)?;
             let share = match by {
                 ByFile::Number => share,
                 // number of particles that fit into the volume

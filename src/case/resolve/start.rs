@@ -66,10 +66,9 @@ impl Resolver {
         for (index, kind) in file.particles.iter().flatten().enumerate() {
             let (d, sizes) = self.diameter(kind)?;
             let density = self.need(&kind.value.density, "particles.density")?;
-            let rho =
-                self.checked(density, |rho| rho > 0.0, "greater than 0 kg/m^3", "a sphere has a positive density")?;
+            let rho = density.value.0;
             let grams = format!("did you mean \"{} g/cm^3\", which is {} kg/m^3?", short(rho), short(rho * 1000.0));
-            self.checked(density, |rho| (0.1..=3e4).contains(&rho), "0.1 ..= 3e4 kg/m^3", &grams)?;
+            self.in_range(density, if rho > 0.0 { &grams } else { "a sphere has a positive density" })?;
             if rho < 50.0 {
                 let message = format!("{} is light for a particle", self.as_typed(density));
                 self.warn(&density.origin, message, grams);
@@ -199,7 +198,7 @@ impl Resolver {
         let walled = |axis: usize, sign: f64| {
             scene.walls.iter().any(|wall| wall.geometry.plane().is_some_and(|plane| sign * plane.normal[axis] > 0.1))
         };
-        let held = |axis: usize| scene.walls.iter().any(|wall| wall.geometry.holds_along(axis));
+        let held = |axis: usize| scene.walls.iter().any(|wall| wall.geometry.law().holds_along(axis));
         let walled = |axis: usize| held(axis) || walled(axis, 1.0) && walled(axis, -1.0);
         let open: Vec<&str> = (0..3)
             .filter(|axis| !(scene.domain.periodic[*axis] || walled(*axis)))
@@ -241,7 +240,7 @@ impl Resolver {
         }
         let fraction = self.need(&kind.value.volume_fraction, "particles.volume_fraction")?;
         let help = "the share of the whole box that this kind fills; spheres at random places pack no denser than 0.64";
-        let phi = self.checked(fraction, |phi| (0.0..=RANDOM_PACKING).contains(&phi), "0 ..= 0.64", help)?;
+        let phi = self.in_range(fraction, help)?;
         // a fraction that was computed from a whole number of particles must give that number back
         let count = (phi * volume / species.volume() * (1.0 + 1e-12)).floor();
         if count > MOST_PARTICLES as f64 {
@@ -260,7 +259,7 @@ impl Resolver {
         let mut mean = Vector3::zeros();
         if let Some(typed) = &kind.velocity_mean {
             for component in &typed.value {
-                self.checked(component, |v| v.abs() <= FASTEST, "-1e5 ..= 1e5 m/s", "a particle's mean velocity")?;
+                self.in_range(component, "a particle's mean velocity")?;
             }
             mean = vector(typed);
             if placed {
@@ -270,15 +269,14 @@ impl Resolver {
         }
         let Some(typed) = &kind.velocity_fluctuation else { return Ok((mean, Vector3::zeros())) };
         let help = "the standard deviation of each velocity component, or a list of those along x, y and z";
-        let good = |v: f64| (0.0..=FASTEST).contains(&v);
         let fluctuation = match &typed.value {
             FluctuationFile::Same(speed) => {
                 let Located { origin, path, .. } = typed;
                 let speed = Located { value: *speed, origin: origin.clone(), path: path.clone() };
-                Vector3::repeat(self.checked(&speed, good, "0 ..= 1e5 m/s", help)?)
+                Vector3::repeat(self.in_range(&speed, help)?)
             }
             FluctuationFile::Each(three) => {
-                let [x, y, z] = three.each_ref().map(|speed| self.checked(speed, good, "0 ..= 1e5 m/s", help));
+                let [x, y, z] = three.each_ref().map(|speed| self.in_range(speed, help));
                 Vector3::new(x?, y?, z?)
             }
         };
@@ -298,17 +296,6 @@ impl Resolver {
         scene: &Scene,
         particles: &mut Particles,
     ) -> Result<Option<Vec<Placed>>, Diagnostic> {
-        let given = [
-            ("count", kind.value.count.is_some()),
-            ("volume_fraction", kind.value.volume_fraction.is_some()),
-            ("file", kind.value.file.is_some()),
-            ("at", kind.value.at.is_some()),
-        ];
-        let given: Vec<&str> = given.iter().filter(|(_, given)| *given).map(|(key, _)| *key).collect();
-        if given.len() > 1 {
-            let message = format!("`{}` says how many in more than one way: `{}`", kind.path, given.join("`, `"));
-            return Err(self.sources.error(&kind.origin, message).help("keep one of them"));
-        }
         if let Some(name) = &kind.value.file {
             return self.placed_in_file(name, index, scene, particles).map(Some);
         }
@@ -320,7 +307,7 @@ impl Resolver {
             let (radius, mass) = (0.5 * diameter, species.of_one_size(diameter).mass());
             let position = scene.domain.wrap(&vector(self.need(&item.value.position, "position")?));
             for component in item.value.velocity.iter().flat_map(|velocity| &velocity.value) {
-                self.checked(component, |v| v.abs() <= FASTEST, "-1e5 ..= 1e5 m/s", "a particle's velocity")?;
+                self.in_range(component, "a particle's velocity")?;
             }
             let velocity = item.value.velocity.as_ref().map_or_else(Vector3::zeros, vector);
             particles.push(position, velocity, radius, mass, index as u16);

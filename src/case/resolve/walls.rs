@@ -19,12 +19,6 @@ const ROUNDING: f64 = 1e-9;
 /// Largest number of walls of a case: they take 1 GB and some 10 s to check.
 const MOST_WALLS: usize = 100_000;
 
-/// [m/s] largest speed of a surface, as for particles.
-const FASTEST: f64 = 1e5;
-
-/// Names of the shapes, in the order of their keys.
-const SHAPES: &str = "`plane`, `sphere`, `cuboid`, `box`, `cylinder`, `cone` or `mesh`";
-
 /// Side of a body on which the particles are.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum BodySide {
@@ -75,20 +69,6 @@ impl Resolver {
                 .help("a surface of many pieces is one wall: a `mesh`"));
         }
         for wall in file.walls.iter().flatten() {
-            let shapes = [
-                wall.value.plane.is_some(),
-                wall.value.sphere.is_some(),
-                wall.value.cuboid.is_some(),
-                wall.value.room.is_some(),
-                wall.value.cylinder.is_some(),
-                wall.value.cone.is_some(),
-                wall.value.mesh.is_some(),
-            ];
-            if shapes.iter().filter(|named| **named).count() > 1 {
-                let message = format!("`{}` has more than one shape", wall.path);
-                let help = format!("one [[walls]] table each, with {SHAPES}");
-                return Err(self.sources.error(&wall.origin, message).help(help));
-            }
             let geometry = self.shape(wall, domain, largest)?;
             let surface = self.surface(&wall.value.restitution, &wall.value.friction)?;
             let elasticity = self.own_elasticity(file, &wall.value.elasticity)?;
@@ -102,10 +82,10 @@ impl Resolver {
     fn wall_velocity(&self, wall: &WallFile, geometry: &WallGeometry) -> Result<Vector3<f64>, Diagnostic> {
         let Some(typed) = &wall.velocity else { return Ok(Vector3::zeros()) };
         for component in &typed.value {
-            self.checked(component, |v| v.abs() <= FASTEST, "-1e5 ..= 1e5 m/s", "the velocity of a wall's surface")?;
+            self.in_range(component, "the velocity of a wall's surface")?;
         }
         let velocity = vector(typed);
-        if velocity != Vector3::zeros() && !geometry.slides(&velocity) {
+        if velocity != Vector3::zeros() && !geometry.law().slides(&velocity) {
             return Err(self.refuse(typed, "would move the surface from its place").help(
                 "a wall moves along itself only: a plane at right angles to its normal, a pipe without ends along its axis",
             ));
@@ -166,14 +146,14 @@ impl Resolver {
     /// [m] a length, which must be positive.
     pub(super) fn positive(&self, length: &Option<Located<Length>>, key: &str) -> Result<f64, Diagnostic> {
         let length = self.need(length, key)?;
-        self.checked(length, |l| l > 0.0, "greater than 0 m", "a body has a positive size")
+        self.in_range(length, "a body has a positive size")
     }
 
     /// [m] half the edges of a block, which must be positive.
     pub(super) fn half_extents(&self, half: &Option<Three<Length>>) -> Result<Vector3<f64>, Diagnostic> {
         let half = self.need(half, "half_extents")?;
         for edge in &half.value {
-            self.checked(edge, |l| l > 0.0, "greater than 0 m", "a body has a positive size")?;
+            self.in_range(edge, "a body has a positive size")?;
         }
         Ok(vector(half))
     }

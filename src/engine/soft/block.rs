@@ -245,7 +245,8 @@ impl ContactBlock {
             } else {
                 // where contacts are numbered by distance, only the first one approaches no faster than its sphere
                 // moves: another one may appear anywhere
-                let numbered = near.at.which > 0 && scene.walls[near.at.wall as usize].geometry.is_nearest_first();
+                let numbered =
+                    near.at.which > 0 && scene.walls[near.at.wall as usize].geometry.law().is_nearest_first();
                 if beyond.is_some() || !numbered {
                     // the factor covers rounding in the travelled distance
                     *free_until = travelled + gap * (1.0 - 1e-9);

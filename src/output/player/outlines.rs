@@ -17,7 +17,7 @@ pub fn outlines(scene: &Scene) -> Vec<Vec<f64>> {
     let of = |geometry: &WallGeometry| match geometry {
         WallGeometry::Plane(plane) => around(plane, scene),
         other => {
-            let (corners, triangles) = other.drawing(&scene.domain.size);
+            let (corners, triangles) = other.law().drawing(&scene.domain.size);
             edges(&corners, &triangles)
         }
     };

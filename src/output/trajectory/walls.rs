@@ -14,7 +14,7 @@ pub(super) fn walls(scene: &Scene) -> Option<[Vec<u8>; 3]> {
     let surfaces = scene.walls.iter().map(|wall| match &wall.geometry {
         WallGeometry::Plane(plane) => flat(plane, &scene.domain),
         other => {
-            let (corners, triangles) = other.drawing(&scene.domain.size);
+            let (corners, triangles) = other.law().drawing(&scene.domain.size);
             (corners, triangles.into_iter().map(Vec::from).collect())
         }
     });

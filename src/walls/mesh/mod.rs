@@ -17,7 +17,8 @@ pub use nesting::Nested;
 pub use periods::{Continued, Mismatch, continued};
 pub use surface::{Fault, Findings, Sides};
 
-use super::{Flight, Geometry, Nearest, Touch};
+use super::plane::is_along;
+use super::{Drawing, Flight, Geometry, Nearest, Touch};
 use clearance::Clearance;
 use nalgebra::Vector3;
 use rustc_hash::FxHasher;
@@ -316,6 +317,62 @@ impl Geometry for Mesh {
 
     fn is_within(&self, point: &Vector3<f64>, distance: f64) -> bool {
         self.clearance.least(point) <= distance && self.tree.is_near(point, distance)
+    }
+
+    fn is_nearest_first(&self) -> bool {
+        true
+    }
+
+    fn slides(&self, velocity: &Vector3<f64>) -> bool {
+        self.normals().all(|normal| is_along(velocity, normal))
+    }
+
+    fn bounds(&self) -> Option<[Vector3<f64>; 2]> {
+        (self.sides != Sides::Inside).then(|| self.bounds)
+    }
+
+    fn extent(&self) -> Option<[Vector3<f64>; 2]> {
+        Some(self.bounds)
+    }
+
+    fn room_corners(&self) -> Option<[Vector3<f64>; 2]> {
+        (self.sides == Sides::Inside).then(|| self.bounds)
+    }
+
+    fn holds_along(&self, _axis: usize) -> bool {
+        self.sides == Sides::Inside
+    }
+
+    fn vessel_volume(&self, _size: &Vector3<f64>) -> Option<f64> {
+        (self.sides == Sides::Inside).then(|| self.volume())
+    }
+
+    fn has_inside(&self) -> bool {
+        self.sides != Sides::Outside
+    }
+
+    fn encloses(&self, point: &Vector3<f64>) -> bool {
+        self.has_inside() && self.surrounds(point)
+    }
+
+    fn in_words(&self) -> String {
+        let side = match self.sides {
+            Sides::Outside => "solid body",
+            Sides::Inside => "vessel with the particles inside",
+            Sides::Both => "thin sheet",
+        };
+        let through = ["x", "y", "z"].into_iter().zip(self.spans()).filter(|(_, spans)| *spans);
+        let through: Vec<&str> = through.map(|(name, _)| name).collect();
+        let without_end = match through.is_empty() {
+            true => String::new(),
+            false => format!(", without end along {}", through.join(" and ")),
+        };
+        format!("{side} of {} triangles{without_end}", self.surface.faces.len())
+    }
+
+    fn drawing(&self, _size: &Vector3<f64>) -> Drawing {
+        let (points, triangles) = self.triangles();
+        (points.to_vec(), triangles.collect())
     }
 }
 
