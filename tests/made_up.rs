@@ -11,7 +11,7 @@ use diptych::particles::Particles;
 use diptych::record::{Impact, Ledger, Record};
 use diptych::scene::{Scene, Species, Surface};
 use diptych::statistics::{
-    Batches, ErrorLevels, Estimate, Observable, Parity, ProfileTable, SliceRow, Steadiness, compare,
+    Batches, ErrorLevels, Estimate, Observable, Parity, ProfileTable, SLICE_QUANTITIES, SliceRow, Steadiness, compare,
 };
 use diptych::walls::{Plane, Wall, WallGeometry};
 use nalgebra::Vector3;
@@ -69,24 +69,25 @@ pub fn outcome(name: &str, model: Model, seed: u64) -> Outcome {
             let z: f64 = random.sample(StandardNormal);
             Some(Estimate::new(value + error * z, error))
         };
-        SliceRow {
-            y,
-            number_density_ratio: noisy(0.9 + 0.35 * s * s, 0.012),
-            mean: [noisy(12.0 - 1.6 * s, 0.05), noisy(0.0, 0.004), noisy(0.0, 0.004)],
-            second: [
-                noisy(0.5 + 0.6 * s, 0.02),
-                noisy(0.12, 0.004),
-                noisy(0.13, 0.004),
-                noisy(-0.05 * (2.0 * y / 0.04 - 1.0), 0.004),
-                noisy(0.0, 0.004),
-                noisy(0.0, 0.003),
-            ],
-            third: std::array::from_fn(|_| noisy(0.0, 0.002)),
-            samples: 2000 + k as u64,
-        }
+        let mut estimates = [None; SLICE_QUANTITIES];
+        // density, U, V, W, uu, vv, ww, uv, uw, vw, and third moments
+        estimates[..10].copy_from_slice(&[
+            noisy(0.9 + 0.35 * s * s, 0.012),
+            noisy(12.0 - 1.6 * s, 0.05),
+            noisy(0.0, 0.004),
+            noisy(0.0, 0.004),
+            noisy(0.5 + 0.6 * s, 0.02),
+            noisy(0.12, 0.004),
+            noisy(0.13, 0.004),
+            noisy(-0.05 * (2.0 * y / 0.04 - 1.0), 0.004),
+            noisy(0.0, 0.004),
+            noisy(0.0, 0.003),
+        ]);
+        estimates[10..].iter_mut().for_each(|third| *third = noisy(0.0, 0.002));
+        SliceRow { y, estimates, samples: 2000 + k as u64 }
     };
     let mut profile: Vec<SliceRow> = (0..slices).map(|k| row(k, &mut random)).collect();
-    profile[3].third[0] = None;
+    profile[3].estimates[10] = None;
     let mut record = Record::default();
     let soft = model == Model::Soft;
     for _ in 0..20_000 {

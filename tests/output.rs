@@ -9,7 +9,7 @@ use diptych::outcome::{Outcome, Timing};
 use diptych::output::numbers::{count, quantity, significant, with_error};
 use diptych::output::*;
 use diptych::record::Record;
-use diptych::statistics::{Estimate, ProfileTable};
+use diptych::statistics::{Estimate, ProfileTable, SLICE_COLUMNS, SLICE_QUANTITIES};
 use diptych::walls::{Obstacle, WallGeometry};
 use std::path::Path;
 
@@ -194,11 +194,11 @@ fn nothing_at_all_can_be_written() {
     let mut unknown = outcome("not a number", Model::Soft, 2);
     let nan = Some(Estimate::new(f64::NAN, f64::NAN));
     for row in &mut unknown.profiles.slices {
-        (row.y, row.number_density_ratio, row.mean, row.second) = (f64::NAN, nan, [nan; 3], [nan; 6]);
+        (row.y, row.estimates) = (f64::NAN, [nan; SLICE_QUANTITIES]);
     }
     let mut single = outcome("one slice", Model::Soft, 3);
     single.profiles.slices.truncate(1);
-    single.profiles.slices[0].mean[0].as_mut().unwrap().error = None;
+    single.profiles.slices[0].estimates[1].as_mut().unwrap().error = None;
     let sets = [vec![], vec![empty.clone()], vec![unknown.clone()], vec![single.clone()], vec![single, empty, unknown]];
     for (k, outcomes) in sets.iter().enumerate() {
         let folder = lasting(&format!("output-empty-{k}"));
@@ -324,4 +324,16 @@ fn an_outcome_is_data_for_other_programs() {
     outcome.failure = Some(Failure::Escaped { time: 1.5, particle: 7, x: 0.1, y: -0.2, z: 0.3 });
     let failed = serde_json::to_value(&outcome).unwrap();
     assert_eq!(failed["failure"]["escaped"]["time"], 1.5);
+}
+
+/// The Python package names the unit of each column as the table of columns does.
+#[test]
+fn units_of_columns_are_those_of_the_python_package() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let text = std::fs::read_to_string(root.join("python/diptych/results.py")).unwrap();
+    for column in SLICE_COLUMNS.iter().filter(|column| !column.unit.is_empty()) {
+        let key = column.unit.replace('/', "_").replace('²', "2").replace('³', "3");
+        let line = text.lines().find(|line| line.trim_start().starts_with(&format!("\"{key}\": ["))).unwrap();
+        assert!(line.contains(&format!("\"{}\"", column.name)), "{}: {line}", column.name);
+    }
 }

@@ -6,7 +6,7 @@
 use crate::support::{BASE, diptych, words};
 use diptych::case::Case;
 use diptych::particles::Particles;
-use diptych::statistics::Accumulator;
+use diptych::statistics::{Accumulator, NUMBER_DENSITY};
 use nalgebra::Vector3;
 use std::path::Path;
 use std::sync::Arc;
@@ -71,7 +71,7 @@ fn many_slices() {
     let (whole, _) = table(100_000);
     assert_eq!(whole.slices.len(), 100_000);
     assert_eq!(whole.slices.iter().map(|row| row.samples).sum::<u64>(), 4000);
-    let density: f64 = whole.slices.iter().map(|row| row.number_density_ratio.unwrap().value).sum();
+    let density: f64 = whole.slices.iter().map(|row| row.of(NUMBER_DENSITY).unwrap().value).sum();
     assert!((density / 1e5 - 1.0).abs() < 1e-9, "{density}");
     // ten times as many slices: ten times the time, a hundred times when every row counted all samples again; the least of
     // three, so that others on the machine do not count

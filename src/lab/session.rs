@@ -11,6 +11,7 @@ use super::scene_state::SceneState;
 use super::scenes::SCENES;
 use crate::clock::Clock;
 use crate::outcome::Outcome;
+use crate::statistics::{U, UU, VV, WW};
 use crate::study::judge;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, TryRecvError};
 use std::time::Duration;
@@ -258,9 +259,9 @@ impl<'a> StageRun<'a> {
 /// temperature [m²/s²].
 fn profile(outcome: &Outcome) -> Vec<[Option<f64>; 4]> {
     let rows = outcome.profiles.slices.iter().map(|row| {
-        let second: Option<Vec<f64>> = row.second.iter().take(3).map(|one| one.map(|one| one.value)).collect();
-        let temperature = second.map(|second| second.iter().sum::<f64>() / 3.0);
-        let [mean, ..] = row.mean;
+        let normal: Option<Vec<f64>> = [UU, VV, WW].into_iter().map(|one| Some(row.of(one)?.value)).collect();
+        let temperature = normal.map(|normal| normal.iter().sum::<f64>() / 3.0);
+        let mean = row.of(U);
         [Some(1e3 * row.y), mean.map(|mean| mean.value), mean.and_then(|mean| mean.error), temperature]
     });
     rows.collect()

@@ -17,6 +17,7 @@ mod rings;
 mod run_loop;
 mod second_moments;
 mod series;
+mod series_columns;
 mod stress;
 
 pub use energy::EnergyBooks;
@@ -31,6 +32,7 @@ pub use rings::{Ring, RingAverages, Rings};
 pub use run_loop::{Pause, RunLoop};
 pub use second_moments::{Budgets, MOMENTS, SecondMoments, Terms};
 pub use series::{RotationSums, Row, Series};
+pub use series_columns::{CurveScale, SERIES_COLUMNS, SeriesColumn};
 pub use stress::{Stress, Stresses};
 
 use crate::engine::Failure;

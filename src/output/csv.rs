@@ -13,11 +13,8 @@ use crate::outcome::Outcome;
 use crate::particles::Particles;
 use crate::record::{Histogram, Impacts};
 use crate::scene::Scene;
-use crate::statistics::{Estimate, SliceRow};
+use crate::statistics::{SLICE_COLUMNS, SliceRow};
 use ::csv::Writer;
-
-/// The estimates of a slice by the names of their columns, with commas in between, in the order of the columns.
-pub const ESTIMATES: &str = "number_density_ratio,U,V,W,uu,vv,ww,uv,uw,vw,uuu,uuv,uuw,uvv,uvw,uww,vvv,vvw,vww,www";
 
 /// `profiles.csv`: one row per variant and slice. Lengths in m, velocities in m/s, moments in powers of m/s; `_se` is
 /// one standard error.
@@ -77,14 +74,15 @@ pub fn rings(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
 
 /// Names of the columns of a slice.
 fn slice_head() -> String {
-    let errors: String = ESTIMATES.split(',').map(|name| format!("{name}_se,")).collect();
-    format!("slice,y_m,{ESTIMATES},{errors}samples")
+    let values: String = SLICE_COLUMNS.iter().map(|column| format!("{},", column.name)).collect();
+    let errors: String = SLICE_COLUMNS.iter().map(|column| format!("{}_se,", column.name)).collect();
+    format!("slice,y_m,{values}{errors}samples")
 }
 
 /// The cells of a slice.
 fn slice(index: usize, row: &SliceRow) -> impl Iterator<Item = String> {
-    let values = estimates(row).into_iter().map(|found| number(found.map(|found| found.value)));
-    let errors = estimates(row).into_iter().map(|found| number(found.and_then(|found| found.error)));
+    let values = row.estimates.into_iter().map(|found| number(found.map(|found| found.value)));
+    let errors = row.estimates.into_iter().map(|found| number(found.and_then(|found| found.error)));
     [index.to_string(), number(row.y)].into_iter().chain(values).chain(errors).chain([row.samples.to_string()])
 }
 
@@ -113,11 +111,6 @@ pub fn meetings(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
         }
     }
     table.bytes()
-}
-
-/// The estimates of one slice in the order of [`ESTIMATES`].
-fn estimates(row: &SliceRow) -> Vec<Option<Estimate>> {
-    std::iter::once(&row.number_density_ratio).chain(&row.mean).chain(&row.second).chain(&row.third).copied().collect()
 }
 
 /// `impacts.csv`: histograms of every variant. Overlaps are relative to the diameter, the smaller one of unequal

@@ -3,7 +3,7 @@
 use super::{Provenance, figures};
 use crate::case::SweepAxis;
 use crate::outcome::Outcome;
-use crate::statistics::Estimate;
+use crate::statistics::{Estimate, NUMBER_DENSITY, U};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -26,7 +26,7 @@ pub struct SweepObservable {
 fn velocity(outcome: &Outcome) -> Option<Estimate> {
     let (mut sum, mut error, mut weights) = (0.0, Some(0.0), 0.0);
     for row in &outcome.profiles.slices {
-        let (Some(density), Some(mean)) = (row.number_density_ratio, row.mean[0]) else { continue };
+        let (Some(density), Some(mean)) = (row.of(NUMBER_DENSITY), row.of(U)) else { continue };
         sum += density.value * mean.value;
         error = error.zip(mean.error).map(|(sum, error)| sum + density.value * error);
         weights += density.value;

@@ -10,6 +10,7 @@ mod errors;
 mod modes;
 mod profile_table;
 mod profiles;
+mod slice_columns;
 mod steady;
 mod temperature;
 mod work_precision;
@@ -21,6 +22,9 @@ pub use errors::{Estimate, FEWEST_BLOCKS, estimate};
 pub use modes::Parity;
 pub use profile_table::{ProfileTable, SliceRow};
 pub use profiles::Accumulator;
+pub use slice_columns::{
+    NUMBER_DENSITY, SLICE_COLUMNS, SLICE_QUANTITIES, SliceColumn, U, UU, UV, VV, WW, slice_column,
+};
 pub use steady::{LARGEST_DRIFT, Steadiness, SteadySeries, judge};
 pub use temperature::VelocitySpread;
 pub use work_precision::{PowerLaw, pareto_front, power_law};

@@ -2,7 +2,7 @@
 
 use super::batches::Batches;
 use super::errors::Estimate;
-use super::profiles::SUMS;
+use super::slice_columns::{SLICE_COLUMNS, SLICE_QUANTITIES, SliceColumn};
 use serde::Serialize;
 
 /// Time averages in one slice.
@@ -13,15 +13,11 @@ use serde::Serialize;
 pub struct SliceRow {
     /// [m] centre of the slice.
     pub y: f64,
-    /// [-] number density over the mean of the whole domain, by particle centres. The slices at walls are not corrected
-    /// for the strip of one radius that no centre can enter (20.3 % of a 1 mm slice for spheres of 406 um).
-    pub number_density_ratio: Option<Estimate>,
-    /// [m/s] U, V, W.
-    pub mean: [Option<Estimate>; 3],
-    /// [m²/s²] <u''u''>, <v''v''>, <w''w''>, <u''v''>, <u''w''>, <v''w''>; about the mean over slice and time.
-    pub second: [Option<Estimate>; 6],
-    /// [m³/s³] uuu, uuv, uuw, uvv, uvw, uww, vvv, vvw, vww, www.
-    pub third: [Option<Estimate>; 10],
+    /// Averages in the order of [`SLICE_COLUMNS`](super::SLICE_COLUMNS), in their SI units. The number density is by
+    /// particle centres, over the mean of the whole domain. The slices at walls are not corrected for the strip of one
+    /// radius that no centre can enter (20.3 % of a 1 mm slice for spheres of 406 um). Moments are about the mean over
+    /// slice and time.
+    pub estimates: [Option<Estimate>; SLICE_QUANTITIES],
     /// Number of particles counted, over all samples.
     pub samples: u64,
 }
@@ -37,16 +33,15 @@ pub struct ProfileTable {
     pub from: f64,
     /// [s] time of the last sample averaged.
     pub until: f64,
-    /// Blocks of time of each estimate in each slice, in the order of the row. From 0 stands the number density ratio,
-    /// from 1 the means, from 4 the second, from 10 the third moments. `None` if there is no value or no error.
+    /// Blocks of time of each estimate in each slice, in the order of the row. `None` if there is no value or no error.
     #[serde(skip)]
     pub batches: Vec<Vec<Option<Batches>>>,
 }
 
 impl ProfileTable {
-    /// The blocks of one estimate of a slice; the index `which` is as in [`Self::batches`].
-    pub fn batches(&self, slice: usize, which: usize) -> Option<&Batches> {
-        self.batches.get(slice)?.get(which)?.as_ref()
+    /// The blocks of one estimate of a slice.
+    pub fn batches(&self, slice: usize, column: SliceColumn) -> Option<&Batches> {
+        self.batches.get(slice)?.get(column.index)?.as_ref()
     }
 
     /// Averages of several runs of one variant as one: means over the runs, with errors from the blocks of all of them.
@@ -54,17 +49,17 @@ impl ProfileTable {
     pub fn pool(runs: &[&Self], by_runs: bool) -> Self {
         let Some(first) = runs.first() else { return Self::default() };
         let batches = |slice: usize| -> Vec<Option<Batches>> {
-            let one = |which: usize| {
-                let known: Option<Vec<&Batches>> = runs.iter().map(|run| run.batches(slice, which)).collect();
+            let one = |column: SliceColumn| {
+                let known: Option<Vec<&Batches>> = runs.iter().map(|run| run.batches(slice, column)).collect();
                 Batches::pool(&known?, by_runs)
             };
-            (0..SUMS).map(one).collect()
+            SLICE_COLUMNS.into_iter().map(one).collect()
         };
         let batches: Vec<Vec<Option<Batches>>> = (0..first.slices.len()).map(batches).collect();
         let row = |(slice, row): (usize, &SliceRow)| {
-            let estimate = |which: usize| batches[slice][which].as_ref().and_then(|batches| batches.estimate());
+            let estimate = |index: usize| batches[slice][index].as_ref().and_then(|batches| batches.estimate());
             let samples = runs.iter().filter_map(|run| run.slices.get(slice)).map(|row| row.samples).sum();
-            SliceRow { samples, ..SliceRow::new(row.y, estimate) }
+            SliceRow { y: row.y, estimates: std::array::from_fn(estimate), samples }
         };
         let slices = first.slices.iter().enumerate().map(row).collect();
         let blocks = runs.iter().map(|run| run.blocks).sum();
@@ -73,15 +68,8 @@ impl ProfileTable {
 }
 
 impl SliceRow {
-    /// A row from its estimates in their order; without the number of samples.
-    pub(super) fn new(y: f64, estimate: impl Fn(usize) -> Option<Estimate>) -> Self {
-        Self {
-            y,
-            number_density_ratio: estimate(0),
-            mean: std::array::from_fn(|i| estimate(1 + i)),
-            second: std::array::from_fn(|k| estimate(4 + k)),
-            third: std::array::from_fn(|k| estimate(10 + k)),
-            samples: 0,
-        }
+    /// One average of the slice, in its SI unit; `None` if it is not known.
+    pub fn of(&self, column: SliceColumn) -> Option<Estimate> {
+        self.estimates[column.index]
     }
 }

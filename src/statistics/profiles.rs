@@ -5,12 +5,13 @@
 use super::batches::Batches;
 use super::errors::{Estimate, FEWEST_BLOCKS, Removed, block_size, standard_error};
 use super::profile_table::{ProfileTable, SliceRow};
+use super::slice_columns::SLICE_QUANTITIES;
 use crate::particles::Sample;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 /// Number of sums kept per slice: the count, then the products of one, two and three velocity components.
-pub(super) const SUMS: usize = 20;
+const SUMS: usize = SLICE_QUANTITIES;
 /// Components of each second moment.
 const PAIRS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)];
 /// Index in [`PAIRS`] of each pair of components.
@@ -206,7 +207,7 @@ impl Accumulator {
             Some(Estimate { value: values[k]?, error })
         };
         let y = (slice as f64 + 0.5) * self.height / self.slices as f64;
-        (SliceRow { samples: sums[0] as u64, ..SliceRow::new(y, estimate) }, batches)
+        (SliceRow { y, estimates: std::array::from_fn(estimate), samples: sums[0] as u64 }, batches)
     }
 }
 
@@ -260,6 +261,9 @@ fn derive(sums: &[f64], average: f64, reference: Vector3<f64>) -> [Option<f64>; 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::statistics::{NUMBER_DENSITY, SLICE_COLUMNS, SliceColumn, U, UU};
+
+    const UUU: SliceColumn = SLICE_COLUMNS[10];
     use crate::particles::Particles;
     use rand::{RngExt, SeedableRng};
     use rand_distr::{Distribution, StandardNormal};
@@ -299,25 +303,25 @@ mod tests {
             let n = values.len() as f64;
             let mean = values.iter().sum::<Vector3<f64>>() / n;
             assert_eq!(row.samples, values.len() as u64);
-            assert!((row.number_density_ratio.unwrap().value - n / 1000.0 * 3.0).abs() < 1e-12);
+            assert!((row.of(NUMBER_DENSITY).unwrap().value - n / 1000.0 * 3.0).abs() < 1e-12);
             for i in 0..3 {
-                assert!((row.mean[i].unwrap().value - mean[i]).abs() < 1e-10);
+                assert!((row.estimates[1 + i].unwrap().value - mean[i]).abs() < 1e-10);
             }
             for (k, (i, j)) in PAIRS.into_iter().enumerate() {
                 let exact = values.iter().map(|v| (v - mean)[i] * (v - mean)[j]).sum::<f64>() / n;
                 assert!(
-                    (row.second[k].unwrap().value - exact).abs() < 1e-9,
+                    (row.estimates[4 + k].unwrap().value - exact).abs() < 1e-9,
                     "{k}: {} {exact}",
-                    row.second[k].unwrap().value
+                    row.estimates[4 + k].unwrap().value
                 );
             }
             for (k, [i, j, l]) in TRIPLES.into_iter().enumerate() {
                 let d = |v: &Vector3<f64>| v - mean;
                 let exact = values.iter().map(|v| d(v)[i] * d(v)[j] * d(v)[l]).sum::<f64>() / n;
                 assert!(
-                    (row.third[k].unwrap().value - exact).abs() < 1e-9,
+                    (row.estimates[10 + k].unwrap().value - exact).abs() < 1e-9,
                     "{k}: {} {exact}",
-                    row.third[k].unwrap().value
+                    row.estimates[10 + k].unwrap().value
                 );
             }
         }
@@ -336,11 +340,11 @@ mod tests {
         let late = accumulator.table(250.0);
         assert!(late.from >= 250.0 && late.from < 260.0 + 12.5, "{}", late.from);
         assert!(late.until > 497.0 && (20..40).contains(&late.blocks));
-        assert_eq!(late.slices[0].mean[0].unwrap().value, 1.0);
+        assert_eq!(late.slices[0].of(U).unwrap().value, 1.0);
         let whole = accumulator.table(0.0);
-        assert!((whole.slices[0].mean[0].unwrap().value - 3.0).abs() < 0.1);
+        assert!((whole.slices[0].of(U).unwrap().value - 3.0).abs() < 0.1);
         let none = accumulator.table(1e6);
-        assert!(none.blocks == 0 && none.slices[0].mean[0].is_none() && none.slices[0].samples == 0);
+        assert!(none.blocks == 0 && none.slices[0].of(U).is_none() && none.slices[0].samples == 0);
     }
 
     #[test]
@@ -348,7 +352,7 @@ mod tests {
         let mut accumulator = Accumulator::new(4, 1.0);
         assert_eq!(accumulator.table(0.0).slices.len(), 4);
         accumulator.sample(0.0, &Particles::default());
-        assert_eq!(accumulator.table(0.0).slices[0].number_density_ratio, None);
+        assert_eq!(accumulator.table(0.0).slices[0].of(NUMBER_DENSITY), None);
         let mut particles = Particles::default();
         for y in [-0.1, 0.0, 1.0, 1.1] {
             particles.push(Vector3::new(0.0, y, 0.0), Vector3::zeros(), 1e-3, 1e-9, 0);
@@ -356,9 +360,9 @@ mod tests {
         let mut accumulator = Accumulator::new(4, 1.0);
         accumulator.sample(0.0, &particles);
         let table = accumulator.table(0.0);
-        let density: Vec<f64> = table.slices.iter().map(|s| s.number_density_ratio.unwrap().value).collect();
+        let density: Vec<f64> = table.slices.iter().map(|s| s.of(NUMBER_DENSITY).unwrap().value).collect();
         assert_eq!(density, [2.0, 0.0, 0.0, 2.0]);
-        assert!(table.slices[1].mean[0].is_none() && table.slices[0].mean[0].unwrap().error.is_none());
+        assert!(table.slices[1].of(U).is_none() && table.slices[0].of(U).unwrap().error.is_none());
     }
 
     #[test]
@@ -401,7 +405,7 @@ mod tests {
                 slow = rho * slow + (1.0 - rho * rho).sqrt() * kick;
             }
             let row = &accumulator.table(0.0).slices[0];
-            for (k, e) in [row.number_density_ratio, row.mean[0], row.second[0], row.third[0]].iter().enumerate() {
+            for (k, e) in [NUMBER_DENSITY, U, UU, UUU].map(|column| row.of(column)).iter().enumerate() {
                 let found = e.unwrap();
                 values[k].push(found.value);
                 errors[k] += found.error.unwrap() / f64::from(runs);

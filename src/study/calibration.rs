@@ -16,7 +16,7 @@ use crate::predict::{Calibration, EngineChoice, PredictedCost};
 use crate::record::Histogram;
 use crate::schedule::Schedule;
 use crate::simulation::{Simulation, soft_step};
-use crate::statistics::{Accumulator, Estimate, SliceRow};
+use crate::statistics::{Accumulator, Estimate, NUMBER_DENSITY, SliceRow, UU, VV, WW};
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 use std::time::Instant;
@@ -130,11 +130,11 @@ fn slices(outcome: &Outcome) -> Vec<Slice> {
     let one = |row: &SliceRow| {
         let (low, high) = ((row.y - 0.5 * width).max(radius), (row.y + 0.5 * width).min(height - radius));
         // streamwise, wall-normal, spanwise are along z, y, x
-        let [Some(z), Some(y), Some(x), ..] = row.second.map(|found| Some(found?.value.max(0.0))) else { return None };
+        let variance = |column| Some(row.of(column)?.value.max(0.0));
         Some(Slice {
-            particles: row.number_density_ratio?.value * width / height,
+            particles: row.of(NUMBER_DENSITY)?.value * width / height,
             room: (high - low).max(0.0) / (height - 2.0 * radius),
-            variance: [x, y, z],
+            variance: [variance(WW)?, variance(VV)?, variance(UU)?],
         })
     };
     outcome.profiles.slices.iter().filter_map(one).collect()
@@ -215,7 +215,7 @@ fn by_species(end: &Particles, variance: f64, species: usize) -> Vec<f64> {
 /// [-] relative standard error of a slice's granular temperature, the median over slices.
 fn temperature_error(outcome: &Outcome) -> Option<f64> {
     let relative = |row: &SliceRow| {
-        let parts: Vec<Estimate> = row.second[..3].iter().copied().collect::<Option<_>>()?;
+        let parts: Vec<Estimate> = [UU, VV, WW].into_iter().map(|column| row.of(column)).collect::<Option<_>>()?;
         let errors: Vec<f64> = parts.iter().map(|part| part.error).collect::<Option<_>>()?;
         let error = errors.iter().map(|error| error * error).sum::<f64>().sqrt();
         Some(error / parts.iter().map(|part| part.value).sum::<f64>())

@@ -12,7 +12,7 @@ use crate::experiment::{Amount, Experiment};
 use crate::observe::KindAverages;
 use crate::outcome::{Averaged, Outcome, Replicas};
 use crate::output::numbers::counted;
-use crate::statistics::{Batches, Estimate, FEWEST_RUNS, ProfileTable};
+use crate::statistics::{Batches, Estimate, FEWEST_RUNS, ProfileTable, U};
 use std::ops::Range;
 use std::sync::Mutex;
 
@@ -198,7 +198,7 @@ fn scatter_over_errors(runs: &[&Outcome]) -> Option<f64> {
     let of = |run: &Outcome| -> [Option<Estimate>; 4] {
         let count = run.profiles.slices.len() as f64;
         let slices: Option<Vec<&Batches>> =
-            (0..run.profiles.slices.len()).map(|slice| run.profiles.batches(slice, 1)).collect();
+            (0..run.profiles.slices.len()).map(|slice| run.profiles.batches(slice, U)).collect();
         let joined = slices.and_then(Batches::join);
         let bulk = joined.map(|slices| slices.project(&[vec![1.0 / count; slices.values.len()]]));
         [bulk.as_ref().and_then(Batches::estimate), run.temperature, run.pair_rate, run.wall_rate]

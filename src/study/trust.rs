@@ -4,7 +4,7 @@ use crate::experiment::Model;
 use crate::outcome::Outcome;
 use crate::output::numbers;
 use crate::predict::gas;
-use crate::statistics::Estimate;
+use crate::statistics::{Estimate, UU, VV, WW};
 use crate::study::judge::not_steady;
 
 /// Error of the restitution that counts as a miss: restitution is quoted to two digits, and half of the last one is a
@@ -32,7 +32,7 @@ pub fn verdict(outcome: &Outcome) -> String {
 pub fn granular_temperature(outcome: &Outcome) -> Option<f64> {
     let (mut sum, mut count) = (0.0, 0.0);
     for row in &outcome.profiles.slices {
-        if let [Some(uu), Some(vv), Some(ww), ..] = row.second {
+        if let [Some(uu), Some(vv), Some(ww)] = [UU, VV, WW].map(|column| row.of(column)) {
             sum += (uu.value + vv.value + ww.value) / 3.0 * row.samples as f64;
             count += row.samples as f64;
         }

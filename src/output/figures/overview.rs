@@ -4,7 +4,7 @@
 use crate::output::numbers::significant;
 use crate::output::panel::Figure;
 use crate::output::{Study, Verdict, cost as cost_of};
-use crate::statistics::{Answer, Estimate, Judged};
+use crate::statistics::{Answer, Estimate, Judged, slice_column};
 use maud::{Markup, html};
 
 /// Name of the picture of differences.
@@ -33,14 +33,7 @@ fn colour(place: usize) -> String {
 
 /// Symbol of a quantity in pictures.
 pub fn symbol(quantity: &str) -> String {
-    match quantity {
-        "number_density_ratio" => "n/⟨n⟩".into(),
-        "uu" | "vv" | "ww" | "uv" => {
-            let factors: String = quantity.chars().flat_map(|c| [c, '″']).collect();
-            format!("⟨{factors}⟩")
-        }
-        other => other.into(),
-    }
+    slice_column(quantity).map_or(quantity, |column| column.symbol).into()
 }
 
 /// The difference that the sentence names [% of its scale].

@@ -6,24 +6,18 @@ use crate::outcome::Outcome;
 use crate::output::groups::{PanelGroup, TOLD_APART, groups, references};
 use crate::output::numbers::Prefix;
 use crate::output::panel::{Panel, PanelSeries, SeriesPoint, SeriesStyle};
-use crate::statistics::{Estimate, SliceRow};
+use crate::statistics::{Estimate, NUMBER_DENSITY, SLICE_COLUMNS, SliceColumn, SliceRow, U, UU, UV, VV, WW};
 use crate::walls::WallGeometry;
 
 /// Number of points of the gas profile.
 const FLUID_POINTS: usize = 201;
-
-/// Names of the second moments, in the order of [`SliceRow::second`].
-const SECOND: [&str; 6] = ["⟨u″u″⟩", "⟨v″v″⟩", "⟨w″w″⟩", "⟨u″v″⟩", "⟨u″w″⟩", "⟨v″w″⟩"];
-
-/// One estimate of a slice.
-type SliceColumn = fn(&SliceRow) -> Option<Estimate>;
 
 /// Number density over its mean, a panel per group.
 pub fn number_density(outcomes: &[Outcome]) -> String {
     let height = Height::of(outcomes);
     let panel = |group: &PanelGroup| {
         let series = room(group, &height);
-        Panel { title: group.title.clone(), ..height.panel("n / ⟨n⟩  [–]", series) }
+        Panel { title: group.title.clone(), ..height.panel(&format!("{}  [–]", NUMBER_DENSITY.symbol), series) }
     };
     draw(&groups(outcomes).iter().map(panel).collect::<Vec<_>>())
 }
@@ -32,7 +26,7 @@ pub fn number_density(outcomes: &[Outcome]) -> String {
 pub fn streamwise_velocity(outcomes: &[Outcome]) -> String {
     let height = Height::of(outcomes);
     let panel = |group: &PanelGroup| {
-        let series = lines(group, &height, |row| row.mean[0]);
+        let series = lines(group, &height, U);
         Panel { title: group.title.clone(), ..height.panel("U  [m/s]", series) }
     };
     draw(&groups(outcomes).iter().map(panel).collect::<Vec<_>>())
@@ -45,7 +39,7 @@ pub fn beside_the_gas(outcomes: &[Outcome]) -> Option<String> {
     let groups = groups(outcomes);
     groups.iter().find_map(|group| gas(group, &height))?;
     let panel = |group: &PanelGroup| {
-        let mut series = lines(group, &height, |row| row.mean[0]);
+        let mut series = lines(group, &height, U);
         series.extend(gas(group, &height));
         Panel { title: group.title.clone(), ..height.panel("U  [m/s]", series) }
     };
@@ -77,7 +71,7 @@ fn room(group: &PanelGroup, height: &Height) -> Vec<PanelSeries> {
     let series = |(place, (name, outcome)): (usize, &(String, &Outcome))| {
         let rows = &outcome.profiles.slices;
         let point = |(k, row): (usize, &SliceRow)| {
-            let Estimate { value, error } = row.number_density_ratio?.times(1.0 / open_part(outcome, k, rows.len())?);
+            let Estimate { value, error } = row.of(NUMBER_DENSITY)?.times(1.0 / open_part(outcome, k, rows.len())?);
             Some(SeriesPoint { x: row.y * height.prefix.factor, y: value, error })
         };
         PanelSeries::new(name.clone(), SeriesStyle::Line(place), rows.iter().enumerate().filter_map(point))
@@ -119,9 +113,11 @@ pub(super) fn gas_velocity(profile: &Profile, length: f64) -> Panel {
 pub fn second_moments(outcomes: &[Outcome]) -> Vec<(String, String)> {
     let height = Height::of(outcomes);
     let picture = |group: &PanelGroup| {
-        let panel =
-            |k: usize| height.panel(&format!("{}  [m²/s²]", SECOND[k]), lines(group, &height, |row| row.second[k]));
-        (group.title.clone(), chart::grid(&(0..SECOND.len()).map(panel).collect::<Vec<_>>()))
+        let panel = |column: &SliceColumn| {
+            height.panel(&format!("{}  [{}]", column.symbol, column.unit), lines(group, &height, *column))
+        };
+        let second = SLICE_COLUMNS.iter().filter(|column| column.unit == UU.unit);
+        (group.title.clone(), chart::grid(&second.map(panel).collect::<Vec<_>>()))
     };
     groups(outcomes).iter().map(picture).collect()
 }
@@ -130,19 +126,11 @@ pub fn second_moments(outcomes: &[Outcome]) -> Vec<(String, String)> {
 /// are compared one by one; variants with another number of slices are left out.
 pub fn differences(outcomes: &[Outcome]) -> String {
     let height = Height::of(outcomes);
-    let quantities: [(&str, SliceColumn); 6] = [
-        ("n / ⟨n⟩", |row| row.number_density_ratio),
-        ("U", |row| row.mean[0]),
-        (SECOND[0], |row| row.second[0]),
-        (SECOND[1], |row| row.second[1]),
-        (SECOND[2], |row| row.second[2]),
-        (SECOND[3], |row| row.second[3]),
-    ];
-    let panels: Vec<Panel> = quantities
-        .iter()
-        .map(|&(name, pick)| {
-            let mut panel = height.panel("Δ / SE  [–]", scores(outcomes, &height, pick));
-            panel.title = name.into();
+    let panels: Vec<Panel> = [NUMBER_DENSITY, U, UU, VV, WW, UV]
+        .into_iter()
+        .map(|column| {
+            let mut panel = height.panel("Δ / SE  [–]", scores(outcomes, &height, column));
+            panel.title = column.symbol.into();
             panel.marks = vec![(-3.0, ""), (0.0, ""), (3.0, "")];
             panel
         })
@@ -150,10 +138,10 @@ pub fn differences(outcomes: &[Outcome]) -> String {
     chart::grid(&panels)
 }
 
-fn lines(group: &PanelGroup, height: &Height, pick: impl Fn(&SliceRow) -> Option<Estimate>) -> Vec<PanelSeries> {
+fn lines(group: &PanelGroup, height: &Height, column: SliceColumn) -> Vec<PanelSeries> {
     let series = |(place, (name, outcome)): (usize, &(String, &Outcome))| {
         let point = |row: &SliceRow| {
-            let Estimate { value, error } = pick(row)?;
+            let Estimate { value, error } = row.of(column)?;
             Some(SeriesPoint { x: row.y * height.prefix.factor, y: value, error })
         };
         let points = outcome.profiles.slices.iter().filter_map(point).collect();
@@ -162,10 +150,10 @@ fn lines(group: &PanelGroup, height: &Height, pick: impl Fn(&SliceRow) -> Option
     group.members.iter().enumerate().map(series).collect()
 }
 
-fn scores(outcomes: &[Outcome], height: &Height, pick: SliceColumn) -> Vec<PanelSeries> {
+fn scores(outcomes: &[Outcome], height: &Height, column: SliceColumn) -> Vec<PanelSeries> {
     // without scatter there is no score
     let score = |(row, base): (&SliceRow, &SliceRow)| {
-        let score = pick(row)?.less(pick(base)?).in_errors()?;
+        let score = row.of(column)?.less(base.of(column)?).in_errors()?;
         Some(SeriesPoint::at(row.y * height.prefix.factor, score))
     };
     let pairs = references(outcomes).into_iter().enumerate().filter(|(place, reference)| {

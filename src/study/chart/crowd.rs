@@ -9,7 +9,7 @@ use crate::outcome::Outcome;
 use crate::output::numbers::quantity;
 use crate::output::{ChartFailure, ChartPoint, ChartQuantity, CostSpread, PointError};
 use crate::particles::Particles;
-use crate::statistics::{Estimate, SliceRow};
+use crate::statistics::{Estimate, SliceColumn, U, VV};
 use crate::study::execute::execute;
 use crate::study::session::{StudyError, start};
 use std::time::Instant;
@@ -35,24 +35,14 @@ const NUMBERS: [(&str, &str, &str, &str, OutcomeColumn); 2] = [
     ("temperature", "granular temperature", "|T − reference|/reference", "m²/s²", |o| o.temperature),
 ];
 
-/// Function that reads one number off a slice of a profile.
-type PickSlice = fn(&SliceRow) -> Option<Estimate>;
-
-/// Profiles that are compared slice by slice: key, name, axis, unit, and the function that reads it.
-const PROFILES: [(&str, &str, &str, &str, PickSlice); 2] = [
-    (
-        "velocity_profile",
-        "profile of the streamwise velocity U",
-        "L₂ norm of U − reference, over that of U",
-        "m/s",
-        |row| row.mean[0],
-    ),
+/// Profiles that are compared slice by slice: key, name, axis and column.
+const PROFILES: [(&str, &str, &str, SliceColumn); 2] = [
+    ("velocity_profile", "profile of the streamwise velocity U", "L₂ norm of U − reference, over that of U", U),
     (
         "normal_stress_profile",
         "profile of the wall-normal stress ⟨v″v″⟩",
         "L₂ norm of ⟨v″v″⟩ − reference, over that of ⟨v″v″⟩",
-        "m²/s²",
-        |row| row.second[1],
+        VV,
     ),
 ];
 
@@ -141,13 +131,14 @@ impl Crowd {
                 quantities.push(ChartQuantity { key, name, axis, reference: mean, unit, floor });
             }
         }
-        for (key, name, axis, unit, pick) in PROFILES {
-            let mean = self.mean_profile(pick);
+        for (key, name, axis, column) in PROFILES {
+            let unit = column.unit;
+            let mean = self.mean_profile(column);
             let size = norm(&mean);
             // squared distances from their own mean are low by (R-1)/R, those of another run from that mean high by (R+1)/R
             let starts = STARTS as f64;
             let squares: f64 =
-                self.references.iter().map(|run| norm(&differences(&profile(run, pick), &mean)).powi(2)).sum();
+                self.references.iter().map(|run| norm(&differences(&profile(run, column), &mean)).powi(2)).sum();
             let rms = (squares / starts).sqrt();
             let floor = rms * ((starts + 1.0) / (starts - 1.0)).sqrt() / size;
             // a profile that is all noise is left out
@@ -211,8 +202,8 @@ impl Crowd {
                     let uncertainty = share.error.map_or(quantity.floor, |own| own.max(quantity.floor));
                     single(found.value, (share.value - 1.0).abs(), Some(uncertainty))
                 } else {
-                    let pick = PROFILES.iter().find(|(known, ..)| *known == key).map(|(.., pick)| *pick)?;
-                    let (mean, found) = (self.mean_profile(pick), profile(outcome, pick));
+                    let column = PROFILES.iter().find(|(known, ..)| *known == key).map(|(.., column)| *column)?;
+                    let (mean, found) = (self.mean_profile(column), profile(outcome, column));
                     let slices = mean.iter().flatten().count().max(1) as f64;
                     let error = norm(&differences(&found, &mean)) / norm(&mean);
                     single(norm(&found) / slices.sqrt(), error, Some(quantity.floor))
@@ -223,10 +214,10 @@ impl Crowd {
     }
 
     /// Mean profile over the runs of the reference, in slices that all of them have sampled.
-    fn mean_profile(&self, pick: PickSlice) -> Vec<Option<f64>> {
+    fn mean_profile(&self, column: SliceColumn) -> Vec<Option<f64>> {
         let mut sums: Vec<Option<f64>> = Vec::new();
         for run in &self.references {
-            let values = profile(run, pick);
+            let values = profile(run, column);
             if sums.is_empty() {
                 sums = values;
             } else {
@@ -244,8 +235,8 @@ impl Crowd {
 }
 
 /// The values of all slices; slices that no particle visits have none.
-fn profile(outcome: &Outcome, pick: PickSlice) -> Vec<Option<f64>> {
-    outcome.profiles.slices.iter().map(|row| Some(pick(row)?.value)).collect()
+fn profile(outcome: &Outcome, column: SliceColumn) -> Vec<Option<f64>> {
+    outcome.profiles.slices.iter().map(|row| Some(row.of(column)?.value)).collect()
 }
 
 fn differences(values: &[Option<f64>], from: &[Option<f64>]) -> Vec<Option<f64>> {

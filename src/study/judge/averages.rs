@@ -5,19 +5,10 @@ use crate::fluid::Profile;
 use crate::observe::SpeciesAverages;
 use crate::outcome::Outcome;
 use crate::scene::Scene;
-use crate::statistics::{Batches, Observable, Parity, ProfileTable};
+use crate::statistics::{Batches, NUMBER_DENSITY, Observable, Parity, ProfileTable, SliceColumn, U, UU, UV, VV, WW};
 use crate::walls::Wall;
 use nalgebra::Vector3;
 use std::borrow::Cow;
-
-/// A column of `profiles.csv`: its name, unit, index in a row, and its symmetry under a mirror at the mid-plane.
-type ComparedColumn = (&'static str, &'static str, usize, Parity);
-
-const DENSITY: ComparedColumn = ("number_density_ratio", "", 0, Parity::Even);
-const VELOCITY: ComparedColumn = ("U", "m/s", 1, Parity::Even);
-const SHEAR: ComparedColumn = ("uv", "m²/s²", 7, Parity::Odd);
-const NORMAL: [ComparedColumn; 3] =
-    [("uu", "m²/s²", 4, Parity::Even), ("vv", "m²/s²", 5, Parity::Even), ("ww", "m²/s²", 6, Parity::Even)];
 
 /// Fewest slices on either side of the mid-plane for which the shape of a profile is compared besides its mean.
 const SLICES: usize = 4;
@@ -36,16 +27,16 @@ pub fn observables(variant: &Outcome, reference: &Outcome) -> [Vec<Observable>; 
     let walls = !scene.walls.is_empty();
     let driven = scene.fluid.is_some() || scene.gravity.z != 0.0;
     let mirrored = [variant, reference].iter().all(|one| is_mirrored(&one.experiment));
-    let mut columns: Vec<ComparedColumn> = Vec::new();
+    let mut columns: Vec<SliceColumn> = Vec::new();
     let across = reference.profiles.slices.len() >= SLICES;
-    columns.extend((across && (walls || scene.gravity.norm() > 0.0)).then_some(DENSITY));
-    columns.extend(driven.then_some(VELOCITY));
-    columns.extend(NORMAL);
-    columns.extend((across && driven && walls).then_some(SHEAR));
+    columns.extend((across && (walls || scene.gravity.norm() > 0.0)).then_some(NUMBER_DENSITY));
+    columns.extend(driven.then_some(U));
+    columns.extend([UU, VV, WW]);
+    columns.extend((across && driven && walls).then_some(UV));
     let scales: Vec<Option<Scale>> = columns.iter().map(|column| scale(column, reference)).collect();
     let until = variant.profiles.until.min(reference.profiles.until);
     let of = |outcome: &Outcome| -> Vec<Observable> {
-        let profile = |(column, scale): (&ComparedColumn, &Option<Scale>)| {
+        let profile = |(column, scale): (&SliceColumn, &Option<Scale>)| {
             Some(profile(column, (*scale)?, mirrored, &outcome.profiles, until))
         };
         let profiles = columns.iter().zip(&scales).filter_map(profile);
@@ -57,20 +48,20 @@ pub fn observables(variant: &Outcome, reference: &Outcome) -> [Vec<Observable>; 
 }
 
 fn profile(
-    column: &ComparedColumn,
+    column: &SliceColumn,
     (scale, scale_is): Scale,
     mirrored: bool,
     table: &ProfileTable,
     until: f64,
 ) -> Observable {
-    let &(name, unit, which, parity) = column;
-    let part = |slice: usize| Some(table.batches(slice, which)?.until(until));
+    let SliceColumn { name, unit, parity, .. } = *column;
+    let part = |slice: usize| Some(table.batches(slice, *column)?.until(until));
     Observable {
         name: name.into(),
         unit,
         places: table.slices.iter().map(|row| row.y).collect(),
         parity: if mirrored { parity } else { Parity::Neither },
-        fixed_mean: column == &DENSITY,
+        fixed_mean: *column == NUMBER_DENSITY,
         scale,
         scale_is,
         parts: (0..table.slices.len()).map(part).collect(),
@@ -107,7 +98,7 @@ fn of_kinds(outcome: &Outcome, reference: &Outcome, until: f64, which: usize) ->
     let of = |other: &SpeciesAverages| {
         let own = outcome.kinds.species.iter().find(|own| own.name == other.name)?;
         let scale = match which {
-            0 => scale(&VELOCITY, reference)?,
+            0 => scale(&U, reference)?,
             _ => (value(&other.batches[which])?, "its value"),
         };
         let counts = (which == 2).then_some((other.count, own.count));
@@ -143,14 +134,14 @@ type Scale = (f64, &'static str);
 /// For U it is the mean slip between gas and particles or, without gas, the mean velocity past walls. The agitation is
 /// taken instead where it is larger. None of these depends on the frame of reference. For the shear stress it is the
 /// largest magnitude. `None` where nothing was sampled, or nothing moves.
-fn scale(column: &ComparedColumn, reference: &Outcome) -> Option<Scale> {
+fn scale(column: &SliceColumn, reference: &Outcome) -> Option<Scale> {
     let table = &reference.profiles;
     let known: Vec<(f64, f64)> = (0..table.slices.len())
-        .filter_map(|slice| Some((table.slices[slice].y, *table.batches(slice, column.2)?.values.first()?)))
+        .filter_map(|slice| Some((table.slices[slice].y, *table.batches(slice, *column)?.values.first()?)))
         .collect();
     let mean = |of: &dyn Fn(&(f64, f64)) -> f64| known.iter().map(of).sum::<f64>() / known.len().max(1) as f64;
     let scene = &reference.experiment.scene;
-    let scale = match column.0 {
+    let scale = match column.name {
         "number_density_ratio" => (1.0, "the mean density"),
         "U" => {
             let relative = match &scene.fluid {
@@ -165,7 +156,7 @@ fn scale(column: &ComparedColumn, reference: &Outcome) -> Option<Scale> {
         _ => (mean(&|(_, value)| *value), "its mean"),
     };
     // particles at rest have no velocity to compare
-    let rest = match column.0 {
+    let rest = match column.name {
         "number_density_ratio" => 0.0,
         "U" => scene.rest_speed(),
         _ => scene.rest_speed().powi(2),

@@ -2,7 +2,7 @@
 
 use super::words::{self, in_prose, percent};
 use super::{Criteria, Finding, ReplicaRuns, unsteady};
-use crate::observe::{KindCurve, Row};
+use crate::observe::{CurveScale, KindCurve, Row, SERIES_COLUMNS, SeriesColumn};
 use crate::outcome::Outcome;
 use crate::output::Basis;
 use crate::output::numbers::{quantity, significant};
@@ -22,45 +22,15 @@ const ADVISED: usize = 8;
 /// would be 1.
 const CLUMP: f64 = 100.0;
 
-/// A curve: name, unit, the function that reads it from a row, and its scale from all values of the reference.
-struct Curve {
-    name: &'static str,
-    unit: &'static str,
-    of: fn(&Row) -> Option<f64>,
-    /// Another curve that is never zero for long; its scale is a lower limit of the scale here.
-    like: Option<fn(&Row) -> Option<f64>>,
-    /// True if the curve is a sum over all particles: then it is converted to as many particles as the reference has.
-    sum: bool,
-}
-
-/// Total energy [J].
-fn energy(row: &Row) -> Option<f64> {
-    Some(row.energy())
+/// Quantities whose curves are compared.
+fn curves() -> impl Iterator<Item = &'static SeriesColumn> {
+    SERIES_COLUMNS.iter().filter(|column| column.scale.is_some())
 }
 
 /// Agitation [m/s].
 fn agitation(row: &Row) -> Option<f64> {
     row.granular_temperature().map(|temperature| temperature.max(0.0).sqrt())
 }
-
-const CURVES: [Curve; 10] = [
-    Curve { name: "granular temperature", unit: "m²/s²", of: Row::granular_temperature, like: None, sum: false },
-    Curve { name: "rotational temperature", unit: "m²/s²", of: Row::rotational_temperature, like: None, sum: false },
-    Curve { name: "T along x", unit: "m²/s²", of: |row| Some(row.temperature?.x), like: None, sum: false },
-    Curve { name: "T along y", unit: "m²/s²", of: |row| Some(row.temperature?.y), like: None, sum: false },
-    Curve { name: "T along z", unit: "m²/s²", of: |row| Some(row.temperature?.z), like: None, sum: false },
-    Curve { name: "energy", unit: "J", of: energy, like: None, sum: true },
-    Curve {
-        name: "mean velocity along z",
-        unit: "m/s",
-        of: |row| Some(row.velocity.z),
-        like: Some(agitation),
-        sum: false,
-    },
-    Curve { name: "pair impacts so far", unit: "", of: |row| Some(row.pair_impacts as f64), like: None, sum: true },
-    Curve { name: "wall impacts so far", unit: "", of: |row| Some(row.wall_impacts as f64), like: None, sum: true },
-    Curve { name: "height of the centre of mass", unit: "m", of: |row| row.centre[1], like: None, sum: false },
-];
 
 /// Compares two variants by curves over the time that both have run.
 pub fn judge(runs: &[ReplicaRuns; 2], asked: Criteria) -> Finding {
@@ -124,14 +94,14 @@ pub fn common(all: &[Vec<&Outcome>]) -> Vec<f64> {
 pub fn observables(runs: &[&Outcome], references: &[&Outcome], times: &[f64]) -> Vec<Observable> {
     let kinds = references.first().map_or(&[][..], |reference| &reference.kinds.curves);
     let of_kinds = kinds.iter().filter_map(|curve| of_kind(curve, runs, references, times));
-    CURVES.iter().filter_map(|curve| observable(curve, runs, references, times)).chain(of_kinds).collect()
+    curves().filter_map(|curve| observable(curve, runs, references, times)).chain(of_kinds).collect()
 }
 
 /// A curve of all runs of a variant; `None` where it does not exist, or has no scale in the reference.
-fn observable(curve: &Curve, runs: &[&Outcome], references: &[&Outcome], times: &[f64]) -> Option<Observable> {
+fn observable(curve: &SeriesColumn, runs: &[&Outcome], references: &[&Outcome], times: &[f64]) -> Option<Observable> {
     let scale = scale(curve, references, times)?;
     let value = |run: &Outcome, time| (curve.of)(row_at(run, time)?);
-    let of = Of { name: curve.name.into(), unit: curve.unit, scale, is_sum: curve.sum };
+    let of = Of { name: curve.name.into(), unit: curve.unit, scale, is_sum: curve.is_sum };
     Some(of.observable(value, runs, references, times))
 }
 
@@ -180,15 +150,16 @@ impl Of {
 
 /// Scale of a curve, in the unit of the curve: its largest magnitude in the reference, or for a velocity its largest
 /// change. `None` if there is none.
-fn scale(curve: &Curve, references: &[&Outcome], times: &[f64]) -> Option<f64> {
+fn scale(curve: &SeriesColumn, references: &[&Outcome], times: &[f64]) -> Option<f64> {
     let rows = || references.iter().flat_map(|run| times.iter().filter_map(|&time| row_at(run, time)));
     let largest = |of: fn(&Row) -> Option<f64>, start: f64| {
         rows().filter_map(of).fold(0.0_f64, |most, value| most.max((value - start).abs()))
     };
     // a velocity depends on the frame, its change does not
     let first = references.first().and_then(|run| (curve.of)(run.series.rows.first()?));
-    let start = first.filter(|_| curve.like.is_some()).unwrap_or(0.0);
-    let scale = largest(curve.of, start).max(curve.like.map_or(0.0, |like| largest(like, 0.0)));
+    let by_change = curve.scale == Some(CurveScale::LargestChange);
+    let start = first.filter(|_| by_change).unwrap_or(0.0);
+    let scale = largest(curve.of, start).max(if by_change { largest(agitation, 0.0) } else { 0.0 });
     (scale > 0.0).then_some(scale)
 }
 
@@ -198,9 +169,9 @@ fn scale(curve: &Curve, references: &[&Outcome], times: &[f64]) -> Option<f64> {
 fn single(variant: &Outcome, reference: &Outcome, times: &[f64], why: &str) -> Finding {
     let clumps = variant.particles.min(reference.particles) as f64 / CLUMP;
     let scatter = (2.0 / (3.0 * clumps)).sqrt();
-    let mut clearest: Option<(f64, f64, &Curve, f64)> = None;
-    let mut widest: Option<(f64, f64, &Curve)> = None;
-    for curve in CURVES.iter().filter(|curve| ["granular temperature", "energy"].contains(&curve.name)) {
+    let mut clearest: Option<(f64, f64, &SeriesColumn, f64)> = None;
+    let mut widest: Option<(f64, f64, &SeriesColumn)> = None;
+    for curve in curves().filter(|curve| ["granular temperature", "energy"].contains(&curve.name)) {
         let Some(scale) = scale(curve, &[reference], times) else { continue };
         for &time in times {
             let values = [variant, reference].map(|run| row_at(run, time).and_then(curve.of));
@@ -216,7 +187,7 @@ fn single(variant: &Outcome, reference: &Outcome, times: &[f64], why: &str) -> F
         }
     }
     let advice = format!("--replicas {ADVISED} gives errors");
-    let named = |share: f64, curve: &Curve, time: f64| {
+    let named = |share: f64, curve: &SeriesColumn, time: f64| {
         format!("{} in {} at t = {}", percent(share), in_prose(curve.name), quantity(time, "s", 3))
     };
     let (answer, sentence) = match (clearest, widest) {

@@ -1,0 +1,88 @@
+//! Columns of the averages over time: one table for `series.csv`, verdicts and pictures.
+
+use super::series::Row;
+use nalgebra::Vector3;
+
+/// A quantity of all particles over time: a column of `series.csv`.
+#[derive(Clone, Copy)]
+pub struct SeriesColumn {
+    /// Name of the column in the file, with its unit.
+    pub key: &'static str,
+    /// Name of the quantity in a sentence.
+    pub name: &'static str,
+    /// SI unit; empty for a number.
+    pub unit: &'static str,
+    /// True if the quantity is a sum over all particles.
+    pub is_sum: bool,
+    /// Scale of its differences in a verdict on curves over time; `None` if verdicts do not compare it.
+    pub scale: Option<CurveScale>,
+    /// Function that reads the quantity off a row; `None` if the scene does not have it.
+    pub of: fn(&Row) -> Option<f64>,
+}
+
+/// Scale of the differences of a quantity in a verdict on curves over time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CurveScale {
+    /// Largest value.
+    LargestValue,
+    /// Largest change, or the agitation where that is larger: for a velocity, whose value depends on the frame.
+    LargestChange,
+}
+
+impl SeriesColumn {
+    const fn compared(mut self, scale: CurveScale) -> Self {
+        self.scale = Some(scale);
+        self
+    }
+}
+
+/// Component of a vector that only some scenes have.
+fn part(of: Option<Vector3<f64>>, axis: usize) -> Option<f64> {
+    of.map(|vector| vector[axis])
+}
+
+const fn mean(key: &'static str, name: &'static str, unit: &'static str, of: fn(&Row) -> Option<f64>) -> SeriesColumn {
+    SeriesColumn { key, name, unit, is_sum: false, scale: None, of }
+}
+
+const fn sum(key: &'static str, name: &'static str, unit: &'static str, of: fn(&Row) -> Option<f64>) -> SeriesColumn {
+    SeriesColumn { key, name, unit, is_sum: true, scale: None, of }
+}
+
+/// All columns in the order of the file, after the time.
+pub const SERIES_COLUMNS: [SeriesColumn; 28] = [
+    mean("granular_temperature_m2_s2", "granular temperature", "m²/s²", Row::granular_temperature)
+        .compared(CurveScale::LargestValue),
+    mean("Txx_m2_s2", "T along x", "m²/s²", |row| part(row.temperature, 0)).compared(CurveScale::LargestValue),
+    mean("Tyy_m2_s2", "T along y", "m²/s²", |row| part(row.temperature, 1)).compared(CurveScale::LargestValue),
+    mean("Tzz_m2_s2", "T along z", "m²/s²", |row| part(row.temperature, 2)).compared(CurveScale::LargestValue),
+    mean("mean_velocity_x_m_s", "mean velocity along x", "m/s", |row| Some(row.velocity.x)),
+    mean("mean_velocity_y_m_s", "mean velocity along y", "m/s", |row| Some(row.velocity.y)),
+    mean("mean_velocity_z_m_s", "mean velocity along z", "m/s", |row| Some(row.velocity.z))
+        .compared(CurveScale::LargestChange),
+    sum("kinetic_energy_J", "kinetic energy", "J", |row| Some(row.kinetic_energy)),
+    sum("elastic_energy_J", "elastic energy", "J", |row| Some(row.elastic_energy)),
+    sum("momentum_x_kg_m_s", "momentum along x", "kg m/s", |row| Some(row.momentum.x)),
+    sum("momentum_y_kg_m_s", "momentum along y", "kg m/s", |row| Some(row.momentum.y)),
+    sum("momentum_z_kg_m_s", "momentum along z", "kg m/s", |row| Some(row.momentum.z)),
+    sum("pair_impacts", "pair impacts so far", "", |row| Some(row.pair_impacts as f64))
+        .compared(CurveScale::LargestValue),
+    sum("wall_impacts", "wall impacts so far", "", |row| Some(row.wall_impacts as f64))
+        .compared(CurveScale::LargestValue),
+    mean("coordination_number", "contacts per particle", "", |row| Some(row.coordination)),
+    mean("largest_overlap", "largest overlap over the diameter", "", |row| Some(row.largest_overlap)),
+    mean("centre_of_mass_x_m", "centre of mass along x", "m", |row| row.centre[0]),
+    mean("centre_of_mass_y_m", "height of the centre of mass", "m", |row| row.centre[1])
+        .compared(CurveScale::LargestValue),
+    mean("centre_of_mass_z_m", "centre of mass along z", "m", |row| row.centre[2]),
+    sum("rotational_energy_J", "rotational energy", "J", |row| row.rotation.map(|rotation| rotation.energy)),
+    mean("rotational_temperature_m2_s2", "rotational temperature", "m²/s²", Row::rotational_temperature)
+        .compared(CurveScale::LargestValue),
+    mean("Rxx_m2_s2", "T_r along x", "m²/s²", |row| part(row.rotation.map(|rotation| rotation.temperature), 0)),
+    mean("Ryy_m2_s2", "T_r along y", "m²/s²", |row| part(row.rotation.map(|rotation| rotation.temperature), 1)),
+    mean("Rzz_m2_s2", "T_r along z", "m²/s²", |row| part(row.rotation.map(|rotation| rotation.temperature), 2)),
+    mean("mean_spin_x_rad_s", "mean spin along x", "rad/s", |row| part(row.rotation.map(|rotation| rotation.spin), 0)),
+    mean("mean_spin_y_rad_s", "mean spin along y", "rad/s", |row| part(row.rotation.map(|rotation| rotation.spin), 1)),
+    mean("mean_spin_z_rad_s", "mean spin along z", "rad/s", |row| part(row.rotation.map(|rotation| rotation.spin), 2)),
+    sum("energy_J", "energy", "J", |row| Some(row.energy())).compared(CurveScale::LargestValue),
+];

@@ -1,0 +1,75 @@
+//! Quantities averaged in slices: one table for files, verdicts and pictures.
+
+use super::modes::Parity;
+
+/// Number of quantities averaged in each slice.
+pub const SLICE_QUANTITIES: usize = 20;
+
+/// A quantity averaged in each slice: a column of `profiles.csv`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SliceColumn {
+    /// Name of the column.
+    pub name: &'static str,
+    /// Symbol in pictures.
+    pub symbol: &'static str,
+    /// SI unit; empty for a ratio.
+    pub unit: &'static str,
+    /// Symmetry under a mirror at the mid-plane, where the scene has this symmetry.
+    pub parity: Parity,
+    /// Index among the quantities of a slice.
+    pub index: usize,
+}
+
+/// Number density over its mean.
+pub const NUMBER_DENSITY: SliceColumn = SLICE_COLUMNS[0];
+/// Streamwise mean velocity U.
+pub const U: SliceColumn = SLICE_COLUMNS[1];
+/// Streamwise normal stress <u''u''>.
+pub const UU: SliceColumn = SLICE_COLUMNS[4];
+/// Wall-normal stress <v''v''>.
+pub const VV: SliceColumn = SLICE_COLUMNS[5];
+/// Spanwise normal stress <w''w''>.
+pub const WW: SliceColumn = SLICE_COLUMNS[6];
+/// Shear stress <u''v''>.
+pub const UV: SliceColumn = SLICE_COLUMNS[7];
+
+/// All columns in the order of a slice: density ratio, mean velocities, second and third central moments.
+pub const SLICE_COLUMNS: [SliceColumn; SLICE_QUANTITIES] = {
+    use Parity::{Even, Odd};
+    let columns = [
+        ("number_density_ratio", "n/⟨n⟩", "", Even),
+        ("U", "U", "m/s", Even),
+        ("V", "V", "m/s", Odd),
+        ("W", "W", "m/s", Even),
+        ("uu", "⟨u″u″⟩", "m²/s²", Even),
+        ("vv", "⟨v″v″⟩", "m²/s²", Even),
+        ("ww", "⟨w″w″⟩", "m²/s²", Even),
+        ("uv", "⟨u″v″⟩", "m²/s²", Odd),
+        ("uw", "⟨u″w″⟩", "m²/s²", Even),
+        ("vw", "⟨v″w″⟩", "m²/s²", Odd),
+        ("uuu", "⟨u″u″u″⟩", "m³/s³", Even),
+        ("uuv", "⟨u″u″v″⟩", "m³/s³", Odd),
+        ("uuw", "⟨u″u″w″⟩", "m³/s³", Even),
+        ("uvv", "⟨u″v″v″⟩", "m³/s³", Even),
+        ("uvw", "⟨u″v″w″⟩", "m³/s³", Odd),
+        ("uww", "⟨u″w″w″⟩", "m³/s³", Even),
+        ("vvv", "⟨v″v″v″⟩", "m³/s³", Odd),
+        ("vvw", "⟨v″v″w″⟩", "m³/s³", Even),
+        ("vww", "⟨v″w″w″⟩", "m³/s³", Odd),
+        ("www", "⟨w″w″w″⟩", "m³/s³", Even),
+    ];
+    let mut table = [SliceColumn { name: "", symbol: "", unit: "", parity: Even, index: 0 }; SLICE_QUANTITIES];
+    let mut index = 0;
+    // iterators are not allowed in constants
+    while index < SLICE_QUANTITIES {
+        let (name, symbol, unit, parity) = columns[index];
+        table[index] = SliceColumn { name, symbol, unit, parity, index };
+        index += 1;
+    }
+    table
+};
+
+/// The column with a name; `None` if there is none.
+pub fn slice_column(name: &str) -> Option<SliceColumn> {
+    SLICE_COLUMNS.into_iter().find(|column| column.name == name)
+}
