@@ -16,6 +16,7 @@
 //! Islands that are too large for local stepping (a bed) are stepped uniformly by themselves, while all other particles
 //! fly and collide.
 
+use super::distributed::DistributedSolver;
 use super::driver::{Driver, Solver, Trial, Work};
 use super::hard::Collision;
 use super::islands::{GivenUp, Island, IslandCounters, Solve, SpeedSummary};
@@ -221,3 +222,5 @@ impl Solver for HybridSolver {
         self.soft.resume(state);
     }
 }
+
+impl DistributedSolver for HybridSolver {}

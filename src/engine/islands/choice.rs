@@ -5,6 +5,7 @@ use crate::engine::population::PopulationSummary;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, SQRT_2};
+use std::sync::Arc;
 
 /// Summary of the velocities of all particles in a few numbers.
 #[derive(Clone, Copy, Serialize, Deserialize)]
@@ -18,9 +19,9 @@ pub struct SpeedSummary {
 }
 
 /// Data for the choice between islands and the classical algorithm.
-pub struct IslandCost<'a> {
+pub struct IslandCost {
     /// Summary of all particles.
-    pub population: &'a PopulationSummary,
+    pub population: Arc<PopulationSummary>,
     /// Summary of their velocities.
     pub speeds: SpeedSummary,
     /// Cost of the classical algorithm per particle and simulated time [ns/s].

@@ -6,12 +6,11 @@ mod fill;
 mod look;
 mod reach;
 mod retries;
-mod sight;
 
 use course::DeflectedFlights;
-pub use course::{PiecewiseTrajectory, VelocityChange};
+pub use course::{ParticleTrajectory, PiecewiseTrajectory, VelocityChange};
+pub use reach::Reach;
 use reach::{motion, two_largest};
-pub use sight::HotParticleDigest;
 
 use super::LARGEST_ISLAND;
 use super::batch::IslandResult;
@@ -33,13 +32,13 @@ const MANY_CONTACTS: usize = 16;
 const BATCH: usize = 64;
 
 /// A hot particle.
-struct Member {
-    place: u32,
-    cluster: u32,
+pub struct Member {
+    pub(in crate::engine) place: u32,
+    pub(in crate::engine) cluster: u32,
     /// The straight flight of the particle.
-    flight: BoundingSphere,
+    pub(in crate::engine) flight: BoundingSphere,
     /// The ball that holds the particle from the first touch of its island on; until then the flight is straight.
-    ball: BoundingSphere,
+    pub(in crate::engine) ball: BoundingSphere,
     /// Reach [m] about the middle of the flight that holds both the flight and the ball.
     around: f64,
     /// Reach [m] of the ball when the particles beside it were last taken in; 0 if they never were.
@@ -50,31 +49,31 @@ struct Member {
 }
 
 /// A list that rarely has more than four entries: these are stored in place, and most islands allocate no memory.
-type Few = SmallVec<[u32; 4]>;
+pub type Few = SmallVec<[u32; 4]>;
 
 /// One island in the making.
-struct Cluster {
+pub struct Cluster {
     /// Hot members, once settled in the order of their ids.
-    hot: Few,
+    pub(in crate::engine) hot: Few,
     /// Cold particles that the hot ones might hit, by index in the store, in the order of their ids.
-    bystanders: Few,
+    pub(in crate::engine) bystanders: Few,
     /// State carried into the island, by number; once settled, in the order of all carried state.
     carried: Few,
     /// The two largest kinetic energies [J] of the hot particles, relative to the frame.
-    energies: [f64; 2],
+    pub(in crate::engine) energies: [f64; 2],
     /// The two largest speeds [m/s] of the hot particles, relative to the frame.
-    speeds: [f64; 2],
+    pub(in crate::engine) speeds: [f64; 2],
     /// Energy [J] of the carried state.
-    stored: f64,
+    pub(in crate::engine) stored: f64,
     /// Largest energy [J] of one item of carried state.
     deepest: f64,
     /// Smallest speed limit [m/s], whatever the energy.
-    floor: f64,
+    pub(in crate::engine) floor: f64,
     /// Time of the first touch [s]: until then all members fly straight.
-    first: f64,
+    pub(in crate::engine) first: f64,
     /// True if the island is a crowd however small it is, because it holds many contacts in progress.
-    lasts: bool,
-    alive: bool,
+    pub(in crate::engine) lasts: bool,
+    pub(in crate::engine) alive: bool,
     /// Location of the result.
     solved: Option<IslandResult>,
     /// Counts the changes of the island. A search of the surroundings for an earlier version is out of date.
@@ -119,20 +118,20 @@ pub struct Space<'a> {
 
 /// All islands of a window.
 pub struct Clusters<'a> {
-    search: &'a mut Search,
-    particles: &'a Particles,
-    domain: &'a Domain,
+    pub(in crate::engine) search: &'a mut Search,
+    pub(in crate::engine) particles: &'a Particles,
+    pub(in crate::engine) domain: &'a Domain,
     frame: Vector3<f64>,
     part: f64,
     /// True if islands may be crowds.
     crowds: bool,
     /// True if the engine reports velocity changes: encounters of islands are then found after they are solved.
-    traces: bool,
+    pub(in crate::engine) traces: bool,
     /// Mass [kg] of the lightest particle.
     lightest: f64,
     /// Number of members beyond which an island that is no crowd is too large.
     most: usize,
-    clusters: Vec<Cluster>,
+    pub(in crate::engine) clusters: Vec<Cluster>,
     /// Velocity changes of all members; those of one member are in the order of time.
     turns: Vec<VelocityChange>,
     /// Balls of the members in cells, for an engine that reports velocity changes: first of all members, second of
@@ -142,12 +141,12 @@ pub struct Clusters<'a> {
     energy: Vec<f64>,
     /// Speed [m/s] that gravity adds towards walls: seen from the falling frame, walls come nearer.
     fall: f64,
-    members: Vec<Member>,
+    pub(in crate::engine) members: Vec<Member>,
     /// The members in cells, as they were last sorted. Members that became hot later stand at the end of `members`.
-    grid: CellGrid,
-    sorted: Vec<u32>,
+    pub(in crate::engine) grid: CellGrid,
+    pub(in crate::engine) sorted: Vec<u32>,
     /// Largest reach [m] of a member.
-    widest: f64,
+    pub(in crate::engine) widest: f64,
     half_period: f64,
 }
 

@@ -1,8 +1,9 @@
 //! Counts of the work done in islands.
 
 use super::batch::Solved;
-use super::domains::Domains;
 use crate::engine::Counters;
+use crate::engine::distributed::Domains;
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 /// Counts of the work done in islands.
@@ -68,7 +69,7 @@ impl IslandCounters {
     }
 
     /// Sums the counts of all processes since `before`.
-    pub fn add_up(&mut self, before: &Self, domains: &Domains) {
+    pub fn add_up<C: Copy + Serialize + DeserializeOwned>(&mut self, before: &Self, domains: &Domains<C>) {
         let mut past = *before;
         let mut since: Vec<i64> =
             self.sums().into_iter().zip(past.sums()).map(|(now, before)| (*now - *before) as i64).collect();

@@ -92,7 +92,7 @@ impl DeflectedFlights {
 
 impl Clusters<'_> {
     /// Trajectory of a member.
-    pub(super) fn course(&self, member: &Member) -> ParticleTrajectory<'_> {
+    pub fn course(&self, member: &Member) -> ParticleTrajectory<'_> {
         ParticleTrajectory { place: member.place, turns: member.turns.clone().map(|turns| &self.turns[turns]) }
     }
 
@@ -185,7 +185,7 @@ impl Clusters<'_> {
 
     /// Calls `visit` with the members whose balls overlap the given one. Some members come twice, and some only nearly
     /// overlap.
-    pub(super) fn for_each_turned_beside(&self, ball: &BoundingSphere, mut visit: impl FnMut(&Member)) {
+    pub fn for_each_turned_beside(&self, ball: &BoundingSphere, mut visit: impl FnMut(&Member)) {
         for turned in &self.turned {
             turned.for_each_beside(ball, &self.search.region, |member| visit(&self.members[member as usize]));
         }
@@ -224,7 +224,7 @@ impl Clusters<'_> {
     }
 
     /// True if two particles may touch on their trajectories, at least one of them after a velocity change.
-    pub(super) fn may_touch(&self, one: &ParticleTrajectory, other: &ParticleTrajectory) -> bool {
+    pub fn may_touch(&self, one: &ParticleTrajectory, other: &ParticleTrajectory) -> bool {
         let (Some(turns), Some(others)) = (one.turns, other.turns) else { return true };
         let reach = self.particles.radius[one.place as usize] + self.particles.radius[other.place as usize];
         (0..=turns.len()).any(|number| {

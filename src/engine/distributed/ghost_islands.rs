@@ -1,10 +1,6 @@
-//! Islands near the border of a process that shares a run, and messages about them to other processes.
+//! Messages to other processes about islands near the border of a domain.
 
-use super::course::{ParticleTrajectory, VelocityChange};
-use super::{Cluster, Clusters, Member};
-use crate::domain::Domain;
-use crate::engine::islands::domains::Reach;
-use crate::engine::islands::search::BoundingSphere;
+use crate::engine::islands::{BoundingSphere, Clusters, Member, ParticleTrajectory, VelocityChange};
 use nalgebra::Vector3;
 use rustc_hash::FxHashMap;
 use serde::{Deserialize, Serialize};
@@ -24,50 +20,6 @@ pub struct HotParticleDigest {
 }
 
 impl Clusters<'_> {
-    /// Largest reach of flights and islands.
-    pub fn reach(&self) -> Reach {
-        let ball = self.members.iter().map(|member| member.ball.reach).fold(0.0, f64::max);
-        Reach { flight: self.search.levels.largest_reach(), around: self.widest, ball }
-    }
-
-    /// Distance [m] from an island to the end of the region seen; infinite if everything is seen.
-    pub(super) fn room(&self, which: usize) -> f64 {
-        if self.search.region.is_all() {
-            return f64::INFINITY;
-        }
-        let members = self.clusters[which].hot.iter().map(|&member| &self.members[member as usize]);
-        let depth = |middle: &Vector3<f64>| self.search.region.depth(middle, self.domain);
-        let room =
-            |one: &Member| (depth(&one.ball.middle) - one.ball.reach).min(depth(&one.flight.middle) - one.around);
-        members.map(room).fold(f64::INFINITY, f64::min)
-    }
-
-    /// Least distance [m] to the end of the region seen, over the islands with a chosen particle, given by index.
-    pub fn least_room(&self, chosen: impl Fn(u32) -> bool) -> f64 {
-        if self.search.region.is_all() {
-            return f64::INFINITY;
-        }
-        let theirs = (0..self.clusters.len()).filter(|&which| self.has(which, &chosen));
-        theirs.map(|which| self.room(which)).fold(f64::INFINITY, f64::min)
-    }
-
-    /// True if one of the chosen particles belongs to the island.
-    fn has(&self, which: usize, chosen: &impl Fn(u32) -> bool) -> bool {
-        let Cluster { alive, hot, .. } = &self.clusters[which];
-        *alive && hot.iter().any(|&member| chosen(self.members[member as usize].place))
-    }
-
-    /// Index of the member of an island with the smallest id. The process that has this particle counts the events of
-    /// the island.
-    pub fn leader(&self, which: usize) -> Option<u32> {
-        self.clusters[which].hot.first().map(|&member| self.members[member as usize].place)
-    }
-
-    /// The box.
-    pub fn domain(&self) -> &Domain {
-        self.domain
-    }
-
     /// Calls `tell` with the result for each chosen particle and the middle of its flight, if that is `near` another
     /// process.
     pub fn tell(
@@ -152,10 +104,5 @@ impl Clusters<'_> {
         let mut mark = std::hash::DefaultHasher::new();
         all.chain(bounds.map(f64::to_bits)).chain([u64::from(cluster.lasts)]).for_each(|part| mark.write_u64(part));
         mark.finish()
-    }
-
-    /// Half the shortest period [m] of the box.
-    pub fn half_period(&self) -> f64 {
-        self.half_period
     }
 }
