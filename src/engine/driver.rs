@@ -159,29 +159,26 @@ impl<S: DistributedSolver> Driver<S> {
     }
 
     /// Data for the choice between islands and the classical algorithm; `None` if islands are not tried.
-    fn choice(&mut self, work: &Work<Lasting<S>>, window: Window) -> Option<IslandCost> {
+    fn choice(&mut self, work: &mut Work<Lasting<S>>, window: Window) -> Option<IslandCost> {
         let population = self.islands.population(work);
         let speeds = self.islands.speeds(work, &population);
         let fallback_cost = self.solver.fallback_cost(&population, &speeds, work.scene, window);
         let (fallback_cost, speeds) = self.of_lead(fallback_cost, speeds);
-        Some(IslandCost { population, speeds, fallback_cost: fallback_cost? })
+        let choice = IslandCost { population, speeds, fallback_cost: fallback_cost? };
+        self.solver.hand_over(work.lasting);
+        Some(choice)
     }
 
-    /// Moves particles by islands as long as these are cheaper. Returns the time covered [s].
-    fn by_islands(&mut self, work: &mut Work<Lasting<S>>, window: Window) -> Result<f64, Failure> {
-        let Some(choice) = self.choice(work, window) else { return Ok(0.0) };
-        self.solver.hand_over(work.lasting);
-        let before = self.islands.counters();
-        let done = self.islands.advance(self.solver.islands(), work, window, &choice);
+    /// Adapts to the result of trying islands: they have covered the time `done` [s].
+    fn judge(&mut self, choice: &IslandCost, scene: &Scene, before: IslandCounters, done: &Result<f64, Failure>) {
         self.islands.processes.share_counts(&mut self.islands.counters, &before);
         let after = self.islands.counters();
-        if let Ok(done) = done {
-            self.solver.judge(&choice.population, work.scene, &Trial { done, before, after });
+        if let &Ok(done) = done {
+            self.solver.judge(&choice.population, scene, &Trial { done, before, after });
         }
         if after.neighbour_builds != before.neighbour_builds {
             self.solver.disturb();
         }
-        done
     }
 
     /// Calls `visit` with all carried state, of the driver and of the solver.
@@ -202,7 +199,13 @@ impl<S: DistributedSolver> Engine for Driver<S> {
         let (mut log, mut lasting) = (std::mem::take(&mut self.log), std::mem::take(&mut self.lasting));
         let mut work = Work { particles, scene, lasting: &mut lasting, log: &mut log, record };
         self.begin(&mut work, window);
-        let result = self.by_islands(&mut work, window).and_then(|done| {
+        let (before, choice) = (self.islands.counters(), self.choice(&mut work, window));
+        let mut done = Ok(0.0);
+        if let Some(choice) = choice {
+            done = self.islands.advance(self.solver.islands(), &mut work, window, &choice);
+            self.judge(&choice, scene, before, &done);
+        }
+        let result = done.and_then(|done| {
             self.everyone_last = done < window.duration;
             let rest = Window { start: window.start + done, duration: window.duration - done };
             if self.everyone_last { self.by_all(&mut work, rest) } else { Ok(()) }

@@ -1,9 +1,9 @@
 //! Agreement of all processes about a part of a window that they have tried.
 
 use super::domains::{Domains, LocalParticles};
-use super::ghost_islands::HotParticleDigest;
+use super::ghost_islands::{HotParticleDigest, agree_with, tell};
 use super::packing::{packed, unpacked};
-use crate::engine::islands::{Clusters, Reach};
+use crate::engine::islands::{IslandFinder, Reach};
 
 /// Safety factor of the distance from which particles are borrowed, over the distance needed in the part before. A
 /// repeated part costs more than particles borrowed in vain.
@@ -34,20 +34,26 @@ struct LocalStatus {
 impl<C> Domains<C> {
     /// Joint decision of all processes about a part that they have tried; this one has `failed` if islands grow too
     /// large or the engine fails.
-    pub fn decide(&mut self, clusters: &Clusters, view: &LocalParticles<C>, failed: bool) -> PartDecision {
-        let room = clusters.least_room(|place| view.is_mine(place));
-        let agrees = self.compare(clusters, view, failed) && view.complete;
-        let status = LocalStatus { reach: clusters.reach(), room, failed, agrees };
-        self.vote(&status, clusters.half_period(), clusters.domain().size.amax())
+    pub fn decide<'a>(
+        &mut self,
+        islands: &impl IslandFinder<'a>,
+        view: &LocalParticles<C>,
+        failed: bool,
+    ) -> PartDecision {
+        let room = islands.least_room(|place| view.is_mine(place));
+        let agrees = self.compare(islands, view, failed) && view.complete;
+        let status = LocalStatus { reach: islands.reach(), room, failed, agrees };
+        self.vote(&status, islands.half_period(), islands.domain().size.amax())
     }
 
     /// True if other processes have the same result for the islands of this process. All processes must call it; one
     /// that has `failed` sends nothing.
-    fn compare(&self, clusters: &Clusters, view: &LocalParticles<C>, failed: bool) -> bool {
+    fn compare<'a>(&self, islands: &impl IslandFinder<'a>, view: &LocalParticles<C>, failed: bool) -> bool {
         let mut told: Vec<Vec<HotParticleDigest>> = vec![Vec::new(); self.communicator.size()];
         if !failed {
-            let space = (&self.block(clusters.domain()), clusters.domain());
-            clusters.tell(
+            let space = (&self.block(islands.domain()), islands.domain());
+            tell(
+                islands,
                 |place| view.is_mine(place),
                 |middle| !self.blocks.is_deep(middle, space.0, self.lent()),
                 |one, middle| self.for_each_borrower(middle, space, |rank| told[rank].push(one.clone())),
@@ -56,8 +62,8 @@ impl<C> Domains<C> {
         let outgoing = told.iter().map(|told| if told.is_empty() { Vec::new() } else { packed(told) }).collect();
         let heard = self.communicator.exchange(outgoing);
         let heard = heard.iter().filter_map(|bytes| unpacked::<Vec<HotParticleDigest>>(bytes)).flatten();
-        let heard = heard.filter_map(|one| Some((*view.strangers.get(&one.id)?, one))).collect();
-        !failed && clusters.agree_with(|place| view.is_mine(place), heard)
+        let heard: Vec<_> = heard.filter_map(|one| Some((*view.strangers.get(&one.id)?, one))).collect();
+        !failed && agree_with(islands, |place| view.is_mine(place), &heard)
     }
 
     /// Joint decision of all processes about a part, in a box whose longest edge is `size` [m].

@@ -7,7 +7,7 @@ use super::packing::{settle, take_aboard};
 use crate::communicator::Communicator;
 use crate::domain::Domain;
 use crate::engine::driver::Work;
-use crate::engine::islands::{Clusters, IslandCounters, Solve, in_order};
+use crate::engine::islands::{IslandCounters, IslandFinder, Solve, in_order};
 use crate::engine::population::PopulationSummary;
 use crate::exact::ExactSum;
 use crate::neighbours::region::Region;
@@ -173,10 +173,15 @@ impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
 
     /// Joint decision of all processes about a part that they have tried; this one has `failed` if islands grow too
     /// large or the engine fails.
-    pub fn decide(&mut self, clusters: &Clusters, view: &LocalParticles<C>, failed: bool) -> PartDecision {
+    pub fn decide<'a>(
+        &mut self,
+        islands: &impl IslandFinder<'a>,
+        view: &LocalParticles<C>,
+        failed: bool,
+    ) -> PartDecision {
         match &mut self.domains {
-            Some(domains) => domains.decide(clusters, view, failed),
-            None if failed || !clusters.reach().fits(clusters.half_period()) => PartDecision::Failed,
+            Some(domains) => domains.decide(islands, view, failed),
+            None if failed || !islands.reach().fits(islands.half_period()) => PartDecision::Failed,
             None => PartDecision::Done,
         }
     }

@@ -19,7 +19,7 @@
 use super::distributed::DistributedSolver;
 use super::driver::{Driver, Solver, Trial, Work};
 use super::hard::Collision;
-use super::islands::{GivenUp, Island, IslandCounters, Solve, SpeedSummary};
+use super::islands::{BoundedIslands, GivenUp, Island, IslandCounters, Solve, SpeedSummary};
 use super::population::PopulationSummary;
 use super::soft::{
     Allowance, Contact, InstantaneousRule, IslandScratch, ReachedTouch, Soft, SoftIslands, SoftSolver, SoftState,
@@ -109,6 +109,7 @@ impl InstantaneousRule for Impulses {
 }
 
 impl Solve for HybridIslands {
+    type Finder<'a> = BoundedIslands<'a>;
     type Carried = Contact;
     type Scratch = IslandScratch;
 

@@ -1,32 +1,32 @@
 //! Hot particles gathered into islands, with bounds on the reach of each.
 
-mod bed;
-mod course;
+mod bounded;
+mod crowd_growth;
 mod fill;
-mod look;
+mod finder;
 mod reach;
 mod retries;
+mod traced;
+mod trajectories;
 
-use course::DeflectedFlights;
-pub use course::{ParticleTrajectory, PiecewiseTrajectory, VelocityChange};
+pub use bounded::BoundedIslands;
+pub use fill::fill;
+pub use finder::{IslandFinder, IslandLimits};
 pub use reach::Reach;
 use reach::{motion, two_largest};
+pub use traced::TracedIslands;
+pub use trajectories::{Trajectories, VelocityChange};
 
 use super::LARGEST_ISLAND;
 use super::batch::IslandResult;
 use super::search::{BoundingSphere, FirstTouch, Label, Search};
 use crate::domain::Domain;
 use crate::neighbours::along_walls;
-use crate::neighbours::cells::CellGrid;
 use crate::particles::Particles;
 use crate::scene::Scene;
 use nalgebra::Vector3;
 use smallvec::SmallVec;
 use std::ops::Range;
-
-/// Number of contacts in progress beyond which all of them form one crowd. A contact costs four times as much per step
-/// of an island as per uniform step, and with so many contacts something always touches.
-const MANY_CONTACTS: usize = 16;
 
 /// Islands, or members, that a thread takes at once; for fewer, a second thread is not worth it.
 const BATCH: usize = 64;
@@ -106,14 +106,8 @@ pub struct Space<'a> {
     pub frame: Vector3<f64>,
     /// Length of the part [s].
     pub part: f64,
-    /// True if islands may be crowds.
-    pub crowds: bool,
-    /// True if the engine reports velocity changes.
-    pub traces: bool,
     /// Mass [kg] of the lightest particle.
     pub lightest: f64,
-    /// Number of members beyond which an island that is no crowd is too large.
-    pub most: usize,
 }
 
 /// All islands of a window.
@@ -123,28 +117,15 @@ pub struct Clusters<'a> {
     pub(in crate::engine) domain: &'a Domain,
     frame: Vector3<f64>,
     part: f64,
-    /// True if islands may be crowds.
-    crowds: bool,
-    /// True if the engine reports velocity changes: encounters of islands are then found after they are solved.
-    pub(in crate::engine) traces: bool,
     /// Mass [kg] of the lightest particle.
     lightest: f64,
-    /// Number of members beyond which an island that is no crowd is too large.
-    most: usize,
-    pub(in crate::engine) clusters: Vec<Cluster>,
-    /// Velocity changes of all members; those of one member are in the order of time.
-    turns: Vec<VelocityChange>,
-    /// Balls of the members in cells, for an engine that reports velocity changes: first of all members, second of
-    /// islands that were solved again since.
-    turned: [DeflectedFlights; 2],
+    /// The islands; those united with others are not alive.
+    pub(in crate::engine) list: Vec<Cluster>,
     /// Energy [J] of each item of carried state.
     energy: Vec<f64>,
     /// Speed [m/s] that gravity adds towards walls: seen from the falling frame, walls come nearer.
     fall: f64,
     pub(in crate::engine) members: Vec<Member>,
-    /// The members in cells, as they were last sorted. Members that became hot later stand at the end of `members`.
-    pub(in crate::engine) grid: CellGrid,
-    pub(in crate::engine) sorted: Vec<u32>,
     /// Largest reach [m] of a member.
     pub(in crate::engine) widest: f64,
     half_period: f64,
@@ -152,7 +133,7 @@ pub struct Clusters<'a> {
 
 impl<'a> Clusters<'a> {
     pub fn new(search: &'a mut Search, particles: &'a Particles, space: Space<'a>) -> Self {
-        let Space { scene, frame, part, crowds, traces, lightest, most } = space;
+        let Space { scene, frame, part, lightest } = space;
         let domain = &scene.domain;
         let fall = (scene.gravity - along_walls(scene, scene.gravity)).norm() * part;
         let periods = (0..3).filter(|axis| domain.periodic[*axis]).map(|axis| 0.5 * domain.size[axis]);
@@ -163,29 +144,20 @@ impl<'a> Clusters<'a> {
             domain,
             frame,
             part,
-            crowds,
-            traces,
             lightest,
-            most,
-            clusters: Vec::new(),
-            turns: Vec::new(),
-            turned: Default::default(),
+            list: Vec::new(),
             energy: Vec::new(),
             fall,
             members: Vec::new(),
-            grid: CellGrid::default(),
-            sorted: Vec::new(),
             widest: 0.0,
             half_period,
         }
     }
 
-    /// Makes islands of all touches and of the carried state. Returns false if one grows too large.
-    pub fn gather(&mut self, touches: &[FirstTouch], carried: &[[Option<u32>; 2]], energy: Vec<f64>) -> bool {
+    /// Makes islands of all touches and of the carried state, whose energies [J] are given. If that is `many` contacts,
+    /// they form one crowd.
+    fn begin(&mut self, touches: &[FirstTouch], carried: &[[Option<u32>; 2]], energy: Vec<f64>, many: bool) {
         self.energy = energy;
-        // many contacts in progress form one crowd from the start, even if they do not touch one another: as separate
-        // islands they would meet one by one, and be stepped at several times the cost
-        let many = self.crowds && carried.len() > MANY_CONTACTS;
         let mut crowd: Option<usize> = None;
         for (k, places) in carried.iter().enumerate() {
             let Some(i) = places[0] else { continue };
@@ -193,30 +165,16 @@ impl<'a> Clusters<'a> {
             if many {
                 which = crowd.map_or(which, |crowd| self.unite(crowd, which));
                 crowd = Some(which);
-                self.clusters[which].lasts = true;
+                self.list[which].lasts = true;
             }
-            self.clusters[which].carried.push(k as u32);
+            self.list[which].carried.push(k as u32);
         }
         self.members.reserve(2 * touches.len());
-        self.clusters.reserve(touches.len());
+        self.list.reserve(touches.len());
         for touch in touches {
             self.join(touch.place, touch.other, touch.time);
         }
         self.settle_all();
-        if self.traces {
-            return true;
-        }
-        self.sort();
-        self.expand_all((0..self.clusters.len()).collect())
-    }
-
-    /// Sorts the members into cells.
-    fn sort(&mut self) {
-        let spacing = (self.search.region.volume() / self.members.len().max(1) as f64).cbrt();
-        // a bed fills only a part of the domain: with cells of a third of the spacing there are at most 27 for each
-        // member
-        let edge = self.widest.max(if self.crowds { spacing / 3.0 } else { spacing });
-        self.grid.sort(&self.members, |member| member.flight.middle, &self.search.region, edge, &mut self.sorted);
     }
 
     /// Returns the cluster of particle `i`, united with that of its partner `j`; their first touch is at `time` [s]. A
@@ -230,7 +188,7 @@ impl<'a> Clusters<'a> {
                 None => self.enlist(place, which),
             }
         }
-        let cluster = &mut self.clusters[which];
+        let cluster = &mut self.list[which];
         cluster.first = cluster.first.min(time);
         which
     }
@@ -241,7 +199,7 @@ impl<'a> Clusters<'a> {
         let which = self.named(place);
         if is_new {
             let (energy, speed) = motion(self.particles, self.frame, place);
-            let cluster = &mut self.clusters[which];
+            let cluster = &mut self.list[which];
             (cluster.energies, cluster.speeds) = ([energy, 0.0], [speed, 0.0]);
         }
         which
@@ -267,14 +225,14 @@ impl<'a> Clusters<'a> {
     fn enlist(&mut self, place: u32, which: usize) {
         let (cluster, member) = (which as u32, self.members.len());
         self.search.label[place as usize] = Some(Label::of(member));
-        self.clusters[which].hot.push(member as u32);
+        self.list[which].hot.push(member as u32);
         let flight = BoundingSphere { middle: Vector3::zeros(), reach: 0.0 };
         self.members.push(Member { place, cluster, flight, ball: flight, around: 0.0, took_in: 0.0, turns: None });
     }
 
     /// Makes a cluster without members.
     fn open(&mut self) -> usize {
-        self.clusters.push(Cluster {
+        self.list.push(Cluster {
             hot: Few::new(),
             bystanders: Few::new(),
             carried: Few::new(),
@@ -291,7 +249,7 @@ impl<'a> Clusters<'a> {
             settled: None,
             seen: None,
         });
-        self.clusters.len() - 1
+        self.list.len() - 1
     }
 
     /// Unites two clusters: the smaller goes into the larger.
@@ -299,8 +257,8 @@ impl<'a> Clusters<'a> {
         if a == b {
             return a;
         }
-        let (into, from) = if self.clusters[a].hot.len() >= self.clusters[b].hot.len() { (a, b) } else { (b, a) };
-        let gone = &mut self.clusters[from];
+        let (into, from) = if self.list[a].hot.len() >= self.list[b].hot.len() { (a, b) } else { (b, a) };
+        let gone = &mut self.list[from];
         gone.alive = false;
         gone.solved = None;
         let (hot, carried) = (std::mem::take(&mut gone.hot), std::mem::take(&mut gone.carried));
@@ -309,7 +267,7 @@ impl<'a> Clusters<'a> {
         for &member in &hot {
             self.members[member as usize].cluster = into as u32;
         }
-        let kept = &mut self.clusters[into];
+        let kept = &mut self.list[into];
         kept.hot.extend(hot);
         kept.carried.extend(carried);
         kept.energies = two_largest(kept.energies, energies);
@@ -326,23 +284,23 @@ impl<'a> Clusters<'a> {
     pub fn unsolved(&self) -> Vec<usize> {
         let sees_all = self.search.region.is_all();
         let sight = if sees_all { 0.0 } else { self.reach().sight() };
-        let unsolved = self.clusters.iter().enumerate().filter(|(_, c)| c.alive && c.solved.is_none());
+        let unsolved = self.list.iter().enumerate().filter(|(_, c)| c.alive && c.solved.is_none());
         unsolved.map(|(which, _)| which).filter(|&which| sees_all || self.room(which) >= sight).collect()
     }
 
     /// Number of members of an island.
     pub fn members(&self, which: usize) -> usize {
-        self.clusters[which].hot.len()
+        self.list[which].hot.len()
     }
 
     /// State carried into an island, by number.
     pub fn carried(&self, which: usize) -> &[u32] {
-        &self.clusters[which].carried
+        &self.list[which].carried
     }
 
     /// Stores the location of the result of an island.
     pub fn keep(&mut self, which: usize, result: IslandResult) {
-        self.clusters[which].solved = Some(result);
+        self.list[which].solved = Some(result);
     }
 
     /// Removes the labels when the islands have no result.
@@ -356,8 +314,8 @@ impl<'a> Clusters<'a> {
     /// in it. The labels stay until the results are put into the store.
     pub fn land(self) -> Landing {
         let mut of_member = vec![None; self.members.len()];
-        let mut kept = Vec::with_capacity(self.clusters.len());
-        for cluster in &self.clusters {
+        let mut kept = Vec::with_capacity(self.list.len());
+        for cluster in &self.list {
             let Some(result) = cluster.solved else { continue };
             for (number, &member) in cluster.hot.iter().enumerate() {
                 of_member[member as usize] = Some((kept.len() as u32, number as u32));

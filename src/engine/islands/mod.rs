@@ -7,7 +7,7 @@
 //! gets faster than its speed limit. So no contact is missed, whatever happens within the window.
 //!
 //! Some engines, such as that for hard spheres, report every velocity change of a flight. Their islands are found the
-//! other way round (`cluster/course.rs`): each island is first solved as if it were alone. Islands whose trajectories
+//! other way round (`cluster/traced.rs`): each island is first solved as if it were alone. Islands whose trajectories
 //! then meet are united and solved again. There are no bystanders, and an island reaches only as far as its particles
 //! do fly, not as far as they might.
 //!
@@ -24,7 +24,7 @@ mod search;
 
 pub use batch::GivenUp;
 pub use choice::{IslandCost, SpeedSummary};
-pub use cluster::{Clusters, Member, ParticleTrajectory, Reach, VelocityChange};
+pub use cluster::{BoundedIslands, Clusters, IslandFinder, Member, Reach, TracedIslands, VelocityChange};
 pub use counters::IslandCounters;
 pub use island::{Bounds, Island};
 pub use order::in_order;
@@ -44,7 +44,7 @@ use crate::particles::Sample;
 use crate::scene::Scene;
 use batch::{Batch, IslandResults, Task};
 use choice::{PartLimits, WindowPiece, cheapest_part};
-use cluster::{Landing, Space};
+use cluster::{IslandLimits, Landing, Space};
 use nalgebra::Vector3;
 use order::sort;
 use rounds::solve_all;
@@ -55,6 +55,9 @@ use std::sync::Arc;
 
 /// Solver of an island, as an engine provides it.
 pub trait Solve: Sync {
+    /// Way to find the particles of islands. With [`TracedIslands`], particles fly straight between collisions and every
+    /// velocity change is reported to [`Island::turn`].
+    type Finder<'a>: IslandFinder<'a>;
     /// State carried from one window to the next, such as a contact in progress; particles are named by index in the
     /// store.
     type Carried: Copy + Send + Sync + Serialize + DeserializeOwned;
@@ -76,12 +79,6 @@ pub trait Solve: Sync {
     /// True if the engine takes crowds. A crowd is an island without a neighbour list. It has more than
     /// [`LARGEST_ISLAND`] particles, or it holds all contacts in progress if these are many.
     fn takes_crowds(&self) -> bool {
-        false
-    }
-
-    /// True if particles fly straight between collisions and every velocity change is reported to [`Island::turn`]. All
-    /// trajectories are then known exactly once islands are solved, and there are no bystanders.
-    fn traces(&self) -> bool {
         false
     }
 
@@ -217,7 +214,7 @@ impl<C: Copy + Send + Sync + Serialize + DeserializeOwned> Islands<C> {
             }
             // contacts are carried into a crowd and out of it again; only an engine that takes crowds has many of them
             let held = if solver.takes_crowds() { self.processes.held(work.lasting.len()) } else { 0 };
-            let limits = PartLimits { left, fallback_cost: *fallback_cost, held, traces: solver.traces() };
+            let limits = PartLimits { left, fallback_cost: *fallback_cost, held, costs: S::Finder::COSTS };
             let Some(cheapest) = cheapest_part(population, &work.scene.domain, &speeds, &limits) else { break };
             self.processes.cut(solver, work);
             // no shorter part is tried: islands of contacts in progress do not become smaller
@@ -234,9 +231,8 @@ impl<C: Copy + Send + Sync + Serialize + DeserializeOwned> Islands<C> {
                 }
                 part = (0.5 * part).max(shortest);
             };
-            // a part that was too long now will be so again; if trajectories are reported, no island is too large, so
-            // the engine has failed
-            longest = if solver.traces() { longest } else { part };
+            // a part that was too long now will be so again
+            longest = if S::Finder::KEEPS_SHORTER { part } else { longest };
             if !moved {
                 break;
             }
@@ -278,15 +274,15 @@ impl<C: Copy + Send + Sync + Serialize + DeserializeOwned> Islands<C> {
             in_order(solver, work);
             let carried: Vec<[Option<u32>; 2]> = work.lasting.iter().map(S::places).collect();
             let energy: Vec<f64> = work.lasting.iter().map(|carried| solver.energy(carried)).collect();
-            let (crowds, traces) = (solver.takes_crowds(), solver.traces());
-            let space =
-                Space { scene, frame, part, crowds, traces, lightest: piece.population.lightest, most: piece.most };
-            let mut clusters = Clusters::new(&mut self.search, work.particles, space);
+            let limits = IslandLimits { crowds: solver.takes_crowds(), most: piece.most };
+            let space = Space { scene, frame, part, lightest: piece.population.lightest };
+            let mut islands = S::Finder::new(Clusters::new(&mut self.search, work.particles, space), limits);
             let fallen = scene.gravity * piece.elapsed;
             let task = Task { solver, scene, window, fallen, part, carried: work.lasting.as_slice() };
-            let gathered = clusters.gather(&touches, &carried, energy);
-            let solved = if gathered { solve_all(&mut clusters, &task, |place| view.is_mine(place)) } else { None };
-            let decision = self.processes.decide(&clusters, &view, solved.is_none());
+            let gathered = islands.gather(&touches, &carried, energy);
+            let solved = if gathered { solve_all(&mut islands, &task, |place| view.is_mine(place)) } else { None };
+            let decision = self.processes.decide(&islands, &view, solved.is_none());
+            let clusters = islands.into_clusters();
             if let (PartDecision::Done, Some((batches, counts))) = (&decision, solved) {
                 let landing = clusters.land();
                 self.counters.add(&counts);

@@ -80,11 +80,11 @@ impl Clusters<'_> {
     /// Computes the reach of the members of all islands, in parallel. Each island needs only its members, and each
     /// member only its island.
     pub(super) fn settle_all(&mut self) {
-        let mut clusters = std::mem::take(&mut self.clusters);
+        let mut clusters = std::mem::take(&mut self.list);
         work_sharing::for_each(clusters.chunks_mut(BATCH), |some| {
             some.iter_mut().for_each(|cluster| self.put_in_order(cluster))
         });
-        self.clusters = clusters;
+        self.list = clusters;
         let mut members = std::mem::take(&mut self.members);
         let reach = |some: &mut [Member]| some.iter_mut().map(|member| self.reach_out(member)).fold(0.0, f64::max);
         let reaches = work_sharing::map(members.chunks_mut(BATCH), reach);
@@ -94,11 +94,11 @@ impl Clusters<'_> {
 
     /// Computes the reach of the members of an island.
     pub(super) fn settle(&mut self, which: usize) {
-        let mut clusters = std::mem::take(&mut self.clusters);
+        let mut clusters = std::mem::take(&mut self.list);
         self.put_in_order(&mut clusters[which]);
-        self.clusters = clusters;
-        for number in 0..self.clusters[which].hot.len() {
-            self.settle_member(self.clusters[which].hot[number]);
+        self.list = clusters;
+        for number in 0..self.list[which].hot.len() {
+            self.settle_member(self.list[which].hot[number]);
         }
     }
 
@@ -128,7 +128,7 @@ impl Clusters<'_> {
 
     /// Computes the ball of a member of an island, and returns the reach [m] about the middle of its flight.
     fn reach_out(&self, member: &mut Member) -> f64 {
-        let (cluster, i) = (&self.clusters[member.cluster as usize], member.place as usize);
+        let (cluster, i) = (&self.list[member.cluster as usize], member.place as usize);
         member.flight = self.search.flights[i];
         member.turns = None;
         let first = cluster.first;
@@ -152,7 +152,7 @@ impl Clusters<'_> {
         if self.search.region.is_all() {
             return f64::INFINITY;
         }
-        let members = self.clusters[which].hot.iter().map(|&member| &self.members[member as usize]);
+        let members = self.list[which].hot.iter().map(|&member| &self.members[member as usize]);
         let depth = |middle: &Vector3<f64>| self.search.region.depth(middle, self.domain);
         let room =
             |one: &Member| (depth(&one.ball.middle) - one.ball.reach).min(depth(&one.flight.middle) - one.around);
@@ -164,20 +164,20 @@ impl Clusters<'_> {
         if self.search.region.is_all() {
             return f64::INFINITY;
         }
-        let theirs = (0..self.clusters.len()).filter(|&which| self.has(which, &chosen));
+        let theirs = (0..self.list.len()).filter(|&which| self.has(which, &chosen));
         theirs.map(|which| self.room(which)).fold(f64::INFINITY, f64::min)
     }
 
     /// True if one of the chosen particles belongs to the island.
     pub(in crate::engine) fn has(&self, which: usize, chosen: &impl Fn(u32) -> bool) -> bool {
-        let Cluster { alive, hot, .. } = &self.clusters[which];
+        let Cluster { alive, hot, .. } = &self.list[which];
         *alive && hot.iter().any(|&member| chosen(self.members[member as usize].place))
     }
 
     /// Index of the member of an island with the smallest id. The process that has this particle counts the events of
     /// the island.
     pub fn leader(&self, which: usize) -> Option<u32> {
-        self.clusters[which].hot.first().map(|&member| self.members[member as usize].place)
+        self.list[which].hot.first().map(|&member| self.members[member as usize].place)
     }
 
     /// The box.
