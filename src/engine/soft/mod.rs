@@ -3,15 +3,15 @@
 mod backoff;
 mod block;
 mod contact;
+mod contact_sums;
 mod contacts;
 mod crowd;
+mod force_buffer;
 mod heun;
 mod local;
+mod packed_contacts;
 mod passing;
-mod pushes;
-mod records;
 mod rotating;
-mod tally;
 
 pub use contact::overlap_limit;
 
@@ -34,9 +34,9 @@ use contacts::Due;
 use contacts::{ContactSearch, EvaluationTime};
 pub(in crate::engine) use contacts::{Contacts, StepRecord};
 pub(in crate::engine) use crowd::{Steps, solve as solve_crowd};
+pub(in crate::engine) use force_buffer::{ForceBuffer, ForceIncrement, kick_all};
 use local::NoInstants;
 pub(in crate::engine) use local::{Allowance, InstantaneousRule, IslandScratch, ReachedTouch, SoftIslands};
-pub(in crate::engine) use pushes::{ForceBuffer, ForceIncrement, kick_all};
 use serde::{Deserialize, Serialize};
 
 /// [ns] cost of a uniform step per particle, on the scale of the costs of islands.
