@@ -101,7 +101,17 @@ impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
 
     /// Sums the counts of all processes since `before`.
     pub fn share_counts(&self, counters: &mut IslandCounters, before: &IslandCounters) {
-        self.cut_domains().into_iter().for_each(|domains| counters.add_up(before, domains));
+        let Some(domains) = self.cut_domains() else { return };
+        let mut past = *before;
+        let mut since: Vec<i64> =
+            counters.sums().into_iter().zip(past.sums()).map(|(now, before)| (*now - *before) as i64).collect();
+        domains.count(&mut since);
+        for ((now, before), since) in counters.sums().into_iter().zip(past.sums()).zip(since) {
+            *now = *before + since as u64;
+        }
+        let mut largest = [counters.largest as f64];
+        domains.largest(&mut largest);
+        counters.largest = largest[0] as u64;
     }
 
     /// Region with the particles of this process.

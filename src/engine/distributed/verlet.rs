@@ -196,6 +196,7 @@ impl SoftSolver {
         window: Window,
         domains: &mut Domains<Contact>,
     ) -> Result<(), Failure> {
+        // contacts come back into new blocks, which test the whole list first: `look_anew` has nothing to do
         self.ran_last = true;
         work.record.count(&mut work.log.impacts);
         if !domains.is_cut {

@@ -192,16 +192,16 @@ impl SoftSolver {
         self.speed.rise(kick_all(&self.pushes, (particles, mass), dt, self.list.frame()));
     }
 
-    fn verlet(
+    /// Applies the half-kick that begins the steps of a window, of `dt` [s] each: by the forces that the window before
+    /// has left, or by those of the start.
+    fn first_half_kick(
         &mut self,
         particles: &mut Particles,
         scene: &Scene,
-        (window, steps): (Window, u64),
+        (window, dt): (Window, f64),
         book: &mut StepRecord,
         ghosts: &mut dyn GhostExchange,
     ) -> Result<(), Failure> {
-        let dt = window.duration / steps as f64;
-        let fall = scene.gravity - along_walls(scene, scene.gravity);
         if !self.has_forces {
             // a start may have contacts in progress: their first half-kick is as due as any other
             let at = EvaluationTime {
@@ -222,6 +222,20 @@ impl SoftSolver {
         } else {
             self.contacts.forget();
         }
+        Ok(())
+    }
+
+    fn verlet(
+        &mut self,
+        particles: &mut Particles,
+        scene: &Scene,
+        (window, steps): (Window, u64),
+        book: &mut StepRecord,
+        ghosts: &mut dyn GhostExchange,
+    ) -> Result<(), Failure> {
+        let dt = window.duration / steps as f64;
+        let fall = scene.gravity - along_walls(scene, scene.gravity);
+        self.first_half_kick(particles, scene, (window, dt), book, ghosts)?;
         for step in 0..steps {
             let elapsed = step as f64 * dt;
             self.list.clock.tell(window.start + elapsed);
