@@ -12,12 +12,13 @@ mod totals;
 pub use contacts::ContactSummary;
 
 use crate::work_sharing;
-pub use engines::{engine, may_touch, soft_step};
+pub use engines::{SimulationEngine, engine, may_touch, soft_step};
 pub use snapshot::Snapshot;
 
 use crate::clock::Clock;
 use crate::communicator::Communicator;
 use crate::drag::{Kick, Sphere};
+use crate::engine::distributed::Distributed;
 use crate::engine::{Counters, Engine, Failure, Window};
 use crate::exact::{self, BLOCK, ExactSum};
 use crate::experiment::{Experiment, Integrator};
@@ -74,7 +75,7 @@ pub struct Simulation {
     pub spent: SimulationTimes,
     clock: Clock,
     scene: Scene,
-    engine: Box<dyn Engine>,
+    engine: SimulationEngine,
     spheres: Vec<Sphere>,
     /// The kicks used last: half a window and a whole one.
     kicks: Vec<Kick>,
@@ -142,10 +143,16 @@ impl Simulation {
     /// A simulation as in [`new`](Self::new), with an engine of the calling program.
     pub fn with_engine(scene: Scene, particles: Particles, engine: Box<dyn Engine>) -> Self {
         let totals = SimulationTotals::of(&Sample::from(&particles));
-        Self::with_totals(scene, particles, totals, engine)
+        Self::with_totals(scene, particles, totals, SimulationEngine::Single(engine))
     }
 
-    fn with_totals(scene: Scene, particles: Particles, totals: SimulationTotals, engine: Box<dyn Engine>) -> Self {
+    /// A simulation as in [`with_engine`](Self::with_engine), whose run several processes can share.
+    pub fn with_distributed_engine(scene: Scene, particles: Particles, engine: Box<dyn Distributed>) -> Self {
+        let totals = SimulationTotals::of(&Sample::from(&particles));
+        Self::with_totals(scene, particles, totals, SimulationEngine::Distributed(engine))
+    }
+
+    fn with_totals(scene: Scene, particles: Particles, totals: SimulationTotals, engine: SimulationEngine) -> Self {
         let (mut scene, mut particles) = (scene, particles);
         scene.walls = Repeated::all(&scene.walls, &scene.domain);
         scene.let_rotate(&mut particles);
@@ -208,7 +215,6 @@ impl Simulation {
     ///
     /// When `go_on` is called, and after a run that was stopped, velocities lack a half-kick of drag.
     /// [`look`](Self::look) and [`settle`](Self::settle) apply it.
-    /// [`settle`](Self::settle) give it.
     ///
     /// # Errors
     /// As for [`run`](Self::run).
@@ -297,12 +303,12 @@ impl Simulation {
 
     /// Time spent in the parts of the engine.
     pub fn engine_spent(&self) -> crate::engine::EngineTimes {
-        self.engine.spent()
+        self.engine.work_done().1
     }
 
     /// Work counts of the engine.
     pub fn counters(&self) -> Counters {
-        self.engine.counters()
+        self.engine.work_done().0
     }
 
     fn advance(&mut self, window: f64) -> Result<(), Failure> {
@@ -408,7 +414,7 @@ impl Simulation {
         self.collect_records();
         if let Some(bound) = &self.bound {
             // energy comes first: it is the cause if particles were thrown out
-            let uniform = self.engine.counters().uniform_steps > 0;
+            let uniform = self.counters().uniform_steps > 0;
             let (energy, elastic) = (self.energy(), self.engine.elastic_energy());
             // the lead process has the records of all
             if !self.is_follower() {
@@ -424,7 +430,9 @@ impl Simulation {
             let (x, particle) = (self.particles.position[place], self.particles.id[place]);
             return Err(Failure::Escaped { time: self.time, particle, x: x.x, y: x.y, z: x.z });
         }
-        self.engine.balance(&self.particles, &self.scene);
+        if let Some(engine) = self.engine.distributed_mut() {
+            engine.balance(&self.particles, &self.scene);
+        }
         Ok(())
     }
 }

@@ -6,10 +6,11 @@ use crate::support::*;
 use diptych::communicator::Communicator;
 use diptych::contact_law::ContactLaw;
 use diptych::encounter::Couple;
+use diptych::engine::Counters;
+use diptych::engine::distributed::Distributed;
 use diptych::engine::hard::Hard;
 use diptych::engine::hybrid::Hybrid;
 use diptych::engine::soft::Soft;
-use diptych::engine::{Counters, Engine};
 use diptych::experiment::{Integrator, SoftStepping};
 use diptych::fluid::{Fluid, Profile};
 use diptych::observe::{self, Needs, Observer};
@@ -65,7 +66,12 @@ fn shuffled(particles: &Particles, seed: u64) -> Particles {
     shuffled
 }
 
-fn same_bits(name: &str, (scene, start): &(Scene, Particles), engine: &dyn Fn() -> Box<dyn Engine>, islands: bool) {
+fn same_bits(
+    name: &str,
+    (scene, start): &(Scene, Particles),
+    engine: &dyn Fn() -> Box<dyn Distributed>,
+    islands: bool,
+) {
     let run = |start: Particles| -> (u64, Simulation) {
         let simulation = run(scene, start, engine(), 1e-3, 40);
         (simulation.particles.fingerprint(), simulation)
@@ -106,19 +112,31 @@ fn everyone_at_once_gives_the_same_bits_in_any_order_of_the_store() {
     same_bits("soft, Heun", &dense, &|| support_soft(Integrator::Rk2), false);
 }
 
-fn support_soft(integrator: Integrator) -> Box<dyn Engine> {
+fn support_soft(integrator: Integrator) -> Box<dyn Distributed> {
     soft(3000.0, 5e-7, integrator)
+}
+
+fn soft(stiffness: f64, step: f64, integrator: Integrator) -> Box<dyn Distributed> {
+    Box::new(Soft::new(ContactLaw::linear(stiffness), integrator, step, SoftStepping::Uniform))
+}
+
+fn local(stiffness: f64, step: f64, integrator: Integrator) -> Box<dyn Distributed> {
+    Box::new(Soft::new(ContactLaw::linear(stiffness), integrator, step, SoftStepping::Local))
+}
+
+fn islands() -> Box<dyn Distributed> {
+    Box::new(Hard::with_islands())
 }
 
 /// A run shared by threads in place of processes.
 fn shared(
     size: usize,
     (scene, start): &(Scene, Particles),
-    engine: &(dyn Fn() -> Box<dyn Engine> + Sync),
+    engine: &(dyn Fn() -> Box<dyn Distributed> + Sync),
     (duration, windows): (f64, u64),
 ) -> (Particles, Counters) {
     let simulation = |communicator: Arc<dyn Communicator>| {
-        Simulation::with_engine(scene.clone(), start.clone(), engine()).shared(communicator, 0)
+        Simulation::with_distributed_engine(scene.clone(), start.clone(), engine()).shared(communicator, 0)
     };
     let mut crew = Crew::of(size);
     let lead = crew.remove(0);
@@ -135,7 +153,7 @@ fn shared(
 fn same_bits_over_processes(
     name: &str,
     of: &(Scene, Particles),
-    engine: &(dyn Fn() -> Box<dyn Engine> + Sync),
+    engine: &(dyn Fn() -> Box<dyn Distributed> + Sync),
     (duration, windows): (f64, u64),
 ) {
     let alone = run(&of.0, of.1.clone(), engine(), duration, windows);
@@ -208,12 +226,12 @@ fn air() -> Fluid {
 fn glances(
     size: Option<usize>,
     (scene, start): &(Scene, Particles),
-    engine: &(dyn Fn() -> Box<dyn Engine> + Sync),
+    engine: &(dyn Fn() -> Box<dyn Distributed> + Sync),
     duration: f64,
 ) -> Vec<String> {
     let schedule = Schedule::even(duration / 60.0, 20, 3);
     let [mut few, mut others, mut all] = [5, 7, 1].map(|every| Glances { every, seen: Vec::new() });
-    let simulation = || Simulation::with_engine(scene.clone(), start.clone(), engine());
+    let simulation = || Simulation::with_distributed_engine(scene.clone(), start.clone(), engine());
     let mut crew = Crew::of(size.unwrap_or(1));
     let lead = crew.remove(0);
     std::thread::scope(|scope| {
@@ -232,7 +250,7 @@ fn who_looks_at_a_shared_run_sees_what_one_process_shows() {
     let mut of = scene(3000, 0.03);
     of.0.fluid = Some(air());
     let soft = || local(300.0, 6e-7, Integrator::VelocityVerlet);
-    for (name, engine) in [("hard", &islands as &(dyn Fn() -> Box<dyn Engine> + Sync)), ("soft", &soft)] {
+    for (name, engine) in [("hard", &islands as &(dyn Fn() -> Box<dyn Distributed> + Sync)), ("soft", &soft)] {
         let alone = glances(None, &of, engine, 2e-3);
         assert!(
             alone.len() > 60 && (name == "hard" || alone.iter().filter(|seen| seen.contains("([Some")).count() > 30)
@@ -249,11 +267,11 @@ fn who_looks_at_a_shared_run_sees_what_one_process_shows() {
 fn sums(
     size: Option<usize>,
     (scene, start): &(Scene, Particles),
-    engine: &(dyn Fn() -> Box<dyn Engine> + Sync),
+    engine: &(dyn Fn() -> Box<dyn Distributed> + Sync),
     duration: f64,
 ) -> Vec<String> {
     let schedule = Schedule::even(duration / 60.0, 3, 20);
-    let simulation = || Simulation::with_engine(scene.clone(), start.clone(), engine());
+    let simulation = || Simulation::with_distributed_engine(scene.clone(), start.clone(), engine());
     let observer = || (Accumulator::new(7, scene.domain.size.y), Books::default());
     let mut crew = Crew::of(size.unwrap_or(1));
     let lead = crew.remove(0);
@@ -304,7 +322,7 @@ fn sums_over_the_parts_of_a_shared_run_are_those_of_one_process() {
     let mut of = scene(3000, 0.03);
     of.0.fluid = Some(air());
     let soft = || local(300.0, 6e-7, Integrator::VelocityVerlet);
-    for (name, engine) in [("hard", &islands as &(dyn Fn() -> Box<dyn Engine> + Sync)), ("soft", &soft)] {
+    for (name, engine) in [("hard", &islands as &(dyn Fn() -> Box<dyn Distributed> + Sync)), ("soft", &soft)] {
         let alone = sums(None, &of, engine, 2e-3);
         assert!(
             alone.len() == 22 && (name == "hard" || alone.iter().filter(|seen| !seen.contains("ends: 0")).count() > 15)
@@ -343,8 +361,9 @@ fn a_shared_run_is_cut_anew_where_particles_gather() {
         start.velocity[place].z += 2.0;
     }
     let (heads, schedule) = (Heads::default(), Schedule::even(1e-5, 10, 20));
-    let simulation =
-        |communicator| Simulation::with_engine(scene.clone(), start.clone(), islands()).shared(communicator, 1);
+    let simulation = |communicator| {
+        Simulation::with_distributed_engine(scene.clone(), start.clone(), islands()).shared(communicator, 1)
+    };
     let mut crew = Crew::of(2);
     let lead = crew.remove(0);
     std::thread::scope(|scope| {
@@ -372,7 +391,7 @@ fn processes_that_share_a_run_give_the_bits_of_one() {
     let law = ContactLaw::linear(3000.0);
     // few windows are long ones: islands are done again, and reach far
     for (name, of, time) in [("dilute", scene(3000, 0.02), (1e-3, 40)), ("crowded", scene(12_000, 0.05), (2e-3, 4))] {
-        let hybrid = || -> Box<dyn Engine> { Box::new(Hybrid::new(law, Integrator::VelocityVerlet, 2e-7, 1.0)) };
+        let hybrid = || -> Box<dyn Distributed> { Box::new(Hybrid::new(law, Integrator::VelocityVerlet, 2e-7, 1.0)) };
         same_bits_over_processes(&format!("{name} hard"), &of, &|| Box::new(Hard::with_islands()), time);
         same_bits_over_processes(
             &format!("{name} soft"),
@@ -388,7 +407,7 @@ fn processes_that_share_a_run_give_the_bits_of_one() {
 fn rough_spheres_have_the_same_bits_in_any_order_of_the_store_and_on_any_number_of_processes() {
     let law = ContactLaw::linear(3000.0);
     let local = || local(3000.0, 2e-7, Integrator::VelocityVerlet);
-    let hybrid = || -> Box<dyn Engine> { Box::new(Hybrid::new(law, Integrator::VelocityVerlet, 2e-7, 1.0)) };
+    let hybrid = || -> Box<dyn Distributed> { Box::new(Hybrid::new(law, Integrator::VelocityVerlet, 2e-7, 1.0)) };
     let uniform = || support_soft(Integrator::VelocityVerlet);
     let crowded = rough(scene(3000, 0.06));
     same_bits("hard", &crowded, &|| Box::new(Hard::with_islands()), true);
@@ -410,10 +429,10 @@ fn rough_spheres_have_the_same_bits_in_any_order_of_the_store_and_on_any_number_
 #[test]
 fn where_all_are_moved_at_once_every_process_moves_all() {
     let dense = scene(2000, 0.25);
-    let auto = || -> Box<dyn Engine> {
+    let auto = || -> Box<dyn Distributed> {
         Box::new(Soft::new(ContactLaw::linear(3000.0), Integrator::VelocityVerlet, 5e-7, SoftStepping::Auto))
     };
-    same_bits_over_processes("hard", &dense, &hard, (1e-3, 10));
+    same_bits_over_processes("hard", &dense, &|| Box::new(Hard::new()), (1e-3, 10));
     same_bits_over_processes("soft", &dense, &auto, (1e-3, 10));
 }
 
@@ -424,7 +443,7 @@ fn islands_are_given_up_by_all_processes_or_by_none() {
     let gas = empty([side; 3], [true; 3], small(), surface(1.0, 0.0));
     let start = random(&gas, 2000, 0.5, 1);
     let dense = (gas, start);
-    let auto = || -> Box<dyn Engine> {
+    let auto = || -> Box<dyn Distributed> {
         Box::new(Soft::new(ContactLaw::linear(30_000.0), Integrator::VelocityVerlet, 1.2e-7, SoftStepping::Auto))
     };
     let time = (2e-4, 40);

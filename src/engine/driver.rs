@@ -4,20 +4,19 @@
 //! An engine is a [`Solver`]: it solves single islands, and all particles at once. State carried from one window to the
 //! next (contacts in progress, times of recent collisions) belongs to the driver, which passes it to the method in use.
 
-use super::islands::{Domains, GatheredPart, IslandCost, IslandCounters, Islands, Solve, SpeedSummary, packed_part};
+use super::distributed::{Distributed, DistributedSolver};
+use super::islands::{IslandCost, IslandCounters, Islands, Solve, SpeedSummary};
 use super::population::PopulationSummary;
-use super::{Counters, Engine, EngineTimes, Failure, Overlap, Window};
+use super::{Counters, Engine, EngineTimes, Failure, Window};
 use crate::clock::Clock;
-use crate::communicator::Communicator;
 use crate::encounter::Couple;
 use crate::exact::ExactSum;
-use crate::particles::{Particles, Sample};
+use crate::particles::Particles;
 use crate::record::{Log, Record};
 use crate::scene::Scene;
 use crate::stored::{StoreError, Stored};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
-use std::sync::Arc;
 
 /// Data that an engine works on in a window.
 pub struct Work<'a, C> {
@@ -27,23 +26,10 @@ pub struct Work<'a, C> {
     pub scene: &'a Scene,
     /// State carried from one window to the next, by index in the store.
     pub lasting: &'a mut Vec<C>,
-    /// State carried between a particle of this process and one of another process.
-    pub abroad: &'a mut Vec<CrossRankContact<C>>,
     /// Log of the events in the window.
     pub log: &'a mut Log,
     /// Record that receives the log in the end; a solver that fills the log within a window may pass it on earlier.
     pub record: &'a mut Record,
-}
-
-/// State carried between a particle of this process and one of another process.
-#[derive(Clone)]
-pub struct CrossRankContact<C> {
-    /// The carried state, in which ids stand for the particles.
-    pub carried: C,
-    /// Index of the particle of this process.
-    pub own: u32,
-    /// Overlap of the two particles at the end of the last part of a window; `None` if they are not in contact.
-    pub overlap: Option<Overlap>,
 }
 
 /// State carried between windows, of the type of a solver.
@@ -84,12 +70,6 @@ pub trait Solver {
         window: Window,
     ) -> Option<f64>;
 
-    /// Largest cost of one island [ns/s], if it changes from window to window; the value of the lead process holds in
-    /// all processes.
-    fn allowance(&mut self) -> Option<&mut f64> {
-        None
-    }
-
     /// Adapts to the result of trying islands.
     fn judge(&mut self, _population: &PopulationSummary, _scene: &Scene, _trial: &Trial) {}
 
@@ -108,35 +88,6 @@ pub trait Solver {
     /// # Errors
     /// The engine fails; the store then holds the state at that time.
     fn everyone(&mut self, work: &mut Work<Lasting<Self>>, window: Window) -> Result<(), Failure>;
-
-    /// True if several processes can share the classical algorithm.
-    fn shares_steps(&self) -> bool {
-        false
-    }
-
-    /// Moves all particles through the window by the classical algorithm, shared by all processes of the run.
-    ///
-    /// # Errors
-    /// Errors of the classical algorithm, equal in all processes.
-    fn everyone_together(
-        &mut self,
-        work: &mut Work<Lasting<Self>>,
-        window: Window,
-        _domains: &mut Domains,
-    ) -> Result<(), Failure> {
-        self.everyone(work, window)
-    }
-
-    /// True if processes have taken the last steps together, and continue with them.
-    fn steps_together(&self) -> bool {
-        false
-    }
-
-    /// Gives the lead process, which has been shown all particles, the state that the processes continue with.
-    fn show(&mut self, _work: &mut Work<Lasting<Self>>, _domains: &Domains) {}
-
-    /// Ends the showing of all particles: each process continues with its own.
-    fn hide(&mut self) {}
 
     /// Counts of the work of the classical algorithm, plus those of islands.
     fn counters(&self, islands: &IslandCounters) -> Counters;
@@ -179,95 +130,65 @@ struct DriverState<C, S> {
 /// An engine made of a solver.
 pub struct Driver<S: Solver> {
     pub(super) solver: S,
-    islands: Islands,
-    lasting: Vec<Lasting<S>>,
-    abroad: Vec<CrossRankContact<Lasting<S>>>,
-    /// Own particles of the lead process, while it is shown those of all.
-    kept: Option<GatheredPart<Lasting<S>>>,
+    pub(super) islands: Islands<Lasting<S>>,
+    pub(super) lasting: Vec<Lasting<S>>,
     begun: bool,
     /// True if the last window ended with all particles moved at once.
     everyone_last: bool,
     log: Log,
 }
 
-impl<S: Solver> Driver<S> {
+impl<S: DistributedSolver> Driver<S> {
     /// An engine before its first window.
     pub(super) fn with(solver: S) -> Self {
         Self {
             solver,
             islands: Islands::default(),
             lasting: Vec::new(),
-            abroad: Vec::new(),
-            kept: None,
             begun: false,
             everyone_last: false,
             log: Log::default(),
         }
     }
 
-    /// Moves particles by islands as long as these are cheaper. Returns the time covered [s].
-    fn by_islands(&mut self, work: &mut Work<Lasting<S>>, window: Window) -> Result<f64, Failure> {
+    /// Sets up the state at the start of a run.
+    fn begin(&mut self, work: &mut Work<Lasting<S>>, window: Window) {
+        if !std::mem::replace(&mut self.begun, true) && self.islands.processes.is_lead() {
+            self.solver.begin(work, window);
+        }
+    }
+
+    /// Data for the choice between islands and the classical algorithm; `None` if islands are not tried.
+    fn choice(&mut self, work: &mut Work<Lasting<S>>, window: Window) -> Option<IslandCost> {
         let population = self.islands.population(work);
         let speeds = self.islands.speeds(work, &population);
         let fallback_cost = self.solver.fallback_cost(&population, &speeds, work.scene, window);
-        let allowed = self.solver.allowance().copied();
-        let (Some(fallback_cost), allowed, speeds) = self.islands.of_lead((fallback_cost, allowed, speeds)) else {
-            return Ok(0.0);
-        };
-        if let (Some(own), Some(allowed)) = (self.solver.allowance(), allowed) {
-            *own = allowed;
-        }
+        let (fallback_cost, speeds) = self.of_lead(fallback_cost, speeds);
+        let choice = IslandCost { population, speeds, fallback_cost: fallback_cost? };
         self.solver.hand_over(work.lasting);
-        let before = self.islands.counters();
-        let choice = IslandCost { population: &population, speeds, fallback_cost };
-        let done = self.islands.advance(self.solver.islands(), work, window, choice);
+        Some(choice)
+    }
+
+    /// Adapts to the result of trying islands: they have covered the time `done` [s].
+    fn judge(&mut self, choice: &IslandCost, scene: &Scene, before: IslandCounters, done: &Result<f64, Failure>) {
+        self.islands.processes.share_counts(&mut self.islands.counters, &before);
         let after = self.islands.counters();
-        if let Ok(done) = done {
-            self.solver.judge(&population, work.scene, &Trial { done, before, after });
+        if let &Ok(done) = done {
+            self.solver.judge(&choice.population, scene, &Trial { done, before, after });
         }
         if after.neighbour_builds != before.neighbour_builds {
             self.solver.disturb();
         }
-        done
     }
 
     /// Calls `visit` with all carried state, of the driver and of the solver.
-    fn for_each_lasting(&self, visit: &mut dyn FnMut(Lasting<S>)) {
+    pub(super) fn for_each_lasting(&self, visit: &mut dyn FnMut(Lasting<S>)) {
         self.lasting.iter().copied().for_each(&mut *visit);
         self.solver.for_each_kept(visit);
     }
-
-    fn window(&mut self, work: &mut Work<Lasting<S>>, window: Window) -> Result<(), Failure> {
-        if !self.begun {
-            if self.islands.is_lead() {
-                self.solver.begin(work, window);
-            }
-            self.begun = true;
-        }
-        let done = self.by_islands(work, window)?;
-        self.everyone_last = done < window.duration;
-        if done >= window.duration {
-            return Ok(());
-        }
-        let rest = Window { start: window.start + done, duration: window.duration - done };
-        if let Some(domains) =
-            self.islands.domains().filter(|domains| domains.is_worth_it() && self.solver.shares_steps())
-        {
-            self.solver.hand_over(work.lasting);
-            return self.solver.everyone_together(work, rest, domains);
-        }
-        if self.islands.is_cut() {
-            self.solver.hand_over(work.lasting);
-            self.islands.assemble(self.solver.islands(), work);
-        }
-        if !self.islands.is_lead() {
-            return Ok(());
-        }
-        self.solver.everyone(work, rest)
-    }
 }
 
-impl<S: Solver> Engine for Driver<S> {
+impl<S: DistributedSolver> Engine for Driver<S> {
     fn advance(
         &mut self,
         particles: &mut Particles,
@@ -276,79 +197,31 @@ impl<S: Solver> Engine for Driver<S> {
         record: &mut Record,
     ) -> Result<(), Failure> {
         let (mut log, mut lasting) = (std::mem::take(&mut self.log), std::mem::take(&mut self.lasting));
-        let mut abroad = std::mem::take(&mut self.abroad);
-        let mut work = Work { particles, scene, lasting: &mut lasting, abroad: &mut abroad, log: &mut log, record };
-        let result = self.window(&mut work, window);
-        (self.lasting, self.abroad) = (lasting, abroad);
+        let mut work = Work { particles, scene, lasting: &mut lasting, log: &mut log, record };
+        self.begin(&mut work, window);
+        let (before, choice) = (self.islands.counters(), self.choice(&mut work, window));
+        let mut done = Ok(0.0);
+        if let Some(choice) = choice {
+            done = self.islands.advance(self.solver.islands(), &mut work, window, &choice);
+            self.judge(&choice, scene, before, &done);
+        }
+        let result = done.and_then(|done| {
+            self.everyone_last = done < window.duration;
+            let rest = Window { start: window.start + done, duration: window.duration - done };
+            if self.everyone_last { self.by_all(&mut work, rest) } else { Ok(()) }
+        });
+        self.lasting = lasting;
         record.absorb(&mut log);
         self.log = log;
         result
-    }
-
-    fn share(&mut self, communicator: Arc<dyn Communicator>, sample: &Sample, scene: &Scene) {
-        self.islands.share(communicator, sample, scene);
-    }
-
-    fn is_cut(&self) -> bool {
-        self.islands.is_cut() && self.kept.is_none()
-    }
-
-    fn balance(&mut self, particles: &Particles, scene: &Scene) {
-        if self.is_cut() {
-            self.islands.balance(particles, scene);
-        }
-    }
-
-    fn show(&mut self, particles: &mut Particles, scene: &Scene, every: u32) {
-        if self.is_cut() {
-            let (mut lasting, mut abroad) = (std::mem::take(&mut self.lasting), std::mem::take(&mut self.abroad));
-            let (log, record) = (&mut Log::default(), &mut Record::default());
-            let mut work = Work { particles, scene, lasting: &mut lasting, abroad: &mut abroad, log, record };
-            let together = self.solver.steps_together();
-            self.kept = self.islands.show(self.solver.islands(), &mut work, every);
-            if let Some(domains) = self.islands.domains().filter(|_| together && every <= 1) {
-                self.solver.show(&mut work, domains);
-            }
-            (self.lasting, self.abroad) = (lasting, abroad);
-        }
-    }
-
-    fn gives_parts(&self) -> bool {
-        // the list of shared steps is stored as a whole
-        self.is_cut() && !self.solver.steps_together()
-    }
-
-    fn packed(&self, particles: &Particles) -> Vec<u8> {
-        packed_part::<S::Islands>(particles, &self.lasting, &self.abroad)
-    }
-
-    fn take_parts(
-        &mut self,
-        particles: &mut Particles,
-        scene: &Scene,
-        count: usize,
-        next: &mut dyn FnMut(usize) -> Vec<u8>,
-    ) {
-        let (mut lasting, mut abroad) = (std::mem::take(&mut self.lasting), std::mem::take(&mut self.abroad));
-        let (log, record) = (&mut Log::default(), &mut Record::default());
-        let mut work = Work { particles, scene, lasting: &mut lasting, abroad: &mut abroad, log, record };
-        self.islands.take_parts(self.solver.islands(), &mut work, count, next);
-        (self.lasting, self.abroad) = (lasting, abroad);
-    }
-
-    fn hide(&mut self, particles: &mut Particles) {
-        if let Some(part) = self.kept.take() {
-            self.solver.hide();
-            self.islands.put_back(part, particles, (&mut self.lasting, &mut self.abroad));
-        }
     }
 
     fn forget(&mut self) {
         self.solver.forget();
     }
 
-    fn counters(&self) -> Counters {
-        self.solver.counters(&self.islands.counters())
+    fn work_done(&self) -> (Counters, EngineTimes) {
+        (self.solver.counters(&self.islands.counters()), self.solver.spent(self.islands.spent))
     }
 
     fn elastic_energy(&self) -> f64 {
@@ -357,11 +230,7 @@ impl<S: Solver> Engine for Driver<S> {
             let mut sum = ExactSum::default();
             let energy = |carried: &Lasting<S>| self.solver.islands().energy(carried);
             self.for_each_lasting(&mut |carried| sum.add(energy(&carried)));
-            if self.is_cut() {
-                // two processes have it
-                self.abroad.iter().for_each(|abroad| sum.add(0.5 * energy(&abroad.carried)));
-                self.islands.total(&mut [&mut sum]);
-            }
+            self.islands.processes.add_energy(&mut sum, energy);
             sum.value()
         })
     }
@@ -372,12 +241,6 @@ impl<S: Solver> Engine for Driver<S> {
         });
     }
 
-    fn touching_abroad(&self) -> Vec<(u32, Overlap)> {
-        let abroad: &[_] = if self.is_cut() { &self.abroad } else { &[] };
-        let contacts = abroad.iter().filter_map(|abroad| Some((abroad.own, abroad.overlap?)));
-        contacts.filter(|(_, overlap)| overlap.depth > 0.0).collect()
-    }
-
     fn in_islands(&self) -> Option<&[u32]> {
         (!self.everyone_last).then(|| self.islands.members())
     }
@@ -385,10 +248,6 @@ impl<S: Solver> Engine for Driver<S> {
     fn use_clock(&mut self, clock: Clock) {
         self.islands.clock = clock.clone();
         self.solver.use_clock(clock);
-    }
-
-    fn spent(&self) -> EngineTimes {
-        self.solver.spent(self.islands.spent)
     }
 
     fn stored(&self) -> Result<Stored, StoreError> {

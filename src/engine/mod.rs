@@ -1,8 +1,10 @@
 //! Collision models: engines that move spheres and compute their collisions.
 //!
 //! An [`Engine`] moves every particle through one window under gravity and impacts. It knows nothing of drag (the
-//! simulation kicks before and after the window), of sampling, or of other engines.
+//! simulation kicks before and after the window), of sampling, of other engines, or of other processes. An engine whose
+//! run several processes can share is [`Distributed`](distributed::Distributed) besides.
 
+pub mod distributed;
 pub mod driver;
 pub mod hard;
 pub mod hybrid;
@@ -14,16 +16,14 @@ pub mod soft;
 pub use crate::encounter::Partner;
 
 use crate::clock::Clock;
-use crate::communicator::Communicator;
 use crate::contact_law::BrokenContract;
 use crate::encounter::Couple;
 use crate::neighbours::NeighbourList;
-use crate::particles::{Particles, Sample};
+use crate::particles::Particles;
 use crate::record::Record;
 use crate::scene::Scene;
 use crate::stored::{StoreError, Stored};
 use serde::{Deserialize, Serialize};
-use std::sync::Arc;
 use std::time::Duration;
 
 /// An interval of simulated time to be moved through.
@@ -70,84 +70,27 @@ pub trait Engine {
         record: &mut Record,
     ) -> Result<(), Failure>;
 
-    /// Shares the run with other processes, whose engines are called in the same way. As long as it pays, each process
-    /// has the particles of a domain of its own; otherwise the lead process has all. An engine that cannot share leaves
-    /// all work to the lead process.
-    ///
-    /// If other processes have a part of the sample, each process has the particles of its block, among
-    /// [blocks of one size](crate::domain::blocks::Blocks::of_one_size). Otherwise the lead process has all particles,
-    /// and only these matter until they are first cut into domains.
-    fn share(&mut self, _communicator: Arc<dyn Communicator>, _sample: &Sample, _scene: &Scene) {}
-
-    /// True if each process has only the particles of a domain of its own.
-    fn is_cut(&self) -> bool {
-        false
-    }
-
-    /// Cuts the run into new domains, from the next window on, if a process has many more particles than others. All
-    /// processes must call it, between two windows.
-    fn balance(&mut self, _particles: &Particles, _scene: &Scene) {}
-
-    /// Shows the lead process, in place of its own particles, copies of those with an id divisible by `every` (1: all)
-    /// and of those in contact with them. All processes must call it, between two windows.
-    fn show(&mut self, _particles: &mut Particles, _scene: &Scene, _every: u32) {}
-
-    /// True if the state carried between windows can be [`packed`](Self::packed) in parts now. Otherwise the lead
-    /// process has to be shown all particles for it.
-    fn gives_parts(&self) -> bool {
-        self.is_cut()
-    }
-
-    /// Packs the particles of this process and their carried state into bytes for [`take_parts`](Self::take_parts),
-    /// while the run is cut.
-    fn packed(&self, _particles: &Particles) -> Vec<u8> {
-        Vec::new()
-    }
-
-    /// Replaces all particles and carried state by `count` parts that processes have [`packed`](Self::packed). `next`
-    /// gives the lead process, or the only process, one part after the other. All processes must call it.
-    fn take_parts(
-        &mut self,
-        _particles: &mut Particles,
-        _scene: &Scene,
-        _count: usize,
-        _next: &mut dyn FnMut(usize) -> Vec<u8>,
-    ) {
-    }
-
-    /// Gives the lead process its own particles back, to continue with.
-    fn hide(&mut self, _particles: &mut Particles) {}
-
     /// Frees memory that only a further window would need, at the end of the run; such a window then begins from
     /// scratch. Counts and times stay.
     fn forget(&mut self) {}
 
-    /// Counts of the work done so far, equal on every machine.
-    fn counters(&self) -> Counters;
+    /// Work done so far: counts, equal on every machine, and wall-clock times of the parts common to engines. The rest of
+    /// the time is contacts and collisions.
+    fn work_done(&self) -> (Counters, EngineTimes);
 
-    /// Energy [J] stored in contacts now (soft: springs); 0 if contacts are instantaneous. While the run is cut, this
-    /// is the energy of all processes, which must all call it.
+    /// Energy [J] stored in contacts now (soft: springs); 0 if contacts are instantaneous.
     fn elastic_energy(&self) -> f64;
 
     /// Calls `visit` with the pairs in contact now, by index in the store (soft: contacts in progress at the last
     /// check). There are none if contacts are instantaneous.
     fn for_each_touching(&self, visit: &mut dyn FnMut(Couple));
 
-    /// Contacts in progress between a particle of this process, given by index in the store, and one of another
-    /// process. Each of the two processes has them.
-    fn touching_abroad(&self) -> Vec<(u32, Overlap)> {
-        Vec::new()
-    }
-
     /// Indices of the particles that islands moved last; `None` if all were moved at once by the classical algorithm.
     fn in_islands(&self) -> Option<&[u32]>;
 
-    /// Gives the engine a clock for [`spent`](Self::spent). Within long windows the engine tells the clock its
-    /// simulated time. Without a clock it measures no time.
+    /// Gives the engine a clock for its times. Within long windows the engine tells the clock its simulated time.
+    /// Without a clock it measures no time.
     fn use_clock(&mut self, clock: Clock);
-
-    /// Wall-clock time so far of the parts common to engines; the rest is contacts and collisions.
-    fn spent(&self) -> EngineTimes;
 
     /// State between windows: all that an engine with equal settings needs to continue with the same bits. It may be
     /// called between windows only.

@@ -81,7 +81,15 @@ impl RunLoop {
             has_moved = true;
             match self.schedule.piece(self.done, self.now()) {
                 ScheduleStep::Windows(windows) => {
-                    if !self.through_windows(windows, simulation, observers, pause)? {
+                    let (before, together) = (self.done, self.schedule.together(self.done));
+                    let window = self.schedule.window * together as f64;
+                    let ran = simulation.run_while(windows, window, &mut |simulation, ran| {
+                        let now = (before + ran * together) as f64 * self.schedule.window;
+                        self.see_between(simulation, (now, 0.5 * window), observers);
+                        !pause()
+                    })?;
+                    self.done += ran * together;
+                    if ran < windows {
                         return Ok(false);
                     }
                 }
@@ -98,39 +106,30 @@ impl RunLoop {
         }
     }
 
-    /// Runs the given number of whole windows; returns false if the run was stopped before.
-    fn through_windows(
+    /// Shows the simulation at `now` [s], between two windows, to the observers whose time has come. Velocities lack a
+    /// half-kick of drag, `kick` [s].
+    fn see_between(
         &mut self,
-        windows: u64,
         simulation: &mut Simulation,
+        (now, kick): (f64, f64),
         observers: &mut [&mut dyn Observer],
-        pause: &mut dyn FnMut() -> bool,
-    ) -> Result<bool, Failure> {
-        let (before, together) = (self.done, self.schedule.together(self.done));
-        let window = self.schedule.window * together as f64;
-        let ran = simulation.run_while(windows, window, &mut |simulation, ran| {
-            let now = (before + ran * together) as f64 * self.schedule.window;
-            let by_parts =
-                |place: &usize| observers[*place].sight() == Needs::Parts && simulation.is_seen_by_all(*place);
-            let (parts, due): (Vec<usize>, Vec<usize>) = self.due(now).into_iter().partition(by_parts);
-            if !parts.is_empty() {
-                simulation.look(0.5 * window, |simulation| {
-                    show_parts(simulation, observers, &parts);
-                    self.see(simulation, now, observers, &parts);
-                });
+    ) {
+        let by_parts = |place: &usize| observers[*place].sight() == Needs::Parts && simulation.is_seen_by_all(*place);
+        let (parts, due): (Vec<usize>, Vec<usize>) = self.due(now).into_iter().partition(by_parts);
+        if !parts.is_empty() {
+            simulation.look(kick, |simulation| {
+                show_parts(simulation, observers, &parts);
+                self.see(simulation, now, observers, &parts);
+            });
+        }
+        if !due.is_empty() {
+            show(simulation, due.iter().map(|place| observers[*place].sight()));
+            if due.iter().any(|place| observers[*place].needs_velocities()) {
+                simulation.look(kick, |simulation| self.see(simulation, now, observers, &due));
+            } else {
+                self.see(simulation, now, observers, &due);
             }
-            if !due.is_empty() {
-                show(simulation, due.iter().map(|place| observers[*place].sight()));
-                if due.iter().any(|place| observers[*place].needs_velocities()) {
-                    simulation.look(0.5 * window, |simulation| self.see(simulation, now, observers, &due));
-                } else {
-                    self.see(simulation, now, observers, &due);
-                }
-            }
-            !pause()
-        })?;
-        self.done += ran * together;
-        Ok(ran == windows)
+        }
     }
 
     /// [s] present time according to the schedule. The time of the simulation itself has rounding errors that add up

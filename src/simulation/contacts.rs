@@ -2,6 +2,8 @@
 
 use super::Simulation;
 use crate::encounter::{Couple, FrameTime};
+use crate::engine::Overlap;
+use crate::engine::distributed::Distributed;
 use crate::neighbours::overlapping;
 
 /// Summary of all contacts in progress; both numbers are 0 where contacts are instantaneous.
@@ -64,12 +66,16 @@ impl Simulation {
     /// (soft). Each of the two processes lists such a contact; the list is empty unless each process has a part of
     /// the particles.
     pub fn contacts_abroad(&self) -> Vec<(u32, f64)> {
-        self.engine.touching_abroad().into_iter().map(|(place, overlap)| (place, overlap.depth)).collect()
+        self.touching_abroad().into_iter().map(|(place, overlap)| (place, overlap.depth)).collect()
+    }
+
+    fn touching_abroad(&self) -> Vec<(u32, Overlap)> {
+        self.engine.distributed().map_or_else(Vec::new, Distributed::touching_abroad)
     }
 
     /// Summary of all contacts in progress, as a sum of the [`sample`](Self::sample).
     pub fn touching(&self) -> ContactSummary {
-        let abroad = self.engine.touching_abroad();
+        let abroad = self.touching_abroad();
         let deepest = abroad.iter().map(|(_, overlap)| overlap.depth / overlap.diameter).fold(0.0, f64::max);
         let (mut ends, mut largest) = ([abroad.len() as i64], [deepest]);
         self.for_each_contact(|couple, overlap| {

@@ -1,11 +1,64 @@
-//! The engine that an experiment asks for.
+//! The engine of a simulation, and the one that an experiment asks for.
 
 use crate::engine::Engine;
+use crate::engine::distributed::Distributed;
 use crate::engine::hard::{Hard, SteppedHard};
 use crate::engine::hybrid::Hybrid;
 use crate::engine::soft::Soft;
 use crate::experiment::{Experiment, HardStepping, Spheres, TimeStep};
 use crate::predict::contact::ContactTimes;
+use std::ops::{Deref, DerefMut};
+
+/// Engine of a simulation.
+pub enum SimulationEngine {
+    /// An engine that runs in one process. Other processes that share the simulation leave all work to it.
+    Single(Box<dyn Engine>),
+    /// An engine whose run several processes can share.
+    Distributed(Box<dyn Distributed>),
+}
+
+impl SimulationEngine {
+    /// The engine, if several processes can share its run.
+    pub fn distributed(&self) -> Option<&dyn Distributed> {
+        match self {
+            Self::Single(_) => None,
+            Self::Distributed(engine) => Some(&**engine),
+        }
+    }
+
+    /// The engine to be changed, if several processes can share its run.
+    pub fn distributed_mut(&mut self) -> Option<&mut dyn Distributed> {
+        match self {
+            Self::Single(_) => None,
+            Self::Distributed(engine) => Some(&mut **engine),
+        }
+    }
+
+    /// True if each process has only the particles of a domain of its own.
+    pub fn is_cut(&self) -> bool {
+        self.distributed().is_some_and(Distributed::is_cut)
+    }
+}
+
+impl Deref for SimulationEngine {
+    type Target = dyn Engine;
+
+    fn deref(&self) -> &Self::Target {
+        match self {
+            Self::Single(engine) => &**engine,
+            Self::Distributed(engine) => &**engine,
+        }
+    }
+}
+
+impl DerefMut for SimulationEngine {
+    fn deref_mut(&mut self) -> &mut Self::Target {
+        match self {
+            Self::Single(engine) => &mut **engine,
+            Self::Distributed(engine) => &mut **engine,
+        }
+    }
+}
 
 /// [s] longest soft time step of an experiment with `particles` particles; infinite if nothing can touch.
 pub fn soft_step(experiment: &Experiment, particles: usize) -> f64 {
@@ -25,19 +78,20 @@ pub fn may_touch(experiment: &Experiment, particles: usize) -> bool {
 }
 
 /// The engine that an experiment with `particles` particles asks for.
-pub fn engine(experiment: &Experiment, particles: usize) -> Box<dyn Engine> {
-    match experiment.run.spheres {
+pub fn engine(experiment: &Experiment, particles: usize) -> SimulationEngine {
+    let engine: Box<dyn Distributed> = match experiment.run.spheres {
         Spheres::Soft(law) => {
             let settings = &experiment.soft;
             Box::new(Soft::new(law, settings.integrator, soft_step(experiment, particles), settings.stepping))
         }
         Spheres::Hard => match experiment.hard.stepping {
             HardStepping::Events => Box::new(Hard::new().with_contact_time(experiment.hard.contact_time)),
-            HardStepping::Steps { theta } => Box::new(SteppedHard::new(theta)),
+            HardStepping::Steps { theta } => return SimulationEngine::Single(Box::new(SteppedHard::new(theta))),
         },
         Spheres::Hybrid(law) => {
             let (settings, step) = (&experiment.soft, soft_step(experiment, particles));
             Box::new(Hybrid::new(law, settings.integrator, step, experiment.hybrid.clearance))
         }
-    }
+    };
+    SimulationEngine::Distributed(engine)
 }

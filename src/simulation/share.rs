@@ -2,6 +2,7 @@
 
 use super::Simulation;
 use crate::communicator::Communicator;
+use crate::engine::distributed::Distributed;
 use crate::exact::values;
 use crate::experiment::Experiment;
 use crate::particles::{Particles, Sample, fingerprint_of, for_each_slice};
@@ -86,7 +87,9 @@ impl Simulation {
             // its memory is freed too
             self.particles = Particles::default();
         }
-        self.engine.share(communicator.clone(), &Sample::from(&self.particles), &self.scene);
+        if let Some(engine) = self.engine.distributed_mut() {
+            engine.share(communicator.clone(), &Sample::from(&self.particles), &self.scene);
+        }
         self.share = Some(SharedSimulation { communicator, informed: vec![false; observers] });
         self
     }
@@ -102,7 +105,9 @@ impl Simulation {
     /// with it.
     pub fn shared_in_parts(mut self, communicator: Arc<dyn Communicator>, observers: usize) -> Self {
         let sample = Sample::part(&self.particles, Some(&*communicator));
-        self.engine.share(communicator.clone(), &sample, &self.scene);
+        if let Some(engine) = self.engine.distributed_mut() {
+            engine.share(communicator.clone(), &sample, &self.scene);
+        }
         if !self.engine.is_cut() {
             // an engine that leaves all particles to the lead
             let mut all = Particles::default();
@@ -152,7 +157,9 @@ impl Simulation {
         self.hide();
         self.order(&Order::Show(every));
         let agitation = if every > 1 && self.engine.is_cut() { Some(self.sample().agitation()) } else { None };
-        self.engine.show(&mut self.particles, &self.scene, every);
+        if let Some(engine) = self.engine.distributed_mut() {
+            engine.show(&mut self.particles, &self.scene, every);
+        }
         if every <= 1 {
             self.collect_records();
         }
@@ -192,7 +199,9 @@ impl Simulation {
     /// Returns to the particles of this process.
     pub(super) fn hide(&mut self) {
         self.shown = None;
-        self.engine.hide(&mut self.particles);
+        if let Some(engine) = self.engine.distributed_mut() {
+            engine.hide(&mut self.particles);
+        }
     }
 
     /// Gives the lead all records.
@@ -211,7 +220,8 @@ impl Simulation {
         if self.shown.as_ref().is_some_and(|shown| shown.every > 1) {
             self.hide();
         }
-        self.parts().filter(|_| self.engine.gives_parts()).map_or(0, Communicator::size)
+        let gives_parts = self.engine.distributed().is_some_and(Distributed::gives_parts);
+        self.parts().filter(|_| gives_parts).map_or(0, Communicator::size)
     }
 
     /// Collects all records for a [`snapshot`](Self::snapshot), and passes its parts to `take`, one after the other,
@@ -219,9 +229,9 @@ impl Simulation {
     pub fn give_parts(&mut self, take: &mut dyn FnMut(Vec<u8>)) {
         self.order(&Order::Give);
         self.collect_records();
-        let Some(communicator) = self.parts() else { return };
+        let (Some(communicator), Some(engine)) = (self.parts(), self.engine.distributed()) else { return };
         for rank in 0..communicator.size() {
-            let own = if rank == communicator.rank() { self.engine.packed(&self.particles) } else { Vec::new() };
+            let own = if rank == communicator.rank() { engine.packed(&self.particles) } else { Vec::new() };
             for part in communicator.collect(own).into_iter().skip(rank).take(1) {
                 take(part);
             }
@@ -237,8 +247,14 @@ impl Simulation {
         if let Some(share) = &self.share {
             share.communicator.broadcast(postcard::to_stdvec(&(count as u64, self.engine.stored()?))?);
         }
-        self.engine.take_parts(&mut self.particles, &self.scene, count, next);
+        self.replace_by_parts(count, next);
         if self.sample().count() == self.totals.count { Ok(()) } else { Err(StoreError::misfit()) }
+    }
+
+    fn replace_by_parts(&mut self, count: usize, next: &mut dyn FnMut(usize) -> Vec<u8>) {
+        if let Some(engine) = self.engine.distributed_mut() {
+            engine.take_parts(&mut self.particles, &self.scene, count, next);
+        }
     }
 
     /// Receives the process's part of a state from the lead.
@@ -249,7 +265,7 @@ impl Simulation {
         let Some(share) = &self.share else { return Ok(()) };
         let (count, engine): (u64, Stored) = postcard::from_bytes(&share.communicator.broadcast(Vec::new()))?;
         self.engine.restore(&engine)?;
-        self.engine.take_parts(&mut self.particles, &self.scene, count as usize, &mut |_| Vec::new());
+        self.replace_by_parts(count as usize, &mut |_| Vec::new());
         self.sample().count();
         Ok(())
     }

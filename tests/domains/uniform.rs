@@ -48,8 +48,11 @@ pub fn left_and_resumed(sizes: [Option<usize>; 2], of: &(Scene, Particles)) -> (
     let (window, left) = (1e-3 / WINDOWS as f64, 5);
     let part = |size: Option<usize>, snapshot: Option<&Snapshot>| -> (Snapshot, (u64, Ledger)) {
         let plain = || {
-            let simulation =
-                Simulation::with_engine(of.0.clone(), of.1.clone(), support_soft(Integrator::VelocityVerlet));
+            let simulation = Simulation::with_distributed_engine(
+                of.0.clone(),
+                of.1.clone(),
+                support_soft(Integrator::VelocityVerlet),
+            );
             match snapshot {
                 Some(snapshot) => simulation.resume(snapshot.clone()).unwrap(),
                 None => simulation,
@@ -96,8 +99,9 @@ fn shared_uniform_steps_fail_as_those_of_one_process() {
     let failure = failure.unwrap_err();
     assert!(matches!(failure, Failure::OverlapTooLarge { .. }) && alone.time > 5e-5, "{failure:?} at {}", alone.time);
     for size in [2, 3, 4] {
-        let plain =
-            |communicator| Simulation::with_engine(of.0.clone(), of.1.clone(), engine()).shared(communicator, 0);
+        let plain = |communicator| {
+            Simulation::with_distributed_engine(of.0.clone(), of.1.clone(), engine()).shared(communicator, 0)
+        };
         let mut crew = Crew::of(size);
         let lead = crew.remove(0);
         std::thread::scope(|scope| {

@@ -4,7 +4,7 @@ use super::collapse_detector::Recent;
 use super::events::{EventLoop, WindowPart};
 use crate::encounter::Couple;
 use crate::engine::Window;
-use crate::engine::islands::{GivenUp, Island, Solve};
+use crate::engine::islands::{GivenUp, Island, Solve, TracedIslands};
 use crate::scene::Scene;
 
 /// Solver of islands by events. The only carried state are recent collisions, for the TC model.
@@ -15,6 +15,7 @@ pub struct HardIslands {
 }
 
 impl Solve for HardIslands {
+    type Finder<'a> = TracedIslands<'a>;
     type Carried = Recent;
     type Scratch = EventLoop;
 
@@ -32,10 +33,6 @@ impl Solve for HardIslands {
 
     fn touching(&self, _recent: &Recent) -> Option<Couple> {
         None
-    }
-
-    fn traces(&self) -> bool {
-        true
     }
 
     fn solve(

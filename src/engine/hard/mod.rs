@@ -13,6 +13,7 @@ mod steps;
 pub use impulse::{Collision, impulse};
 pub use steps::SteppedHard;
 
+use super::distributed::DistributedSolver;
 use super::driver::{Driver, Solver, Trial, Work};
 use super::islands::{IslandCounters, SpeedSummary};
 use super::population::PopulationSummary;
@@ -199,3 +200,5 @@ impl Solver for HardSolver {
         self.memory = state.memory;
     }
 }
+
+impl DistributedSolver for HardSolver {}

@@ -120,8 +120,8 @@ impl Engine for SteppedHard {
         Ok(())
     }
 
-    fn counters(&self) -> Counters {
-        self.counters
+    fn work_done(&self) -> (Counters, EngineTimes) {
+        (self.counters, EngineTimes::default().with_list(&self.list))
     }
 
     fn elastic_energy(&self) -> f64 {
@@ -136,10 +136,6 @@ impl Engine for SteppedHard {
 
     fn use_clock(&mut self, clock: Clock) {
         self.list.clock = clock;
-    }
-
-    fn spent(&self) -> EngineTimes {
-        EngineTimes::default().with_list(&self.list)
     }
 
     fn stored(&self) -> Result<Stored, StoreError> {

@@ -16,9 +16,10 @@
 //! Islands that are too large for local stepping (a bed) are stepped uniformly by themselves, while all other particles
 //! fly and collide.
 
+use super::distributed::DistributedSolver;
 use super::driver::{Driver, Solver, Trial, Work};
 use super::hard::Collision;
-use super::islands::{GivenUp, Island, IslandCounters, Solve, SpeedSummary};
+use super::islands::{BoundedIslands, GivenUp, Island, IslandCounters, Solve, SpeedSummary};
 use super::population::PopulationSummary;
 use super::soft::{
     Allowance, Contact, InstantaneousRule, IslandScratch, ReachedTouch, Soft, SoftIslands, SoftSolver, SoftState,
@@ -108,6 +109,7 @@ impl InstantaneousRule for Impulses {
 }
 
 impl Solve for HybridIslands {
+    type Finder<'a> = BoundedIslands<'a>;
     type Carried = Contact;
     type Scratch = IslandScratch;
 
@@ -221,3 +223,5 @@ impl Solver for HybridSolver {
         self.soft.resume(state);
     }
 }
+
+impl DistributedSolver for HybridSolver {}

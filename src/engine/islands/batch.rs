@@ -1,6 +1,6 @@
 //! Islands solved one after the other by one thread, with their results close together in memory.
 
-use super::cluster::{Clusters, Landing, PiecewiseTrajectory, VelocityChange};
+use super::cluster::{IslandFinder, Landing, Trajectories, fill};
 use super::island::Island;
 use super::search::Label;
 use super::{IslandCounters, Solve};
@@ -102,9 +102,22 @@ pub struct Batch<C> {
     pub carried: Vec<C>,
     pub impacts: Vec<(Between, Impact)>,
     /// Trajectories of the particles in `states`, if the engine reports velocity changes.
-    pub ways: Vec<PiecewiseTrajectory>,
-    /// Velocity changes of those trajectories.
-    pub turns: Vec<VelocityChange>,
+    pub trajectories: Trajectories,
+}
+
+impl<C> Batch<C> {
+    /// A batch with room for the results of the islands `which`. Memory is reserved at once: threads wait for one another
+    /// if a list grows in memory that was another thread's before.
+    pub fn of<'a, F: IslandFinder<'a>>(islands: &F, which: &[usize]) -> Self {
+        let members: usize = which.iter().map(|&which| islands.members(which)).sum();
+        Self {
+            solved: Vec::with_capacity(which.len()),
+            states: Vec::with_capacity(members),
+            carried: Vec::new(),
+            impacts: Vec::with_capacity(members),
+            trajectories: F::trajectories(members),
+        }
+    }
 }
 
 /// Results of all islands of a part that is done.
@@ -224,74 +237,61 @@ pub struct Task<'a, S: Solve> {
 }
 
 impl<S: Solve> Workbench<S> {
-    /// Solves the islands `which`.
-    pub fn solve(&mut self, task: &Task<S>, clusters: &Clusters, which: &[usize]) -> Batch<S::Carried> {
-        // memory is reserved at once: threads wait for one another if a list grows in memory that was another thread's
-        // before
-        let members: usize = which.iter().map(|&which| clusters.members(which)).sum();
-        let traced = if task.solver.traces() { members } else { 0 };
-        let mut batch = Batch {
-            solved: Vec::with_capacity(which.len()),
-            states: Vec::with_capacity(members),
-            carried: Vec::new(),
-            impacts: Vec::with_capacity(members),
-            ways: Vec::with_capacity(traced),
-            turns: Vec::with_capacity(2 * traced),
-        };
-        for &which in which {
-            let island = &mut self.island;
-            clusters.fill(island, which, task.scene, task.fallen);
-            let mut carried = clusters.carried(which).iter().map(|&k| &task.carried[k as usize]);
-            let stopped = if carried.all(|carried| take_in::<S>(island, carried)) {
-                task.solver.solve(island, &mut self.scratch, task.scene, task.window, task.part)
-            } else {
-                Err(GivenUp::Failed)
-            };
-            let first = (batch.states.len(), batch.carried.len(), batch.impacts.len(), batch.ways.len());
-            if matches!(stopped, Ok(None)) {
-                batch.states.extend(
-                    (0..island.hot)
-                        .map(|k| HotParticle { place: island.places[k], motion: island.particles.motion(k) }),
-                );
-                let places = &island.places;
-                batch.carried.extend(island.carried.iter().map(|c| S::moved(c, &|local| places[local as usize])));
-                batch.impacts.append(&mut island.log.impacts);
-                if task.solver.traces() {
-                    // a stable sort: the velocity changes of one particle stay in the order of time
-                    island.turns.sort_by_key(|(local, _)| *local);
-                    let mut rest = island.turns.as_slice();
-                    for local in 0..island.hot as u32 {
-                        let (own, others) = rest.split_at(rest.partition_point(|(of, _)| *of <= local));
-                        let first = batch.turns.len();
-                        batch.turns.extend(own.iter().map(|(_, turn)| *turn));
-                        batch.ways.push(clusters.way(places[local as usize], &batch.turns[first..], first));
-                        rest = others;
-                    }
-                }
-            }
-            let stop = |place: usize| Stop {
-                place: island.places[place],
-                bystander: place >= island.hot,
-                speed: island.speed(place),
-            };
-            batch.solved.push(Solved {
-                which,
-                stopped: stopped.map(|place| place.into_iter().chain(island.also.iter().copied()).map(stop).collect()),
-                states: first.0..batch.states.len(),
-                carried: first.1..batch.carried.len(),
-                impacts: first.2..batch.impacts.len(),
-                ways: first.3..batch.ways.len(),
-                ledger: island.log.ledger,
-                events: island.events,
-                impulses: island.impulses,
-                crowd_steps: island.crowd_steps,
-                crowd_forces: island.crowd_forces,
-                pair_checks: island.pair_checks,
-                force_evaluations: island.force_evaluations,
-                updates: island.updates,
-            });
+    /// Fills the small scene of an island, and returns it with the memory of the solver. Returns `None` if carried state
+    /// belongs to a particle that is not in it.
+    pub fn fill(
+        &mut self,
+        task: &Task<S>,
+        islands: &S::Finder<'_>,
+        which: usize,
+    ) -> Option<(&mut Island<S::Carried>, &mut S::Scratch)> {
+        let Self { island, scratch } = self;
+        fill(islands, which, island, task.scene, task.fallen);
+        let mut carried = islands.carried(which).iter().map(|&k| &task.carried[k as usize]);
+        carried.all(|carried| take_in::<S>(island, carried)).then_some((island, scratch))
+    }
+
+    /// Records the result of the island `which`; `stopped` is the local index of a particle that got out of bounds.
+    pub fn record(
+        &mut self,
+        batch: &mut Batch<S::Carried>,
+        islands: &S::Finder<'_>,
+        which: usize,
+        stopped: Result<Option<usize>, GivenUp>,
+    ) {
+        let island = &mut self.island;
+        let (states, carried) = (batch.states.len(), batch.carried.len());
+        let (impacts, ways) = (batch.impacts.len(), batch.trajectories.ways.len());
+        if matches!(stopped, Ok(None)) {
+            batch.states.extend(
+                (0..island.hot).map(|k| HotParticle { place: island.places[k], motion: island.particles.motion(k) }),
+            );
+            let places = &island.places;
+            batch.carried.extend(island.carried.iter().map(|c| S::moved(c, &|local| places[local as usize])));
+            batch.impacts.append(&mut island.log.impacts);
+            islands.trace(island, &mut batch.trajectories);
         }
-        batch
+        let stop = |place: usize| Stop {
+            place: island.places[place],
+            bystander: place >= island.hot,
+            speed: island.speed(place),
+        };
+        batch.solved.push(Solved {
+            which,
+            stopped: stopped.map(|place| place.into_iter().chain(island.also.iter().copied()).map(stop).collect()),
+            states: states..batch.states.len(),
+            carried: carried..batch.carried.len(),
+            impacts: impacts..batch.impacts.len(),
+            ways: ways..batch.trajectories.ways.len(),
+            ledger: island.log.ledger,
+            events: island.events,
+            impulses: island.impulses,
+            crowd_steps: island.crowd_steps,
+            crowd_forces: island.crowd_forces,
+            pair_checks: island.pair_checks,
+            force_evaluations: island.force_evaluations,
+            updates: island.updates,
+        });
     }
 }
 
@@ -309,11 +309,13 @@ fn take_in<S: Solve>(island: &mut Island<S::Carried>, carried: &S::Carried) -> b
 mod tests {
     use super::*;
     use crate::encounter::Couple;
+    use crate::engine::islands::BoundedIslands;
 
     /// An engine that carries the index of a particle and does nothing.
     struct Idle;
 
     impl Solve for Idle {
+        type Finder<'a> = BoundedIslands<'a>;
         type Carried = u32;
         type Scratch = ();
 

@@ -5,6 +5,7 @@ use crate::engine::population::PopulationSummary;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, SQRT_2};
+use std::sync::Arc;
 
 /// Summary of the velocities of all particles in a few numbers.
 #[derive(Clone, Copy, Serialize, Deserialize)]
@@ -18,9 +19,9 @@ pub struct SpeedSummary {
 }
 
 /// Data for the choice between islands and the classical algorithm.
-pub struct IslandCost<'a> {
+pub struct IslandCost {
     /// Summary of all particles.
-    pub population: &'a PopulationSummary,
+    pub population: Arc<PopulationSummary>,
     /// Summary of their velocities.
     pub speeds: SpeedSummary,
     /// Cost of the classical algorithm per particle and simulated time [ns/s].
@@ -58,13 +59,13 @@ pub struct PartLimits {
     pub fallback_cost: f64,
     /// Number of contacts that are taken into crowds and out again in every part.
     pub held: usize,
-    /// True if the engine reports velocity changes.
-    pub traces: bool,
+    /// Costs of islands.
+    pub costs: PartCosts,
 }
 
 /// Costs of a part, in ns on one core, and the density limit for islands. They were measured once
 /// (docs/architecture.md, "Islands"). They only serve to choose, not to predict the run time.
-struct PartCosts {
+pub struct PartCosts {
     /// [ns] flight, cells and ranges of cells, per particle.
     search: f64,
     /// [ns] check of one pair.
@@ -80,11 +81,11 @@ struct PartCosts {
 
 /// Costs of islands that reach as far as their particles might fly. Case D: islands of 20 at parts of 0.5 ms, of 200 at
 /// 0.7 ms.
-const ANYWHERE: PartCosts = PartCosts { search: 90.0, pair: 1.2, island: 1400.0, reach: 1.5, crowded: 0.25 };
+pub const BOUNDED: PartCosts = PartCosts { search: 90.0, pair: 1.2, island: 1400.0, reach: 1.5, crowded: 0.25 };
 
 /// Costs of islands that reach as far as their particles do fly. Scene S1: 1.1 µs per hot particle at parts of 0.375
 /// ms, 1.2 at 0.5 ms, 1.6 at 0.75 ms.
-const TRACED: PartCosts = PartCosts { search: 80.0, pair: 1.2, island: 1000.0, reach: 0.5, crowded: 0.15 };
+pub const TRACED: PartCosts = PartCosts { search: 80.0, pair: 1.2, island: 1000.0, reach: 0.5, crowded: 0.15 };
 
 /// The part of a window that costs least.
 #[derive(Clone, Copy)]
@@ -106,8 +107,8 @@ pub fn cheapest_part(
 ) -> Option<Cheapest> {
     /// [ns] cost per contact of a crowd: copying its particles into the crowd and back, and their neighbour list.
     const HELD: f64 = 500.0;
-    let PartLimits { left, fallback_cost, held, traces } = *limits;
-    let weights = if traces { &TRACED } else { &ANYWHERE };
+    let PartLimits { left, fallback_cost, held, costs: weights } = limits;
+    let (left, fallback_cost, held) = (*left, *fallback_cost, *held);
     let &PopulationSummary { density, largest, mean_radius: [mean, mean_square], ref census, .. } = population;
     let count = population.count as f64;
     let search = weights.search + HELD * held as f64 / count;

@@ -1,45 +1,44 @@
 //! Hot particles gathered into islands, with bounds on the reach of each.
 
-mod bed;
-mod course;
+mod bounded;
+mod crowd_growth;
 mod fill;
-mod look;
+mod finder;
 mod reach;
 mod retries;
-mod sight;
+mod traced;
+mod trajectories;
 
-use course::DeflectedFlights;
-pub use course::{PiecewiseTrajectory, VelocityChange};
+pub use bounded::BoundedIslands;
+pub use fill::fill;
+pub use finder::{IslandFinder, IslandLimits};
+pub use reach::Reach;
 use reach::{motion, two_largest};
-pub use sight::HotParticleDigest;
+pub use traced::TracedIslands;
+pub use trajectories::{Trajectories, VelocityChange};
 
 use super::LARGEST_ISLAND;
 use super::batch::IslandResult;
 use super::search::{BoundingSphere, FirstTouch, Label, Search};
 use crate::domain::Domain;
 use crate::neighbours::along_walls;
-use crate::neighbours::cells::CellGrid;
 use crate::particles::Particles;
 use crate::scene::Scene;
 use nalgebra::Vector3;
 use smallvec::SmallVec;
 use std::ops::Range;
 
-/// Number of contacts in progress beyond which all of them form one crowd. A contact costs four times as much per step
-/// of an island as per uniform step, and with so many contacts something always touches.
-const MANY_CONTACTS: usize = 16;
-
 /// Islands, or members, that a thread takes at once; for fewer, a second thread is not worth it.
 const BATCH: usize = 64;
 
 /// A hot particle.
-struct Member {
-    place: u32,
-    cluster: u32,
+pub struct Member {
+    pub(in crate::engine) place: u32,
+    pub(in crate::engine) cluster: u32,
     /// The straight flight of the particle.
-    flight: BoundingSphere,
+    pub(in crate::engine) flight: BoundingSphere,
     /// The ball that holds the particle from the first touch of its island on; until then the flight is straight.
-    ball: BoundingSphere,
+    pub(in crate::engine) ball: BoundingSphere,
     /// Reach [m] about the middle of the flight that holds both the flight and the ball.
     around: f64,
     /// Reach [m] of the ball when the particles beside it were last taken in; 0 if they never were.
@@ -50,31 +49,31 @@ struct Member {
 }
 
 /// A list that rarely has more than four entries: these are stored in place, and most islands allocate no memory.
-type Few = SmallVec<[u32; 4]>;
+pub type Few = SmallVec<[u32; 4]>;
 
 /// One island in the making.
-struct Cluster {
+pub struct Cluster {
     /// Hot members, once settled in the order of their ids.
-    hot: Few,
+    pub(in crate::engine) hot: Few,
     /// Cold particles that the hot ones might hit, by index in the store, in the order of their ids.
-    bystanders: Few,
+    pub(in crate::engine) bystanders: Few,
     /// State carried into the island, by number; once settled, in the order of all carried state.
     carried: Few,
     /// The two largest kinetic energies [J] of the hot particles, relative to the frame.
-    energies: [f64; 2],
+    pub(in crate::engine) energies: [f64; 2],
     /// The two largest speeds [m/s] of the hot particles, relative to the frame.
-    speeds: [f64; 2],
+    pub(in crate::engine) speeds: [f64; 2],
     /// Energy [J] of the carried state.
-    stored: f64,
+    pub(in crate::engine) stored: f64,
     /// Largest energy [J] of one item of carried state.
     deepest: f64,
     /// Smallest speed limit [m/s], whatever the energy.
-    floor: f64,
+    pub(in crate::engine) floor: f64,
     /// Time of the first touch [s]: until then all members fly straight.
-    first: f64,
+    pub(in crate::engine) first: f64,
     /// True if the island is a crowd however small it is, because it holds many contacts in progress.
-    lasts: bool,
-    alive: bool,
+    pub(in crate::engine) lasts: bool,
+    pub(in crate::engine) alive: bool,
     /// Location of the result.
     solved: Option<IslandResult>,
     /// Counts the changes of the island. A search of the surroundings for an earlier version is out of date.
@@ -107,53 +106,34 @@ pub struct Space<'a> {
     pub frame: Vector3<f64>,
     /// Length of the part [s].
     pub part: f64,
-    /// True if islands may be crowds.
-    pub crowds: bool,
-    /// True if the engine reports velocity changes.
-    pub traces: bool,
     /// Mass [kg] of the lightest particle.
     pub lightest: f64,
-    /// Number of members beyond which an island that is no crowd is too large.
-    pub most: usize,
 }
 
 /// All islands of a window.
 pub struct Clusters<'a> {
-    search: &'a mut Search,
-    particles: &'a Particles,
-    domain: &'a Domain,
+    pub(in crate::engine) search: &'a mut Search,
+    pub(in crate::engine) particles: &'a Particles,
+    pub(in crate::engine) domain: &'a Domain,
     frame: Vector3<f64>,
     part: f64,
-    /// True if islands may be crowds.
-    crowds: bool,
-    /// True if the engine reports velocity changes: encounters of islands are then found after they are solved.
-    traces: bool,
     /// Mass [kg] of the lightest particle.
     lightest: f64,
-    /// Number of members beyond which an island that is no crowd is too large.
-    most: usize,
-    clusters: Vec<Cluster>,
-    /// Velocity changes of all members; those of one member are in the order of time.
-    turns: Vec<VelocityChange>,
-    /// Balls of the members in cells, for an engine that reports velocity changes: first of all members, second of
-    /// islands that were solved again since.
-    turned: [DeflectedFlights; 2],
+    /// The islands; those united with others are not alive.
+    pub(in crate::engine) list: Vec<Cluster>,
     /// Energy [J] of each item of carried state.
     energy: Vec<f64>,
     /// Speed [m/s] that gravity adds towards walls: seen from the falling frame, walls come nearer.
     fall: f64,
-    members: Vec<Member>,
-    /// The members in cells, as they were last sorted. Members that became hot later stand at the end of `members`.
-    grid: CellGrid,
-    sorted: Vec<u32>,
+    pub(in crate::engine) members: Vec<Member>,
     /// Largest reach [m] of a member.
-    widest: f64,
+    pub(in crate::engine) widest: f64,
     half_period: f64,
 }
 
 impl<'a> Clusters<'a> {
     pub fn new(search: &'a mut Search, particles: &'a Particles, space: Space<'a>) -> Self {
-        let Space { scene, frame, part, crowds, traces, lightest, most } = space;
+        let Space { scene, frame, part, lightest } = space;
         let domain = &scene.domain;
         let fall = (scene.gravity - along_walls(scene, scene.gravity)).norm() * part;
         let periods = (0..3).filter(|axis| domain.periodic[*axis]).map(|axis| 0.5 * domain.size[axis]);
@@ -164,29 +144,20 @@ impl<'a> Clusters<'a> {
             domain,
             frame,
             part,
-            crowds,
-            traces,
             lightest,
-            most,
-            clusters: Vec::new(),
-            turns: Vec::new(),
-            turned: Default::default(),
+            list: Vec::new(),
             energy: Vec::new(),
             fall,
             members: Vec::new(),
-            grid: CellGrid::default(),
-            sorted: Vec::new(),
             widest: 0.0,
             half_period,
         }
     }
 
-    /// Makes islands of all touches and of the carried state. Returns false if one grows too large.
-    pub fn gather(&mut self, touches: &[FirstTouch], carried: &[[Option<u32>; 2]], energy: Vec<f64>) -> bool {
+    /// Makes islands of all touches and of the carried state, whose energies [J] are given. If that is `many` contacts,
+    /// they form one crowd.
+    fn begin(&mut self, touches: &[FirstTouch], carried: &[[Option<u32>; 2]], energy: Vec<f64>, many: bool) {
         self.energy = energy;
-        // many contacts in progress form one crowd from the start, even if they do not touch one another: as separate
-        // islands they would meet one by one, and be stepped at several times the cost
-        let many = self.crowds && carried.len() > MANY_CONTACTS;
         let mut crowd: Option<usize> = None;
         for (k, places) in carried.iter().enumerate() {
             let Some(i) = places[0] else { continue };
@@ -194,30 +165,16 @@ impl<'a> Clusters<'a> {
             if many {
                 which = crowd.map_or(which, |crowd| self.unite(crowd, which));
                 crowd = Some(which);
-                self.clusters[which].lasts = true;
+                self.list[which].lasts = true;
             }
-            self.clusters[which].carried.push(k as u32);
+            self.list[which].carried.push(k as u32);
         }
         self.members.reserve(2 * touches.len());
-        self.clusters.reserve(touches.len());
+        self.list.reserve(touches.len());
         for touch in touches {
             self.join(touch.place, touch.other, touch.time);
         }
         self.settle_all();
-        if self.traces {
-            return true;
-        }
-        self.sort();
-        self.expand_all((0..self.clusters.len()).collect())
-    }
-
-    /// Sorts the members into cells.
-    fn sort(&mut self) {
-        let spacing = (self.search.region.volume() / self.members.len().max(1) as f64).cbrt();
-        // a bed fills only a part of the domain: with cells of a third of the spacing there are at most 27 for each
-        // member
-        let edge = self.widest.max(if self.crowds { spacing / 3.0 } else { spacing });
-        self.grid.sort(&self.members, |member| member.flight.middle, &self.search.region, edge, &mut self.sorted);
     }
 
     /// Returns the cluster of particle `i`, united with that of its partner `j`; their first touch is at `time` [s]. A
@@ -231,7 +188,7 @@ impl<'a> Clusters<'a> {
                 None => self.enlist(place, which),
             }
         }
-        let cluster = &mut self.clusters[which];
+        let cluster = &mut self.list[which];
         cluster.first = cluster.first.min(time);
         which
     }
@@ -242,7 +199,7 @@ impl<'a> Clusters<'a> {
         let which = self.named(place);
         if is_new {
             let (energy, speed) = motion(self.particles, self.frame, place);
-            let cluster = &mut self.clusters[which];
+            let cluster = &mut self.list[which];
             (cluster.energies, cluster.speeds) = ([energy, 0.0], [speed, 0.0]);
         }
         which
@@ -268,14 +225,14 @@ impl<'a> Clusters<'a> {
     fn enlist(&mut self, place: u32, which: usize) {
         let (cluster, member) = (which as u32, self.members.len());
         self.search.label[place as usize] = Some(Label::of(member));
-        self.clusters[which].hot.push(member as u32);
+        self.list[which].hot.push(member as u32);
         let flight = BoundingSphere { middle: Vector3::zeros(), reach: 0.0 };
         self.members.push(Member { place, cluster, flight, ball: flight, around: 0.0, took_in: 0.0, turns: None });
     }
 
     /// Makes a cluster without members.
     fn open(&mut self) -> usize {
-        self.clusters.push(Cluster {
+        self.list.push(Cluster {
             hot: Few::new(),
             bystanders: Few::new(),
             carried: Few::new(),
@@ -292,7 +249,7 @@ impl<'a> Clusters<'a> {
             settled: None,
             seen: None,
         });
-        self.clusters.len() - 1
+        self.list.len() - 1
     }
 
     /// Unites two clusters: the smaller goes into the larger.
@@ -300,8 +257,8 @@ impl<'a> Clusters<'a> {
         if a == b {
             return a;
         }
-        let (into, from) = if self.clusters[a].hot.len() >= self.clusters[b].hot.len() { (a, b) } else { (b, a) };
-        let gone = &mut self.clusters[from];
+        let (into, from) = if self.list[a].hot.len() >= self.list[b].hot.len() { (a, b) } else { (b, a) };
+        let gone = &mut self.list[from];
         gone.alive = false;
         gone.solved = None;
         let (hot, carried) = (std::mem::take(&mut gone.hot), std::mem::take(&mut gone.carried));
@@ -310,7 +267,7 @@ impl<'a> Clusters<'a> {
         for &member in &hot {
             self.members[member as usize].cluster = into as u32;
         }
-        let kept = &mut self.clusters[into];
+        let kept = &mut self.list[into];
         kept.hot.extend(hot);
         kept.carried.extend(carried);
         kept.energies = two_largest(kept.energies, energies);
@@ -327,23 +284,23 @@ impl<'a> Clusters<'a> {
     pub fn unsolved(&self) -> Vec<usize> {
         let sees_all = self.search.region.is_all();
         let sight = if sees_all { 0.0 } else { self.reach().sight() };
-        let unsolved = self.clusters.iter().enumerate().filter(|(_, c)| c.alive && c.solved.is_none());
+        let unsolved = self.list.iter().enumerate().filter(|(_, c)| c.alive && c.solved.is_none());
         unsolved.map(|(which, _)| which).filter(|&which| sees_all || self.room(which) >= sight).collect()
     }
 
     /// Number of members of an island.
     pub fn members(&self, which: usize) -> usize {
-        self.clusters[which].hot.len()
+        self.list[which].hot.len()
     }
 
     /// State carried into an island, by number.
     pub fn carried(&self, which: usize) -> &[u32] {
-        &self.clusters[which].carried
+        &self.list[which].carried
     }
 
     /// Stores the location of the result of an island.
     pub fn keep(&mut self, which: usize, result: IslandResult) {
-        self.clusters[which].solved = Some(result);
+        self.list[which].solved = Some(result);
     }
 
     /// Removes the labels when the islands have no result.
@@ -357,8 +314,8 @@ impl<'a> Clusters<'a> {
     /// in it. The labels stay until the results are put into the store.
     pub fn land(self) -> Landing {
         let mut of_member = vec![None; self.members.len()];
-        let mut kept = Vec::with_capacity(self.clusters.len());
-        for cluster in &self.clusters {
+        let mut kept = Vec::with_capacity(self.list.len());
+        for cluster in &self.list {
             let Some(result) = cluster.solved else { continue };
             for (number, &member) in cluster.hot.iter().enumerate() {
                 of_member[member as usize] = Some((kept.len() as u32, number as u32));

@@ -1,7 +1,6 @@
 //! Counts of the work done in islands.
 
 use super::batch::Solved;
-use super::domains::Domains;
 use crate::engine::Counters;
 use serde::{Deserialize, Serialize};
 
@@ -48,8 +47,8 @@ impl IslandCounters {
         self.largest = largest;
     }
 
-    /// All counts that are sums, of which each process counts its own contribution.
-    fn sums(&mut self) -> [&mut u64; 11] {
+    /// All counts that are sums.
+    pub fn sums(&mut self) -> [&mut u64; 11] {
         let Self { events, impulses, crowd_steps, crowd_forces, pair_checks, searched, .. } = self;
         let Self { force_evaluations, updates, islands, members, redone, .. } = self;
         [
@@ -65,20 +64,6 @@ impl IslandCounters {
             members,
             redone,
         ]
-    }
-
-    /// Sums the counts of all processes since `before`.
-    pub fn add_up(&mut self, before: &Self, domains: &Domains) {
-        let mut past = *before;
-        let mut since: Vec<i64> =
-            self.sums().into_iter().zip(past.sums()).map(|(now, before)| (*now - *before) as i64).collect();
-        domains.count(&mut since);
-        for ((now, before), since) in self.sums().into_iter().zip(past.sums()).zip(since) {
-            *now = *before + since as u64;
-        }
-        let mut largest = [self.largest as f64];
-        domains.largest(&mut largest);
-        self.largest = largest[0] as u64;
     }
 
     /// Adds the cost of solving one island.

@@ -1,10 +1,9 @@
 //! Order of the carried state, and order of the particles in the store.
 
-use super::domains::Domains;
 use super::{Solve, search};
 use crate::encounter::Other;
+use crate::engine::distributed::Processes;
 use crate::engine::driver::Work;
-use crate::neighbours::region::Region;
 
 /// Sorts the carried state by the ids of its particles and by walls, so that its order does not depend on that of the
 /// store.
@@ -22,11 +21,10 @@ pub fn in_order<S: Solve>(solver: &S, work: &mut Work<S::Carried>) {
 }
 
 /// Sorts the store by cells, so that neighbours in space are neighbours in memory.
-pub fn sort<S: Solve>(work: &mut Work<S::Carried>, domains: Option<&Domains>) {
+pub fn sort<S: Solve>(work: &mut Work<S::Carried>, processes: &mut Processes<S::Carried>) {
     let domain = &work.scene.domain;
     work.particles.wrap(domain);
-    let region = domains.map_or_else(|| Region::from(domain), |domains| domains.region(domain));
-    let order = search::cell_order(work.particles, &region);
+    let order = search::cell_order(work.particles, &processes.region(domain));
     let mut place_of = vec![0u32; order.len()];
     for (place, &from) in order.iter().enumerate() {
         place_of[from as usize] = place as u32;
@@ -35,7 +33,5 @@ pub fn sort<S: Solve>(work: &mut Work<S::Carried>, domains: Option<&Domains>) {
     for carried in work.lasting.iter_mut() {
         *carried = S::moved(carried, &|place| place_of[place as usize]);
     }
-    for abroad in work.abroad.iter_mut() {
-        abroad.own = place_of[abroad.own as usize];
-    }
+    processes.reorder(&place_of);
 }

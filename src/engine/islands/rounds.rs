@@ -1,36 +1,46 @@
 //! Rounds in which islands are solved, until none has met an unexpected particle or speed.
 
 use super::batch::{Batch, GivenUp, IslandResult, Retry, Task, Workbench};
-use super::cluster::Clusters;
+use super::cluster::IslandFinder;
 use super::{BATCH, IslandCounters, Solve};
 use crate::work_sharing;
 
 /// Solves all islands, and those again that met something unexpected. Returns `None` if one grows too large or the
 /// engine fails in one. The counts cover the islands whose leading particle is chosen by `mine`.
 pub fn solve_all<S: Solve>(
-    clusters: &mut Clusters,
+    islands: &mut S::Finder<'_>,
     task: &Task<S>,
     mine: impl Fn(u32) -> bool,
 ) -> Option<(Vec<Batch<S::Carried>>, IslandCounters)> {
     let mut counts = IslandCounters::default();
     let mut batches: Vec<Batch<S::Carried>> = Vec::new();
-    let mut todo = clusters.unsolved();
+    let mut todo = islands.unsolved();
     while !todo.is_empty() {
-        let islands = &*clusters;
-        let solve = |bench: &mut Workbench<S>, which: &[usize]| bench.solve(task, islands, which);
+        let found = &*islands;
+        let solve = |bench: &mut Workbench<S>, some: &[usize]| {
+            let mut batch = Batch::of(found, some);
+            for &which in some {
+                let stopped = match bench.fill(task, found, which) {
+                    Some((island, scratch)) => task.solver.solve(island, scratch, task.scene, task.window, task.part),
+                    None => Err(GivenUp::Failed),
+                };
+                bench.record(&mut batch, found, which, stopped);
+            }
+            batch
+        };
         let solved: Vec<Batch<S::Carried>> = work_sharing::map_with(todo.chunks(BATCH), Workbench::default, solve);
         let mut retries = Vec::new();
         for mut batch in solved {
             for (number, solved) in batch.solved.iter_mut().enumerate() {
                 let which = solved.which;
-                let counted = clusters.leader(which).is_some_and(&mine);
+                let counted = islands.leader(which).is_some_and(&mine);
                 if counted {
                     counts.count(solved);
                 }
-                let lesson = match std::mem::replace(&mut solved.stopped, Ok(Vec::new())) {
+                let retry = match std::mem::replace(&mut solved.stopped, Ok(Vec::new())) {
                     Ok(stops) if stops.is_empty() => {
-                        clusters.keep(which, IslandResult { batch: batches.len(), number, counts: counted });
-                        clusters.follow(which, &batch.ways[solved.ways.clone()], &batch.turns);
+                        islands.keep(which, IslandResult { batch: batches.len(), number, counts: counted });
+                        islands.follow(which, solved.ways.clone(), &batch.trajectories);
                         continue;
                     }
                     Ok(stops) => Retry::Stops(stops),
@@ -39,15 +49,12 @@ pub fn solve_all<S: Solve>(
                     Err(_) => return None,
                 };
                 counts.redone += u64::from(counted);
-                retries.push((which, lesson));
+                retries.push((which, retry));
             }
             batches.push(batch);
         }
-        if !clusters.apply_retries(retries) {
-            return None;
-        }
-        counts.redone += clusters.meet(&mine)?;
-        todo = clusters.unsolved();
+        counts.redone += islands.next_round(retries, &mine)?;
+        todo = islands.unsolved();
     }
     Some((batches, counts))
 }

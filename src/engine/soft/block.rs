@@ -5,11 +5,11 @@
 //! as long as the contact lasts. Only an index of eight bytes per contact is sorted by slot and rebuilt at every step.
 
 use super::contact::{Contact, ContactConstants, ContactForce, ContactState, TouchingPair};
+use super::contact_sums::ContactRows;
 use super::contacts::ContactSearch;
-use super::pushes::{ForceBuffer, ForceIncrement, StoreIndex};
-use super::records::{Records, RotatingRecord};
+use super::force_buffer::{ForceBuffer, ForceIncrement, StoreIndex};
+use super::packed_contacts::{PackedContacts, RotatingRecord};
 use super::rotating::SurfaceMotion;
-use super::tally::ContactRows;
 use crate::contact_law::ContactLaw;
 use crate::encounter::{Couple, Encounter, FrameTime, Partner};
 use crate::engine::Failure;
@@ -85,7 +85,7 @@ pub struct ContactBlock {
     slots: Range<usize>,
     /// Contacts in progress, in ascending order of slot.
     touching: Vec<TouchingSlot>,
-    records: Records,
+    records: PackedContacts,
     /// Contacts that the last predicted state met first, in ascending order of slot.
     foreseen: Vec<Contact>,
     /// Slots of pairs that may overlap before the list's travelled distance exceeds `near_until`, in ascending order.

@@ -2,8 +2,8 @@
 
 use super::block::{BlockScratch, ContactBlock, ForceEvaluation, first_named};
 use super::contact::{Alike, Contact, ContactState, Rates, TouchingPair};
-use super::pushes::ForceBuffer;
-use super::tally::Total;
+use super::contact_sums::ContactSums;
+use super::force_buffer::ForceBuffer;
 use crate::communicator::Communicator;
 use crate::contact_law::ContactLaw;
 use crate::encounter::{Couple, FrameTime};
@@ -117,7 +117,7 @@ pub struct Contacts {
     /// Powers and wall forces of the kick of which half is still to be booked.
     rates: Rates,
     /// Sums over all steps of the window so far.
-    total: Total,
+    total: ContactSums,
     /// Working memory of an evaluation with a single block.
     scratch: BlockScratch,
 }
@@ -155,7 +155,7 @@ impl Contacts {
             foreseen: Vec::new(),
             elastic_energy: 0.0,
             rates: Rates::default(),
-            total: Total::default(),
+            total: ContactSums::default(),
             scratch: BlockScratch::default(),
         }
     }
@@ -342,7 +342,7 @@ impl Contacts {
 
     /// Adds powers and forces of the last evaluation to the sums, once all processes agree that these forces act.
     pub fn count(&mut self, at: EvaluationTime, others: Option<&dyn Communicator>) {
-        let mut due = Total::default();
+        let mut due = ContactSums::default();
         for ContactBlock { sums, .. } in &self.blocks {
             self.total.add(&sums.rows, at.weight);
             if at.leaves_half {

@@ -2,9 +2,9 @@
 
 use super::backoff::Rival;
 use super::contacts::StepRecord;
-use super::ghost_exchange::SingleProcess;
 use super::{Contact, Soft, SoftSolver, stages};
 use crate::contact_law::ContactLaw;
+use crate::engine::distributed::SingleProcess;
 use crate::engine::driver::Solver;
 use crate::engine::islands::Island;
 use crate::engine::{Failure, Window};

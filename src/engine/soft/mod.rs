@@ -3,23 +3,21 @@
 mod backoff;
 mod block;
 mod contact;
+mod contact_sums;
 mod contacts;
 mod crowd;
-mod distributed_verlet;
-mod ghost_exchange;
-mod halo;
+mod force_buffer;
 mod heun;
 mod local;
+mod packed_contacts;
 mod passing;
-mod pushes;
-mod records;
 mod rotating;
-mod tally;
 
 pub use contact::overlap_limit;
 
+use super::distributed::{GhostExchange, SharedSteps, SingleProcess};
 use super::driver::{Driver, Solver, Trial, Work};
-use super::islands::{Domains, IslandCounters, SpeedSummary};
+use super::islands::{IslandCounters, SpeedSummary};
 use super::motion::{accelerate, drift};
 use super::population::PopulationSummary;
 use super::{Counters, EngineTimes, Failure, Window};
@@ -30,16 +28,15 @@ use crate::neighbours::{NeighbourList, along_walls};
 use crate::particles::Particles;
 use crate::scene::Scene;
 use backoff::{Backoff, Rival};
-use contact::Alike;
-pub(in crate::engine) use contact::{Contact, TouchingPair};
+pub(in crate::engine) use block::first_named;
+pub(in crate::engine) use contact::{Alike, Contact, TouchingPair};
 use contacts::Due;
-use contacts::{ContactSearch, Contacts, EvaluationTime, StepRecord};
+use contacts::{ContactSearch, EvaluationTime};
+pub(in crate::engine) use contacts::{Contacts, StepRecord};
 pub(in crate::engine) use crowd::{Steps, solve as solve_crowd};
-use ghost_exchange::{GhostExchange, SingleProcess};
-use halo::Halo;
+pub(in crate::engine) use force_buffer::{ForceBuffer, ForceIncrement, kick_all};
 use local::NoInstants;
 pub(in crate::engine) use local::{Allowance, InstantaneousRule, IslandScratch, ReachedTouch, SoftIslands};
-use pushes::{ForceBuffer, kick_all};
 use serde::{Deserialize, Serialize};
 
 /// [ns] cost of a uniform step per particle, on the scale of the costs of islands.
@@ -56,48 +53,44 @@ pub type Soft = Driver<SoftSolver>;
 /// Solver of soft spheres: islands by local stepping, all particles at once by uniform stepping.
 pub struct SoftSolver {
     stepping: SoftStepping,
-    islands: SoftIslands,
+    pub(in crate::engine) islands: SoftIslands,
     /// Decides in which windows islands are tried (auto).
     patience: Backoff,
     /// Uniform steps so far.
     steps: u64,
-    integrator: Integrator,
+    pub(in crate::engine) integrator: Integrator,
     /// [s] longest step; steps may be a little shorter, so that a window is a whole number of them.
     longest_step: f64,
-    list: NeighbourList,
-    contacts: Contacts,
+    pub(in crate::engine) list: NeighbourList,
+    pub(in crate::engine) contacts: Contacts,
     /// True if `contacts` holds the contacts in progress since the last uniform steps, and they are nowhere else. Where
     /// processes share the steps, `contacts` holds copies of contacts that were handed over.
     keeps_contacts: bool,
     /// Forces of the last evaluation. At the end of a window they are due as the first half-kick of the next window
     /// (Verlet).
-    pushes: Vec<ForceBuffer>,
+    pub(in crate::engine) pushes: Vec<ForceBuffer>,
     /// Working memory: forces of the first stage (Heun).
     before: Vec<ForceBuffer>,
-    counters: Counters,
+    pub(in crate::engine) counters: Counters,
     /// Bounds on speeds relative to the list's frame.
-    speed: Fastest,
+    pub(in crate::engine) speed: Fastest,
     /// [m] smallest radius; `None` without thin walls.
     smallest: Option<f64>,
     /// True if `pushes` holds the forces of the present state (Verlet).
-    has_forces: bool,
+    pub(in crate::engine) has_forces: bool,
     /// True if the last steps were uniform, not those of islands.
-    ran_last: bool,
-    /// Own and ghost particles of this process, while several processes share the steps.
-    halo: Option<Halo>,
-    /// Number of slots in the lists of all processes, if they have shared the steps since the last list.
-    slots_of_all: Option<usize>,
+    pub(in crate::engine) ran_last: bool,
     /// Properties common to all particles during a window, if they are alike.
-    alike: Option<Alike>,
-    /// List of all particles and the forces that are due, while the lead is shown all particles.
-    shown: Option<(NeighbourList, ForceBuffer)>,
+    pub(in crate::engine) alike: Option<Alike>,
+    /// Data that is kept while several processes share the steps.
+    pub(in crate::engine) shared: SharedSteps,
 }
 
 /// [m/s] bounds on speeds.
 #[derive(Clone, Copy, Debug, Default)]
-struct Fastest {
+pub(in crate::engine) struct Fastest {
     /// Bound for all particles.
-    all: f64,
+    pub(in crate::engine) all: f64,
     /// Largest speed after any push by a contact.
     pushed: f64,
 }
@@ -150,19 +143,17 @@ impl Soft {
             smallest: None,
             has_forces: false,
             ran_last: false,
-            halo: None,
-            slots_of_all: None,
             alike: None,
-            shown: None,
+            shared: SharedSteps::default(),
         })
     }
 }
 
 impl SoftSolver {
     /// Rebuilds the list for uses `between_uses` [s] apart, and moves the contacts to the new order.
-    fn rebuild(&mut self, particles: &mut Particles, scene: &Scene, between_uses: f64) {
+    pub(in crate::engine) fn rebuild(&mut self, particles: &mut Particles, scene: &Scene, between_uses: f64) {
         let couples = self.contacts.shed(&self.list);
-        self.slots_of_all = None;
+        self.shared.slots = None;
         let order = self.list.build(particles, scene, between_uses);
         let mut place_of = vec![0u32; order.len()];
         for (place, &from) in order.iter().enumerate() {
@@ -183,9 +174,13 @@ impl SoftSolver {
         at: EvaluationTime,
         book: &mut StepRecord,
     ) -> Result<(), Failure> {
-        let mine = self.halo.as_ref().map(|halo| halo.mine.as_slice());
+        let mine = self.shared.mine();
         let view = ContactSearch { list: &self.list, particles, scene, at, mine, alike: self.alike.as_ref() };
         let done = self.contacts.evaluate(view, &mut self.pushes, book)?;
+        if let Some(mine) = mine {
+            // other processes push the other particles
+            self.pushes.iter_mut().for_each(|pushes| pushes.leave(mine));
+        }
         self.counters.pair_checks += done.checks;
         self.counters.force_evaluations += done.forces;
         Ok(())
@@ -197,16 +192,16 @@ impl SoftSolver {
         self.speed.rise(kick_all(&self.pushes, (particles, mass), dt, self.list.frame()));
     }
 
-    fn verlet(
+    /// Applies the half-kick that begins the steps of a window, of `dt` [s] each: by the forces that the window before
+    /// has left, or by those of the start.
+    fn first_half_kick(
         &mut self,
         particles: &mut Particles,
         scene: &Scene,
-        (window, steps): (Window, u64),
+        (window, dt): (Window, f64),
         book: &mut StepRecord,
-        others: &mut dyn GhostExchange,
+        ghosts: &mut dyn GhostExchange,
     ) -> Result<(), Failure> {
-        let dt = window.duration / steps as f64;
-        let fall = scene.gravity - along_walls(scene, scene.gravity);
         if !self.has_forces {
             // a start may have contacts in progress: their first half-kick is as due as any other
             let at = EvaluationTime {
@@ -216,27 +211,43 @@ impl SoftSolver {
                 shear_time: 0.0,
                 ..instant(window, 0.0, dt)
             };
-            others.forces(self, particles, scene, at, book)?;
+            ghosts.agree(self.evaluate(particles, scene, at, book))?;
+            self.contacts.count(at, ghosts.communicator());
             self.has_forces = true;
         }
-        others.kick(self, particles, 0.5 * dt);
-        if others.communicator().is_none_or(|all| all.is_lead()) {
+        self.kick(particles, 0.5 * dt);
+        ghosts.after_kick(self, particles, Ok(()))?;
+        if ghosts.communicator().is_none_or(|all| all.is_lead()) {
             self.contacts.settle(0.5 * dt, window.duration, scene, book.log);
         } else {
             self.contacts.forget();
         }
+        Ok(())
+    }
+
+    fn verlet(
+        &mut self,
+        particles: &mut Particles,
+        scene: &Scene,
+        (window, steps): (Window, u64),
+        book: &mut StepRecord,
+        ghosts: &mut dyn GhostExchange,
+    ) -> Result<(), Failure> {
+        let dt = window.duration / steps as f64;
+        let fall = scene.gravity - along_walls(scene, scene.gravity);
+        self.first_half_kick(particles, scene, (window, dt), book, ghosts)?;
         for step in 0..steps {
             let elapsed = step as f64 * dt;
             self.list.clock.tell(window.start + elapsed);
             if self.may_pass(scene, elapsed, dt) {
-                others.agree(self.refuse_to_pass(particles, scene, window, elapsed, dt))?;
+                ghosts.agree(self.refuse_to_pass(particles, scene, window, elapsed, dt))?;
             }
             drift(particles, dt, scene.gravity * (dt * (elapsed + 0.5 * dt)));
             self.list.travel((self.speed.all + fall.norm() * (elapsed + dt)) * dt);
             if !self.list.allows(0.0) {
                 // these forces have been applied
                 self.pushes.clear();
-                others.rebuild(self, particles, scene, dt);
+                ghosts.rebuild(self, particles, scene, [dt, 0.0]);
             }
             let last = step + 1 == steps;
             let at = EvaluationTime {
@@ -247,33 +258,65 @@ impl SoftSolver {
                 leaves_half: last,
                 ..instant(window, elapsed + dt, dt)
             };
-            others.step(self, particles, scene, at, book)?;
+            let forces = self.evaluate(particles, scene, at, book);
+            ghosts.before_kick(particles);
+            if forces.is_ok() {
+                self.kick(particles, at.weight * dt);
+            }
+            ghosts.after_kick(self, particles, forces)?;
+            self.contacts.count(at, ghosts.communicator());
+        }
+        Ok(())
+    }
+
+    /// Prepares the steps of a window, of `dt` [s] each: finds the largest speed of all particles, and rebuilds an
+    /// outdated list.
+    fn prepare(
+        &mut self,
+        particles: &mut Particles,
+        scene: &Scene,
+        (window, dt): (Window, f64),
+        ghosts: &mut dyn GhostExchange,
+    ) -> Result<(), Failure> {
+        let has_thin_walls = Self::has_thin_walls(scene);
+        let radii: &[f64] = if has_thin_walls { &particles.radius } else { &[] };
+        let smallest = radii.iter().fold(f64::INFINITY, |a: f64, &r| a.min(r));
+        let mut largest = [particles.largest_speed(self.list.frame()), -smallest];
+        ghosts.communicator().into_iter().for_each(|all| all.largest(&mut largest));
+        self.speed.all = largest[0];
+        self.smallest = has_thin_walls.then_some(-largest[1]);
+        if !self.speed.all.is_finite() {
+            return Err(ghosts.not_a_number(self, particles, window.start));
+        }
+        if !self.list.allows(2.0 * self.speed.all * dt) {
+            let due = if self.has_forces { 0.5 * dt } else { 0.0 };
+            ghosts.rebuild(self, particles, scene, [2.0 * dt, due]);
         }
         Ok(())
     }
 
     /// Moves every particle at every step, through the whole window.
-    fn uniform(
+    pub(in crate::engine) fn uniform(
         &mut self,
         particles: &mut Particles,
         scene: &Scene,
         window: Window,
         book: &mut StepRecord,
-        others: &mut dyn GhostExchange,
+        ghosts: &mut dyn GhostExchange,
     ) -> Result<(), Failure> {
         let steps = (window.duration / self.longest_step - 1e-9).ceil().max(1.0);
         let dt = window.duration / steps;
-        others.begin(self, particles, scene, (window, dt))?;
+        self.prepare(particles, scene, (window, dt), ghosts)?;
         self.alike = Alike::of(particles, scene, &self.islands.law);
         let result = match self.integrator {
-            Integrator::VelocityVerlet => self.verlet(particles, scene, (window, steps as u64), book, others),
+            Integrator::VelocityVerlet => self.verlet(particles, scene, (window, steps as u64), book, ghosts),
             // Heun's method is kept for the paper, whose spheres do not rotate
             Integrator::Rk2 if scene.rotation.is_some() => {
-                self.verlet(particles, scene, (window, steps as u64), book, others)
+                self.verlet(particles, scene, (window, steps as u64), book, ghosts)
             }
             Integrator::Rk2 => self.heun(particles, scene, window, steps as u64, book),
         };
-        self.contacts.book(dt, book, others.communicator());
+        self.contacts.book(dt, book, ghosts.communicator());
         let reached = result.as_ref().map_or_else(|why| why.time() - window.start, |()| window.duration);
         accelerate(particles, scene.gravity * reached);
         result?;
@@ -288,7 +331,7 @@ impl SoftSolver {
         Rival {
             stages: stages * time / self.longest_step,
             particles,
-            slots: self.slots_of_all.unwrap_or(self.list.slots()).max(particles),
+            slots: self.shared.slots.unwrap_or(self.list.slots()).max(particles),
             forces: stages * forces as f64 / local + of_crowds as f64,
         }
     }
@@ -357,10 +400,6 @@ impl Solver for SoftSolver {
         }
     }
 
-    fn allowance(&mut self) -> Option<&mut f64> {
-        Some(&mut self.islands.allowance.each)
-    }
-
     fn judge(&mut self, population: &PopulationSummary, _scene: &Scene, &Trial { done, before, after }: &Trial) {
         let of_crowds = after.crowd_forces - before.crowd_forces;
         let forces = after.force_evaluations - before.force_evaluations - of_crowds;
@@ -373,7 +412,7 @@ impl Solver for SoftSolver {
         self.contacts.forget();
         self.has_forces = false;
         self.ran_last = false;
-        self.halo = None;
+        self.shared.halo = None;
     }
 
     fn hand_over(&mut self, lasting: &mut Vec<Contact>) {
@@ -398,31 +437,6 @@ impl Solver for SoftSolver {
         work.record.count(&mut work.log.impacts);
         let mut book = StepRecord { log: work.log, record: Some(work.record) };
         self.uniform(work.particles, work.scene, window, &mut book, &mut SingleProcess)
-    }
-
-    fn shares_steps(&self) -> bool {
-        self.integrator == Integrator::VelocityVerlet
-    }
-
-    fn everyone_together(
-        &mut self,
-        work: &mut Work<Contact>,
-        window: Window,
-        domains: &mut Domains,
-    ) -> Result<(), Failure> {
-        self.uniform_together(work, window, domains)
-    }
-
-    fn steps_together(&self) -> bool {
-        self.halo.is_some()
-    }
-
-    fn show(&mut self, work: &mut Work<Contact>, domains: &Domains) {
-        self.show_all(work, domains);
-    }
-
-    fn hide(&mut self) {
-        self.shown = None;
     }
 
     fn counters(&self, islands: &IslandCounters) -> Counters {
@@ -454,8 +468,8 @@ impl Solver for SoftSolver {
             patience: self.patience,
             steps: self.steps,
             counters: self.counters,
-            list: self.shown.as_ref().map_or(&self.list, |(list, _)| list).clone(),
-            pending: match &self.shown {
+            list: self.shared.shown.as_ref().map_or(&self.list, |(list, _)| list).clone(),
+            pending: match &self.shared.shown {
                 Some((_, due)) => due.clone(),
                 None => ForceBuffer::merged(&self.pushes),
             },

@@ -1,6 +1,7 @@
 //! Speed limits of the particles of an island, and their reach.
 
 use super::{BATCH, Cluster, Clusters, Member};
+use crate::domain::Domain;
 use crate::engine::islands::search::BoundingSphere;
 use crate::particles::Particles;
 use crate::work_sharing;
@@ -9,6 +10,31 @@ use nalgebra::Vector3;
 /// Factor by which speeds may pass the bound of energy conservation before an island is solved again: contacts with
 /// finite time steps may gain a little energy.
 const MARGIN: f64 = 1.05;
+
+/// Largest reach [m] of flights and islands.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Reach {
+    /// Largest reach of a flight.
+    pub flight: f64,
+    /// Largest reach of a hot particle about the middle of its flight.
+    pub around: f64,
+    /// Largest radius of the ball of a hot particle.
+    pub ball: f64,
+}
+
+impl Reach {
+    /// Distance [m] that must be seen around an island to know its surroundings: all flights or balls that may meet it,
+    /// and whether those particles are hot.
+    pub fn sight(&self) -> f64 {
+        self.around.max(self.flight) + 2.0 * self.flight
+    }
+
+    /// True if no particle can meet an image of another other than the nearest, which is at most half a period [m]
+    /// away.
+    pub fn fits(&self, half_period: f64) -> bool {
+        self.ball + self.around.max(self.flight) <= half_period
+    }
+}
 
 /// The two largest of four values, given as two pairs in descending order.
 pub(super) fn two_largest([a, b]: [f64; 2], [c, d]: [f64; 2]) -> [f64; 2] {
@@ -54,11 +80,11 @@ impl Clusters<'_> {
     /// Computes the reach of the members of all islands, in parallel. Each island needs only its members, and each
     /// member only its island.
     pub(super) fn settle_all(&mut self) {
-        let mut clusters = std::mem::take(&mut self.clusters);
+        let mut clusters = std::mem::take(&mut self.list);
         work_sharing::for_each(clusters.chunks_mut(BATCH), |some| {
             some.iter_mut().for_each(|cluster| self.put_in_order(cluster))
         });
-        self.clusters = clusters;
+        self.list = clusters;
         let mut members = std::mem::take(&mut self.members);
         let reach = |some: &mut [Member]| some.iter_mut().map(|member| self.reach_out(member)).fold(0.0, f64::max);
         let reaches = work_sharing::map(members.chunks_mut(BATCH), reach);
@@ -68,11 +94,11 @@ impl Clusters<'_> {
 
     /// Computes the reach of the members of an island.
     pub(super) fn settle(&mut self, which: usize) {
-        let mut clusters = std::mem::take(&mut self.clusters);
+        let mut clusters = std::mem::take(&mut self.list);
         self.put_in_order(&mut clusters[which]);
-        self.clusters = clusters;
-        for number in 0..self.clusters[which].hot.len() {
-            self.settle_member(self.clusters[which].hot[number]);
+        self.list = clusters;
+        for number in 0..self.list[which].hot.len() {
+            self.settle_member(self.list[which].hot[number]);
         }
     }
 
@@ -102,7 +128,7 @@ impl Clusters<'_> {
 
     /// Computes the ball of a member of an island, and returns the reach [m] about the middle of its flight.
     fn reach_out(&self, member: &mut Member) -> f64 {
-        let (cluster, i) = (&self.clusters[member.cluster as usize], member.place as usize);
+        let (cluster, i) = (&self.list[member.cluster as usize], member.place as usize);
         member.flight = self.search.flights[i];
         member.turns = None;
         let first = cluster.first;
@@ -113,5 +139,54 @@ impl Clusters<'_> {
         let aside = velocity.norm() * (first - 0.5 * self.part).abs() * (1.0 + 1e-12);
         member.around = member.flight.reach.max(reach + aside);
         member.around
+    }
+
+    /// Largest reach of flights and islands.
+    pub fn reach(&self) -> Reach {
+        let ball = self.members.iter().map(|member| member.ball.reach).fold(0.0, f64::max);
+        Reach { flight: self.search.levels.largest_reach(), around: self.widest, ball }
+    }
+
+    /// Distance [m] from an island to the end of the region seen; infinite if everything is seen.
+    pub(super) fn room(&self, which: usize) -> f64 {
+        if self.search.region.is_all() {
+            return f64::INFINITY;
+        }
+        let members = self.list[which].hot.iter().map(|&member| &self.members[member as usize]);
+        let depth = |middle: &Vector3<f64>| self.search.region.depth(middle, self.domain);
+        let room =
+            |one: &Member| (depth(&one.ball.middle) - one.ball.reach).min(depth(&one.flight.middle) - one.around);
+        members.map(room).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Least distance [m] to the end of the region seen, over the islands with a chosen particle, given by index.
+    pub fn least_room(&self, chosen: impl Fn(u32) -> bool) -> f64 {
+        if self.search.region.is_all() {
+            return f64::INFINITY;
+        }
+        let theirs = (0..self.list.len()).filter(|&which| self.has(which, &chosen));
+        theirs.map(|which| self.room(which)).fold(f64::INFINITY, f64::min)
+    }
+
+    /// True if one of the chosen particles belongs to the island.
+    pub(in crate::engine) fn has(&self, which: usize, chosen: &impl Fn(u32) -> bool) -> bool {
+        let Cluster { alive, hot, .. } = &self.list[which];
+        *alive && hot.iter().any(|&member| chosen(self.members[member as usize].place))
+    }
+
+    /// Index of the member of an island with the smallest id. The process that has this particle counts the events of
+    /// the island.
+    pub fn leader(&self, which: usize) -> Option<u32> {
+        self.list[which].hot.first().map(|&member| self.members[member as usize].place)
+    }
+
+    /// The box.
+    pub fn domain(&self) -> &Domain {
+        self.domain
+    }
+
+    /// Half the shortest period [m] of the box.
+    pub fn half_period(&self) -> f64 {
+        self.half_period
     }
 }

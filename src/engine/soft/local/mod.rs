@@ -13,7 +13,7 @@ use super::backoff::steps_cost;
 use super::contact::{Contact, ContactState, Rates, SHORT, TouchingPair, passed};
 use crate::contact_law::ContactLaw;
 use crate::encounter::{Couple, Encounter, FrameTime, Other};
-use crate::engine::islands::{GivenUp, Island, Solve};
+use crate::engine::islands::{BoundedIslands, GivenUp, Island, Solve};
 use crate::engine::{Failure, Window};
 use crate::experiment::Integrator;
 use crate::particles::Particles;
@@ -119,6 +119,7 @@ pub struct IslandScratch {
 }
 
 impl<I: InstantaneousRule> Solve for SoftIslands<I> {
+    type Finder<'a> = BoundedIslands<'a>;
     type Carried = Contact;
     type Scratch = IslandScratch;
 

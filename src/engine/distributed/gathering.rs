@@ -1,12 +1,16 @@
 //! All particles at the lead process: cut into domains there, and gathered there.
 
-use super::{Domains, ids_of, keep, pack, packed, settle, take_aboard, unpacked};
+use super::CrossRankContact;
+use super::domains::Domains;
+use super::packing::{ids_of, pack, packed, settle, take_aboard, unpacked};
 use crate::domain::Domain;
 use crate::domain::blocks::Blocks;
-use crate::engine::driver::{CrossRankContact, Work};
+use crate::engine::driver::Work;
 use crate::engine::islands::{Solve, in_order};
 use crate::particles::Particles;
 use nalgebra::Vector3;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 
 /// Ratio of the largest particle number of a process to the mean above which the box is cut anew: the process keeps
 /// others waiting.
@@ -30,9 +34,9 @@ pub struct GatheredPart<C> {
     pub members: Vec<u32>,
 }
 
-impl Domains {
+impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
     /// Gives each process the particles of its block, which the lead process has, and their carried state.
-    pub fn cut<S: Solve>(&mut self, solver: &S, work: &mut Work<S::Carried>) {
+    pub fn cut<S: Solve<Carried = C>>(&mut self, solver: &S, work: &mut Work<C>) {
         let (domain, size) = (&work.scene.domain, self.communicator.size());
         work.particles.wrap(domain);
         self.blocks = self.of_lead(Blocks::of(&work.particles.position, size, domain));
@@ -47,12 +51,12 @@ impl Domains {
                 *bytes = pack(work.particles, &places, &ids_of::<S>(work.particles, lasting));
             }
             let mine: Vec<bool> = owners.iter().map(|owner| *owner == 0).collect();
-            keep(solver, work, &mine);
+            self.keep_own(solver, work, &mine);
             work.particles.shrink();
         } else {
             work.particles.clear();
             work.lasting.clear();
-            work.abroad.clear();
+            self.abroad.clear();
         }
         let incoming = self.communicator.exchange(outgoing);
         self.is_cut = true;
@@ -60,31 +64,32 @@ impl Domains {
         else {
             return;
         };
-        settle::<S>(lasting, work);
+        self.abroad = settle::<S>(lasting, work);
     }
 
     /// Gives all particles to the lead process; the others then have none. The indices in `members` are updated.
-    pub fn assemble<S: Solve>(&mut self, solver: &S, work: &mut Work<S::Carried>, members: &mut Vec<u32>) {
+    pub fn assemble<S: Solve<Carried = C>>(&mut self, solver: &S, work: &mut Work<C>, members: &mut Vec<u32>) {
         drop(self.bring_together(solver, work, members, 1));
         if !self.is_lead() {
             *work.particles = Particles::default();
             work.lasting.clear();
-            work.abroad.clear();
+            self.abroad.clear();
             members.clear();
         }
         self.is_cut = false;
     }
 
     /// Gives the lead process copies of the particles with an id divisible by `every`, and of those with carried state
-    /// that involves such a particle. Returns the lead's own part; all processes continue with their own.
-    pub fn show<S: Solve>(
-        &mut self,
-        solver: &S,
-        work: &mut Work<S::Carried>,
-        members: &mut Vec<u32>,
-        every: u32,
-    ) -> Option<GatheredPart<S::Carried>> {
-        self.bring_together(solver, work, members, every)
+    /// that involves such a particle, until they are [hidden](Self::hide).
+    pub fn show<S: Solve<Carried = C>>(&mut self, solver: &S, work: &mut Work<C>, members: &mut Vec<u32>, every: u32) {
+        self.gathered = self.bring_together(solver, work, members, every);
+    }
+
+    /// Restores the own particles of the lead process with their carried state. Returns false if it has no others.
+    pub fn hide(&mut self, particles: &mut Particles, lasting: &mut Vec<C>, members: &mut Vec<u32>) -> bool {
+        let Some(part) = self.gathered.take() else { return false };
+        (*particles, *lasting, self.abroad, *members) = (part.particles, part.lasting, part.abroad, part.members);
+        true
     }
 
     /// Starts with blocks of equal size; each process has the particles of its block.
@@ -118,14 +123,14 @@ impl Domains {
 
     /// Gives the lead process, in place of its own particles, copies of the chosen particles of all processes. Returns
     /// the lead's own part.
-    fn bring_together<S: Solve>(
-        &self,
+    fn bring_together<S: Solve<Carried = C>>(
+        &mut self,
         solver: &S,
-        work: &mut Work<S::Carried>,
+        work: &mut Work<C>,
         members: &mut Vec<u32>,
         every: u32,
-    ) -> Option<GatheredPart<S::Carried>> {
-        let (chosen, mut lasting) = chosen::<S>(work, every);
+    ) -> Option<GatheredPart<C>> {
+        let (chosen, mut lasting) = chosen::<S>(work, &self.abroad, every);
         let (mut total, mut most) = ([chosen.len() as i64], [chosen.len() as f64]);
         self.communicator.sum(&mut total);
         self.communicator.largest(&mut most);
@@ -151,7 +156,7 @@ impl Domains {
         all.copy_from(&own, &chosen);
         for _ in 0..rounds {
             for bytes in self.communicator.collect(Vec::new()).iter().skip(1) {
-                lasting.extend(take_aboard::<S::Carried>(bytes, all).into_iter().flatten());
+                lasting.extend(take_aboard::<C>(bytes, all).into_iter().flatten());
             }
         }
         let mut place_of = vec![0; all.id.iter().map(|&id| id as usize + 1).max().unwrap_or(0)];
@@ -163,7 +168,7 @@ impl Domains {
         let part = GatheredPart {
             particles: own,
             lasting: std::mem::replace(work.lasting, lasting),
-            abroad: std::mem::take(work.abroad),
+            abroad: std::mem::take(&mut self.abroad),
             members: std::mem::replace(members, ids.into_iter().map(place).collect()),
         };
         in_order(solver, work);
@@ -173,15 +178,18 @@ impl Domains {
 
 /// Indices, in order, of the particles with an id divisible by `every` and of those that share carried state with them.
 /// Also returns that carried state, in which ids stand for particles.
-fn chosen<S: Solve>(work: &Work<S::Carried>, every: u32) -> (Vec<u32>, Vec<S::Carried>) {
+fn chosen<S: Solve>(
+    work: &Work<S::Carried>,
+    abroad: &[CrossRankContact<S::Carried>],
+    every: u32,
+) -> (Vec<u32>, Vec<S::Carried>) {
     let id = &work.particles.id;
     let followed = |id: u32| id.is_multiple_of(every.max(1));
     let home = work
         .lasting
         .iter()
         .filter(|carried| S::places(carried).iter().flatten().any(|&place| followed(id[place as usize])));
-    let abroad =
-        work.abroad.iter().filter(|abroad| S::places(&abroad.carried).iter().flatten().any(|&id| followed(id)));
+    let abroad = abroad.iter().filter(|abroad| S::places(&abroad.carried).iter().flatten().any(|&id| followed(id)));
     let mut places: Vec<u32> = (0..id.len() as u32).filter(|&place| followed(id[place as usize])).collect();
     if every > 1 {
         places.extend(home.clone().flat_map(|carried| S::places(carried).into_iter().flatten()));

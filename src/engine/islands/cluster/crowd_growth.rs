@@ -1,6 +1,7 @@
 //! Particles beside a crowd, taken into it before they are pushed.
 
-use super::{Clusters, Member};
+use super::Member;
+use super::bounded::BoundedIslands;
 
 /// Gap, relative to the distance of touch, below which a particle beside a crowd is taken into it. In a gas so few
 /// particles are so near that this costs little. It avoids solving the crowd again for each particle that it pushes.
@@ -10,22 +11,22 @@ const BESIDE: f64 = 0.05;
 /// Members that became hot late are in no cells, and each search of the surroundings has to check all of them.
 const MANY_LATE: usize = 64;
 
-impl Clusters<'_> {
+impl BoundedIslands<'_> {
     /// Takes into a crowd all particles beside its members, then those beside these, and so on. A new member may raise
     /// the reach of all, and then more particles are beside them. Members whose reach has grown search again, so that
     /// the result does not depend on the order of the searches.
     pub(super) fn take_in_beside(&mut self, which: usize) {
         loop {
-            let before = self.clusters[which].hot.len();
+            let before = self.list[which].hot.len();
             let mut next = 0;
             // new members stand behind the others, and search in their turn
-            while let Some(&member) = self.clusters[which].hot.get(next) {
+            while let Some(&member) = self.list[which].hot.get(next) {
                 next += 1;
                 for place in self.find_beside(member) {
                     self.take_in(which, place);
                 }
             }
-            if self.clusters[which].hot.len() == before {
+            if self.list[which].hot.len() == before {
                 break;
             }
             self.settle(which);
@@ -40,7 +41,8 @@ impl Clusters<'_> {
         if self.search.label[place as usize].is_none() {
             let alone = self.cluster_of(place);
             self.unite(which, alone);
-            self.settle_member(self.members.len() as u32 - 1);
+            let last = self.members.len() as u32 - 1;
+            self.settle_member(last);
         }
     }
 

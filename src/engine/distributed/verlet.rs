@@ -7,17 +7,16 @@
 //! After every kick all processes agree on the largest speed and on whether anything failed. Then the new velocities of
 //! lent particles that were pushed are sent to the borrowers.
 
-use super::block::first_named;
-use super::contact::Alike;
-use super::contacts::{EvaluationTime, StepRecord};
+use super::DistributedSolver;
+use super::domains::Domains;
 use super::ghost_exchange::GhostExchange;
-use super::halo::{Halo, take_kicks, to_bytes};
-use super::pushes::kick_all;
-use super::{Contact, SoftSolver};
+use super::halo::{Halo, list_of_all, take_kicks, to_bytes};
 use crate::communicator::Communicator;
-use crate::engine::driver::{CrossRankContact, Work};
-use crate::engine::islands::Domains;
+use crate::engine::driver::Work;
+use crate::engine::soft::{Alike, Contact, Contacts, ForceBuffer, SoftSolver, StepRecord, first_named, kick_all};
 use crate::engine::{Failure, Window, not_a_number};
+use crate::experiment::Integrator;
+use crate::neighbours::NeighbourList;
 use crate::neighbours::plan::ListSettings;
 use crate::neighbours::region::Region;
 use crate::particles::Particles;
@@ -25,27 +24,39 @@ use crate::record::{Log, Record};
 use crate::scene::Scene;
 use std::sync::Arc;
 
+/// Data that a process keeps while several processes share the uniform steps.
+#[derive(Default)]
+pub struct SharedSteps {
+    /// Own and ghost particles of this process, while several processes share the steps.
+    pub halo: Option<Halo>,
+    /// Number of slots in the lists of all processes, if they have shared the steps since the last list.
+    pub slots: Option<usize>,
+    /// List of all particles and the forces that are due, while the lead is shown all particles.
+    pub shown: Option<(NeighbourList, ForceBuffer)>,
+}
+
+impl SharedSteps {
+    /// True for each particle of this process, by index; `None` if all particles are of this process.
+    pub fn mine(&self) -> Option<&[bool]> {
+        self.halo.as_ref().map(|halo| halo.mine.as_slice())
+    }
+}
+
 /// Ghost exchange with the other processes.
 pub struct OtherProcesses<'a> {
     /// Assignment of blocks to processes.
-    pub domains: &'a mut Domains,
+    domains: &'a mut Domains<Contact>,
     /// Contacts among the particles of this process.
-    pub lasting: &'a mut Vec<Contact>,
-    /// Contacts between a particle of this process and one of another process.
-    pub abroad: &'a mut Vec<CrossRankContact<Contact>>,
+    lasting: &'a mut Vec<Contact>,
     /// State before the last kick, of all data that a kick changes.
     before: Particles,
     communicator: Arc<dyn Communicator>,
 }
 
 impl<'a> OtherProcesses<'a> {
-    fn new(
-        domains: &'a mut Domains,
-        lasting: &'a mut Vec<Contact>,
-        abroad: &'a mut Vec<CrossRankContact<Contact>>,
-    ) -> Self {
+    fn new(domains: &'a mut Domains<Contact>, lasting: &'a mut Vec<Contact>) -> Self {
         let communicator = domains.communicator();
-        Self { domains, lasting, abroad, before: Particles::default(), communicator }
+        Self { domains, lasting, before: Particles::default(), communicator }
     }
 
     /// Sends the new velocities of lent particles to the borrowers, or reports a failure. Returns the first failure of
@@ -57,7 +68,7 @@ impl<'a> OtherProcesses<'a> {
         if largest[1] > 0.0 {
             return self.first(failure);
         }
-        let halo = solver.halo.get_or_insert_default();
+        let halo = solver.shared.halo.get_or_insert_default();
         halo.mark(&solver.pushes);
         let tell = |rank: usize| halo.lent.get(rank).map_or_else(Vec::new, |lent| halo.pack(lent, particles));
         let outgoing = (0..self.communicator.size()).map(tell).collect();
@@ -75,23 +86,21 @@ impl<'a> OtherProcesses<'a> {
         all.fold(None, |first, failure| Some(first_named(first, failure)))
     }
 
-    /// Rebuilds the list of all particles, each process its part, by a `known` plan or for uses `between_uses` [s]
-    /// apart. Particles that have left a block go to the process of their new block.
-    fn rebuild_by(
-        &mut self,
-        solver: &mut SoftSolver,
-        particles: &mut Particles,
-        scene: &Scene,
-        (known, between_uses): (Option<ListSettings>, f64),
-    ) {
+    /// Settings of the list of all particles, agreed by all processes, for uses that are `between_uses` [s] apart.
+    fn agreed(&self, own: &Particles, scene: &Scene, between_uses: f64) -> ListSettings {
+        let sizes = (self.domains.population.count, self.domains.population.mean_radius[0]);
+        ListSettings::together(own, sizes, scene, between_uses, &*self.communicator)
+    }
+
+    /// Rebuilds the list of all particles by a plan, each process its part. Particles that have left a block go to the
+    /// process of their new block.
+    fn rebuild_by(&mut self, plan: &ListSettings, solver: &mut SoftSolver, particles: &mut Particles, scene: &Scene) {
         let (mut log, mut record) = (Log::default(), Record::default());
-        let (lasting, abroad) = (&mut *self.lasting, &mut *self.abroad);
-        let mut work = Work { particles, scene, lasting, abroad, log: &mut log, record: &mut record };
-        if let Some(halo) = solver.halo.take() {
+        let mut work = Work { particles, scene, lasting: &mut *self.lasting, log: &mut log, record: &mut record };
+        if let Some(halo) = solver.shared.halo.take() {
             *work.lasting = solver.contacts.take(&solver.list);
             self.domains.keep_own(&solver.islands, &mut work, &halo.mine);
         }
-        let plan = known.unwrap_or_else(|| agreed(self.domains, work.particles, scene, between_uses));
         if self.domains.is_cut {
             self.domains.balance(work.particles, &scene.domain);
         } else {
@@ -100,7 +109,7 @@ impl<'a> OtherProcesses<'a> {
         work.particles.wrap(&scene.domain);
         let reach = 2.0 * plan.everyone.as_ref().map_or(0.0, |everyone| everyone.range[0]) + plan.skin;
         let (mut halo, names) = Halo::borrow(self.domains, &mut work, reach * (1.0 + 1e-9));
-        let order = solver.list.build_by(&Region::from(&scene.domain), work.particles, scene, &plan);
+        let order = solver.list.build_by(&Region::from(&scene.domain), work.particles, scene, plan);
         let mut place_of = vec![0u32; order.len()];
         for (place, &from) in order.iter().enumerate() {
             place_of[from as usize] = place as u32;
@@ -113,138 +122,92 @@ impl<'a> OtherProcesses<'a> {
         let pairs = solver.list.pairs.iter().filter(|pair| halo.mine[pair.i as usize]).count();
         let mut slots = [(pairs + solver.list.walls.len()) as i64];
         self.communicator.sum(&mut slots);
-        solver.slots_of_all = Some(slots[0] as usize);
-        solver.speed.all = plan.largest_speed;
-        solver.halo = Some(halo);
+        solver.shared.slots = Some(slots[0] as usize);
+        solver.shared.halo = Some(halo);
         // the process sees other particles than before
         solver.alike = Alike::of(particles, scene, &solver.islands.law);
     }
 }
 
-/// Settings of the list of all particles, agreed by all processes, for uses that are `between_uses` [s] apart.
-fn agreed(domains: &Domains, own: &Particles, scene: &Scene, between_uses: f64) -> ListSettings {
-    let sizes = (domains.population.count, domains.population.mean_radius[0]);
-    ListSettings::together(own, sizes, scene, between_uses, &*domains.communicator())
+/// Own particles of a process, in the order of the list.
+fn own_of(solver: &SoftSolver, particles: &Particles) -> Particles {
+    let mut own = Particles::default();
+    match &solver.shared.halo {
+        Some(halo) => own.copy_from(particles, &halo.own),
+        None => own.clone_from(particles),
+    }
+    own
 }
 
 impl GhostExchange for OtherProcesses<'_> {
-    fn begin(
-        &mut self,
-        solver: &mut SoftSolver,
-        particles: &mut Particles,
-        scene: &Scene,
-        (window, dt): (Window, f64),
-    ) -> Result<(), Failure> {
-        let mut own = Particles::default();
-        match &solver.halo {
-            Some(halo) => own.copy_from(particles, &halo.own),
-            None => own.clone_from(particles),
-        }
-        let least = own.radius.iter().fold(f64::INFINITY, |a: f64, &r| a.min(r));
-        let mut largest = [own.largest_speed(solver.list.frame()), -least];
-        self.communicator.largest(&mut largest);
-        solver.speed.all = largest[0];
-        solver.smallest = SoftSolver::has_thin_walls(scene).then_some(-largest[1]);
-        if !solver.speed.all.is_finite() {
-            let wrong = (!own.largest_speed(solver.list.frame()).is_finite()).then(|| not_a_number(&own, window.start));
-            return Err(self.first(wrong).unwrap_or_else(|| not_a_number(particles, window.start)));
-        }
-        if !solver.list.allows(2.0 * solver.speed.all * dt) {
-            let plan = agreed(self.domains, &own, scene, 2.0 * dt);
-            let mut speed = super::Fastest { all: plan.largest_speed, ..solver.speed };
-            // the half-kick that is due from the last window comes before particles change process
-            if solver.has_forces {
-                speed.rise(kick_all(&solver.pushes, (particles, None), 0.5 * dt, plan.frame));
-            }
-            solver.pushes.clear();
-            self.rebuild_by(solver, particles, scene, (Some(plan), 2.0 * dt));
-            solver.speed.all = speed.all;
-        }
-        Ok(())
+    fn communicator(&self) -> Option<&dyn Communicator> {
+        Some(&*self.communicator)
     }
 
-    fn rebuild(&mut self, solver: &mut SoftSolver, particles: &mut Particles, scene: &Scene, between_uses: f64) {
-        self.rebuild_by(solver, particles, scene, (None, between_uses));
-    }
-
-    fn agree(&mut self, result: Result<(), Failure>) -> Result<(), Failure> {
+    fn agree(&self, result: Result<(), Failure>) -> Result<(), Failure> {
         self.first(result.err()).map_or(Ok(()), Err)
     }
 
-    fn forces(
-        &mut self,
-        solver: &mut SoftSolver,
-        particles: &Particles,
-        scene: &Scene,
-        at: EvaluationTime,
-        book: &mut StepRecord,
-    ) -> Result<(), Failure> {
-        let found = solver.evaluate(particles, scene, at, book);
-        self.agree(found)?;
-        solver.contacts.count(at, Some(&*self.communicator));
-        solver.leave_own_pushes();
-        Ok(())
+    fn not_a_number(&self, solver: &SoftSolver, particles: &Particles, time: f64) -> Failure {
+        let own = own_of(solver, particles);
+        let wrong = (!own.largest_speed(solver.list.frame()).is_finite()).then(|| not_a_number(&own, time));
+        self.first(wrong).unwrap_or_else(|| not_a_number(particles, time))
     }
 
-    fn kick(&mut self, solver: &mut SoftSolver, particles: &mut Particles, dt: f64) {
-        solver.kick(particles, dt);
-        self.tell(solver, particles, None);
-    }
-
-    fn step(
+    fn rebuild(
         &mut self,
         solver: &mut SoftSolver,
         particles: &mut Particles,
         scene: &Scene,
-        at: EvaluationTime,
-        book: &mut StepRecord,
-    ) -> Result<(), Failure> {
-        let found = solver.evaluate(particles, scene, at, book);
-        let is_well = found.is_ok();
-        particles.keep_kicked(&mut self.before);
-        if is_well {
-            solver.leave_own_pushes();
-            solver.kick(particles, at.weight * at.dt);
+        [between_uses, due]: [f64; 2],
+    ) {
+        let plan = self.agreed(&own_of(solver, particles), scene, between_uses);
+        let mut fastest = plan.largest_speed;
+        // what is due from the last window comes before particles change process
+        if due > 0.0 {
+            fastest = fastest.max(kick_all(&solver.pushes, (particles, None), due, plan.frame));
         }
-        if let Some(failure) = self.tell(solver, particles, found.err()) {
-            particles.take_back(&mut self.before);
-            return Err(failure);
-        }
-        solver.contacts.count(at, Some(&*self.communicator));
-        Ok(())
+        solver.pushes.clear();
+        self.rebuild_by(&plan, solver, particles, scene);
+        solver.speed.all = fastest;
     }
 
-    fn communicator(&self) -> Option<&dyn Communicator> {
-        Some(&*self.communicator)
+    fn before_kick(&mut self, particles: &Particles) {
+        particles.keep_kicked(&mut self.before);
+    }
+
+    fn after_kick(
+        &mut self,
+        solver: &mut SoftSolver,
+        particles: &mut Particles,
+        forces: Result<(), Failure>,
+    ) -> Result<(), Failure> {
+        let Some(failure) = self.tell(solver, particles, forces.err()) else { return Ok(()) };
+        particles.take_back(&mut self.before);
+        Err(failure)
     }
 }
 
 impl SoftSolver {
-    /// Keeps the pushes on particles of this process; the other processes apply all others.
-    fn leave_own_pushes(&mut self) {
-        if let Some(halo) = &self.halo {
-            self.pushes.iter_mut().for_each(|pushes| pushes.leave(&halo.mine));
-        }
-    }
-
     /// Moves all particles through the window, shared by all processes.
-    pub(super) fn uniform_together(
+    fn uniform_together(
         &mut self,
         work: &mut Work<Contact>,
         window: Window,
-        domains: &mut Domains,
+        domains: &mut Domains<Contact>,
     ) -> Result<(), Failure> {
+        // contacts come back into new blocks, which test the whole list first: `look_anew` has nothing to do
         self.ran_last = true;
         work.record.count(&mut work.log.impacts);
         if !domains.is_cut {
             self.start_together(work, domains);
         }
-        let mut seen = match &mut self.halo {
+        let mut seen = match &mut self.shared.halo {
             Some(halo) if domains.is_cut => halo.look(work.particles, domains),
             _ => std::mem::take(work.particles),
         };
         let before = self.counters;
-        let mut others = OtherProcesses::new(domains, work.lasting, work.abroad);
+        let mut others = OtherProcesses::new(domains, work.lasting);
         let mut book = StepRecord { log: work.log, record: Some(work.record) };
         let result = self.uniform(&mut seen, work.scene, window, &mut book, &mut others);
         let mut counts = [
@@ -255,16 +218,17 @@ impl SoftSolver {
         domains.count(&mut counts);
         self.counters.pair_checks = before.pair_checks + counts[0] as u64;
         self.counters.force_evaluations = before.force_evaluations + counts[1] as u64;
-        match &mut self.halo {
+        match &mut self.shared.halo {
             Some(halo) if domains.is_cut => {
                 let contacts = self.contacts.take(&self.list);
-                halo.leave(&seen, &contacts, &self.islands, work);
+                domains.abroad = halo.leave(&seen, &contacts, &self.islands, work);
                 self.contacts.put(contacts);
                 halo.seen = seen;
             }
             _ => {
                 *work.particles = seen;
-                *work.lasting = if self.halo.take().is_some() { self.contacts.take(&self.list) } else { Vec::new() };
+                *work.lasting =
+                    if self.shared.halo.take().is_some() { self.contacts.take(&self.list) } else { Vec::new() };
             }
         }
         result
@@ -274,7 +238,7 @@ impl SoftSolver {
     ///
     /// The particles are distributed over the processes now, unless the lead has a list in use. Then they are
     /// distributed when the list is next built, and until then the other processes have no particles.
-    fn start_together(&mut self, work: &mut Work<Contact>, domains: &mut Domains) {
+    fn start_together(&mut self, work: &mut Work<Contact>, domains: &mut Domains<Contact>) {
         let is_in_use = self.has_forces || self.list.allows(0.0);
         let known = (is_in_use && domains.is_lead()).then(|| (self.list.without_pairs(), self.has_forces));
         match domains.of_lead(known) {
@@ -284,30 +248,61 @@ impl SoftSolver {
                     let clock = std::mem::replace(&mut self.list, list).clock;
                     self.list.clock = clock;
                     self.pushes.clear();
-                    self.contacts = super::Contacts::new(self.islands.law);
+                    self.contacts = Contacts::new(self.islands.law);
                     work.particles.clear();
                     work.lasting.clear();
                 }
                 self.contacts.put(std::mem::take(work.lasting));
-                self.halo = Some(Halo::of_all(work.particles.len()));
+                self.shared.halo = Some(Halo::of_all(work.particles.len()));
             }
             None => {
                 self.list.invalidate();
                 self.pushes.clear();
                 self.has_forces = false;
                 domains.cut(&self.islands, work);
-                self.halo = None;
+                self.shared.halo = None;
             }
         }
     }
 
     /// Gives the lead, which has been shown all particles, the list of all particles and the forces due to them. The
     /// lead stores both with a run.
-    pub(super) fn show_all(&mut self, work: &mut Work<Contact>, domains: &Domains) {
-        let Some(halo) = &self.halo else { return };
+    fn show_all(&mut self, work: &mut Work<Contact>, domains: &Domains<Contact>) {
+        let Some(halo) = &self.shared.halo else { return };
         let parts = domains.communicator().collect(halo.packed(&self.pushes));
         if domains.is_lead() {
-            self.shown = Some(super::halo::list_of_all(&parts, &self.list, work));
+            self.shared.shown = Some(list_of_all(&parts, &self.list, work));
         }
+    }
+}
+
+impl DistributedSolver for SoftSolver {
+    fn allowance(&mut self) -> Option<&mut f64> {
+        Some(&mut self.islands.allowance.each)
+    }
+
+    fn shares_steps(&self) -> bool {
+        self.integrator == Integrator::VelocityVerlet
+    }
+
+    fn everyone_together(
+        &mut self,
+        work: &mut Work<Contact>,
+        window: Window,
+        domains: &mut Domains<Contact>,
+    ) -> Result<(), Failure> {
+        self.uniform_together(work, window, domains)
+    }
+
+    fn steps_together(&self) -> bool {
+        self.shared.halo.is_some()
+    }
+
+    fn show(&mut self, work: &mut Work<Contact>, domains: &Domains<Contact>) {
+        self.show_all(work, domains);
+    }
+
+    fn hide(&mut self) {
+        self.shared.shown = None;
     }
 }

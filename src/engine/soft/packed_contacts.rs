@@ -68,7 +68,7 @@ pub type RotatingRecord<'a> = (&'a ContactConstants, &'a mut PackedContact, Opti
 
 /// Contacts in progress, each at an index that does not change.
 #[derive(Default)]
-pub struct Records {
+pub struct PackedContacts {
     /// Chunks of contacts; all but the last are full.
     kept: Vec<Vec<PackedContact>>,
     /// Indices in `kept` that hold no contact.
@@ -81,7 +81,7 @@ pub struct Records {
     shears: Vec<Vec<Vector3<f64>>>,
 }
 
-impl Records {
+impl PackedContacts {
     /// Stores a contact; returns its index.
     pub fn keep(&mut self, touch: &ContactConstants, course: ContactState) -> u32 {
         let constants = self.constants_of(touch);
@@ -194,14 +194,14 @@ mod tests {
 
     #[test]
     fn contacts_keep_their_constants_however_many_kinds_there_are_and_places_are_used_again() {
-        let mut records = Records::default();
+        let mut records = PackedContacts::default();
         let places: Vec<u32> =
             (0..300).map(|j| records.keep(&touch(f64::from(j % 150)), ContactState::new(f64::from(j)))).collect();
         for (j, &place) in (0..).zip(&places).filter(|(j, _)| j % 3 == 0) {
             assert!(records.get(place).0 == &touch(f64::from(j % 150)));
             records.forget(place);
         }
-        let room = |records: &Records| records.kept.iter().map(Vec::len).sum::<usize>();
+        let room = |records: &PackedContacts| records.kept.iter().map(Vec::len).sum::<usize>();
         let (kept, constants) = (room(&records), records.constants.len());
         let again: Vec<u32> =
             (0..100).map(|j| records.keep(&touch(1e3 + f64::from(j)), ContactState::new(0.0))).collect();

@@ -62,19 +62,19 @@ impl ContactRows {
 }
 
 /// Exact sums of rows.
-pub struct Total {
+pub struct ContactSums {
     of_pairs: [ExactSum; SOME],
     at_walls: [ExactSum; SOME],
     is_empty: bool,
 }
 
-impl Default for Total {
+impl Default for ContactSums {
     fn default() -> Self {
         Self { of_pairs: none(), at_walls: none(), is_empty: true }
     }
 }
 
-impl Total {
+impl ContactSums {
     /// Adds rows with a weight [-]. The weight is a power of two, or 0, so nothing is rounded.
     pub fn add(&mut self, rows: &ContactRows, weight: f64) {
         for (sums, rows) in [(&mut self.of_pairs, &rows.of_pairs), (&mut self.at_walls, &rows.at_walls)] {

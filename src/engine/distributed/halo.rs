@@ -1,12 +1,12 @@
 //! Particles that a process sees in uniform steps of a run that is cut into domains: its own and borrowed ones
 //! (ghosts).
 
-use super::Contact;
-use super::local::SoftIslands;
-use super::pushes::{ForceBuffer, ForceIncrement};
+use super::CrossRankContact;
+use super::domains::Domains;
 use crate::encounter::FrameTime;
-use crate::engine::driver::{CrossRankContact, Work};
-use crate::engine::islands::{Domains, Solve};
+use crate::engine::driver::Work;
+use crate::engine::islands::Solve;
+use crate::engine::soft::{Contact, ForceBuffer, ForceIncrement, SoftIslands};
 use crate::engine::{Failure, Overlap};
 use crate::neighbours::NeighbourList;
 use crate::particles::Particles;
@@ -61,7 +61,7 @@ impl Halo {
 
     /// Gives particles that have left the block to the process of their new block, and borrows all particles within
     /// `width` [m] of the block. The store then holds own and borrowed particles, and `lasting` holds their contacts.
-    pub fn borrow(domains: &mut Domains, work: &mut Work<Contact>, width: f64) -> (Self, Names) {
+    pub fn borrow(domains: &mut Domains<Contact>, work: &mut Work<Contact>, width: f64) -> (Self, Names) {
         let (mine, places) = domains.borrow::<SoftIslands>(work, width);
         let id = &work.particles.id;
         let ids = |places: &Vec<u32>| {
@@ -141,7 +141,7 @@ impl Halo {
 
     /// Particles at the beginning of a window. Own particles may have got other velocities meanwhile, which are sent to
     /// the borrowers.
-    pub fn look(&mut self, own: &Particles, domains: &Domains) -> Particles {
+    pub fn look(&mut self, own: &Particles, domains: &Domains<Contact>) -> Particles {
         let mut seen = std::mem::take(&mut self.seen);
         for (k, &place) in self.own.iter().enumerate() {
             seen.set_motion(place as usize, &own.motion(k));
@@ -163,14 +163,21 @@ impl Halo {
         seen
     }
 
-    /// Hands over the own particles and their contacts at the end of a window.
-    pub fn leave(&self, seen: &Particles, contacts: &[Contact], solver: &SoftIslands, work: &mut Work<Contact>) {
+    /// Hands over the own particles and their contacts at the end of a window. Returns the contacts between a particle of
+    /// this process and one of another process.
+    pub fn leave(
+        &self,
+        seen: &Particles,
+        contacts: &[Contact],
+        solver: &SoftIslands,
+        work: &mut Work<Contact>,
+    ) -> Vec<CrossRankContact<Contact>> {
         work.particles.clear();
         work.particles.copy_from(seen, &self.own);
         let mut place_of = vec![None; self.mine.len()];
         self.own.iter().zip(0u32..).for_each(|(&from, place)| place_of[from as usize] = Some(place));
         work.lasting.clear();
-        work.abroad.clear();
+        let mut abroad = Vec::new();
         for contact in contacts {
             let of = Solving::places(contact);
             let mut here = of.iter().flatten().filter_map(|&place| place_of[place as usize]);
@@ -181,7 +188,7 @@ impl Halo {
                         depth: couple.meet(seen, work.scene, FrameTime::default()).overlap(),
                         diameter: couple.diameter(seen),
                     });
-                    work.abroad.push(CrossRankContact { carried, own, overlap });
+                    abroad.push(CrossRankContact { carried, own, overlap });
                 }
                 Some(_) => {
                     let place = |place: u32| place_of[place as usize].unwrap_or(place);
@@ -190,6 +197,7 @@ impl Halo {
                 None => {}
             }
         }
+        abroad
     }
 
     /// Data for the lead: this part of the list, and the forces that are due.

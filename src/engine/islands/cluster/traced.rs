@@ -6,60 +6,22 @@
 //! within islands. The trajectories are then those of the whole system, because an initial state has only one solution.
 //! Earlier attempts leave no trace, so the order in which islands are united does not matter.
 
-use super::{BATCH, Clusters, Member};
-use crate::engine::islands::search::BoundingSphere;
+use super::trajectories::{ParticleTrajectory, PiecewiseTrajectory, Segment, Trajectories, VelocityChange};
+use super::{BATCH, Clusters, IslandFinder, IslandLimits, Member};
+use crate::engine::islands::batch::Retry;
+use crate::engine::islands::choice::{PartCosts, TRACED};
+use crate::engine::islands::island::Island;
+use crate::engine::islands::search::{BoundingSphere, FirstTouch};
+use crate::neighbours::Pair;
 use crate::neighbours::levels::SizeLevels;
 use crate::neighbours::packed::PackedBalls;
 use crate::neighbours::region::Region;
 use crate::work_sharing;
-use nalgebra::Vector3;
-use serde::{Deserialize, Serialize};
-use std::ops::Range;
+use std::ops::{Deref, DerefMut, Range};
 
 /// Tolerance, relative to the paths of both particles: trajectories that miss a touch by less count as touching,
 /// because of rounding.
 const NEARLY: f64 = 1e-9;
-
-/// A velocity change that ends a straight piece of flight.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-pub struct VelocityChange {
-    /// Time of the change [s] since the start of the part.
-    pub time: f64,
-    /// Position [m] at the start of the part, extrapolated back along the new flight.
-    pub origin: Vector3<f64>,
-    /// New velocity [m/s], relative to the frame of the search.
-    pub velocity: Vector3<f64>,
-}
-
-/// Trajectory of a particle through the part.
-#[derive(Clone, Copy)]
-pub struct ParticleTrajectory<'a> {
-    /// Index of the particle in the store.
-    pub place: u32,
-    /// Velocity changes in the order of time; `None` if they are unknown and the particle may be anywhere in its ball.
-    pub turns: Option<&'a [VelocityChange]>,
-}
-
-/// Trajectory of a hot particle as it was solved.
-#[derive(Clone)]
-pub struct PiecewiseTrajectory {
-    /// Range of the velocity changes, in the list that came with the trajectory, in the order of time.
-    pub turns: Range<usize>,
-    /// The ball that holds the trajectory from the first velocity change on.
-    pub ball: BoundingSphere,
-    /// Reach [m] about the middle of the straight flight that holds the whole trajectory.
-    pub around: f64,
-}
-
-/// A straight piece of a trajectory.
-struct Segment {
-    /// Beginning and end [s].
-    span: [f64; 2],
-    /// Position [m] at the start of the part, extrapolated along this piece.
-    origin: Vector3<f64>,
-    /// Velocity [m/s] relative to the frame of the search.
-    velocity: Vector3<f64>,
-}
 
 /// Balls, in cells, that hold the flights of some hot particles from their first velocity change on.
 #[derive(Default)]
@@ -90,15 +52,112 @@ impl DeflectedFlights {
     }
 }
 
-impl Clusters<'_> {
+/// Islands that reach as far as their particles do fly.
+pub struct TracedIslands<'a> {
+    clusters: Clusters<'a>,
+    /// Velocity changes of all members; those of one member are in the order of time.
+    turns: Vec<VelocityChange>,
+    /// Balls of the members in cells: first of all members, second of islands that were solved again since.
+    deflected: [DeflectedFlights; 2],
+}
+
+impl<'a> Deref for TracedIslands<'a> {
+    type Target = Clusters<'a>;
+
+    fn deref(&self) -> &Clusters<'a> {
+        &self.clusters
+    }
+}
+
+impl<'a> DerefMut for TracedIslands<'a> {
+    fn deref_mut(&mut self) -> &mut Clusters<'a> {
+        &mut self.clusters
+    }
+}
+
+impl<'a> IslandFinder<'a> for TracedIslands<'a> {
+    const COSTS: PartCosts = TRACED;
+    const KEEPS_SHORTER: bool = false;
+
+    fn new(clusters: Clusters<'a>, _limits: IslandLimits) -> Self {
+        Self { clusters, turns: Vec::new(), deflected: Default::default() }
+    }
+
+    fn into_clusters(self) -> Clusters<'a> {
+        self.clusters
+    }
+
+    fn gather(&mut self, touches: &[FirstTouch], carried: &[[Option<u32>; 2]], energy: Vec<f64>) -> bool {
+        self.begin(touches, carried, energy, false);
+        true
+    }
+
+    /// Lists all pairs: a member may get anywhere.
+    fn list_pairs(&self, (a, _): (usize, &Member), (places, _): (&[u32], usize), pairs: &mut Vec<Pair>) {
+        pairs.extend((a + 1..places.len()).map(|b| Pair { i: a as u32, j: b as u32 }));
+    }
+
+    fn trajectories(members: usize) -> Trajectories {
+        Trajectories { ways: Vec::with_capacity(members), turns: Vec::with_capacity(2 * members) }
+    }
+
+    fn trace<C>(&self, island: &mut Island<C>, trajectories: &mut Trajectories) {
+        let Trajectories { ways, turns } = trajectories;
+        // a stable sort: the velocity changes of one particle stay in the order of time
+        island.turns.sort_by_key(|(local, _)| *local);
+        let mut rest = island.turns.as_slice();
+        for local in 0..island.hot as u32 {
+            let (own, others) = rest.split_at(rest.partition_point(|(of, _)| *of <= local));
+            let first = turns.len();
+            turns.extend(own.iter().map(|(_, turn)| *turn));
+            ways.push(self.way(island.places[local as usize], &turns[first..], first));
+            rest = others;
+        }
+    }
+
+    fn follow(&mut self, which: usize, ways: Range<usize>, Trajectories { ways: all, turns }: &Trajectories) {
+        for (number, way) in all[ways].iter().enumerate() {
+            let first = self.turns.len();
+            self.turns.extend_from_slice(&turns[way.turns.clone()]);
+            let known = Some(first..self.turns.len());
+            let member = self.list[which].hot[number] as usize;
+            let member = &mut self.members[member];
+            (member.ball, member.around, member.turns) = (way.ball, way.around, known);
+        }
+    }
+
+    fn next_round(&mut self, retries: Vec<(usize, Retry)>, mine: impl Fn(u32) -> bool) -> Option<u64> {
+        self.apply_retries(retries);
+        self.unite_meeting(mine)
+    }
+
+    fn velocity_changes(&self, member: &Member) -> Option<&[VelocityChange]> {
+        self.trajectory(member).turns
+    }
+
+    fn may_meet(&self, member: &Member, place: u32, turns: Option<&[VelocityChange]>) -> bool {
+        self.may_touch(&self.trajectory(member), &ParticleTrajectory { place, turns })
+    }
+
+    fn for_each_beside(&self, ball: &BoundingSphere, _widest: f64, visit: &mut dyn FnMut(&Member)) {
+        self.for_each_deflected_beside(ball, &mut *visit);
+        self.search.for_each_beside(ball, self.domain, |place| {
+            if let Some(label) = self.search.label[place as usize] {
+                visit(&self.members[label.member()]);
+            }
+        });
+    }
+}
+
+impl TracedIslands<'_> {
     /// Trajectory of a member.
-    pub(super) fn course(&self, member: &Member) -> ParticleTrajectory<'_> {
+    fn trajectory(&self, member: &Member) -> ParticleTrajectory<'_> {
         ParticleTrajectory { place: member.place, turns: member.turns.clone().map(|turns| &self.turns[turns]) }
     }
 
     /// Trajectory of a hot particle, given by index, with these velocity changes; `first` is the number of the first
     /// one.
-    pub fn way(&self, place: u32, turns: &[VelocityChange], first: usize) -> PiecewiseTrajectory {
+    fn way(&self, place: u32, turns: &[VelocityChange], first: usize) -> PiecewiseTrajectory {
         let flight = self.search.flights[place as usize];
         let turned = first..first + turns.len();
         let Some(begin) = turns.first().map(|turn| turn.origin + turn.velocity * turn.time) else {
@@ -116,28 +175,15 @@ impl Clusters<'_> {
         PiecewiseTrajectory { turns: turned, ball, around: flight.reach.max(reach + apart * (1.0 + NEARLY)) }
     }
 
-    /// Stores the trajectories of the members of an island.
-    pub fn follow(&mut self, which: usize, ways: &[PiecewiseTrajectory], turns: &[VelocityChange]) {
-        for (number, way) in ways.iter().enumerate() {
-            let first = self.turns.len();
-            self.turns.extend_from_slice(&turns[way.turns.clone()]);
-            let member = &mut self.members[self.clusters[which].hot[number] as usize];
-            (member.ball, member.around, member.turns) = (way.ball, way.around, Some(first..self.turns.len()));
-        }
-    }
-
     /// Unites islands whose trajectories meet, and takes in the particles that they hit; these islands are to be solved
     /// again. Returns the number of islands solved in vain, among those whose leading particle is chosen by `mine`.
     /// Returns `None` if an island grows too large.
-    pub fn meet(&mut self, mine: impl Fn(u32) -> bool) -> Option<u64> {
-        if !self.traces {
-            return Some(0);
-        }
+    fn unite_meeting(&mut self, mine: impl Fn(u32) -> bool) -> Option<u64> {
         let is_new = |which: &usize| {
-            let cluster = &self.clusters[*which];
+            let cluster = &self.list[*which];
             cluster.alive && cluster.solved.is_some() && cluster.seen != Some(cluster.version)
         };
-        let new: Vec<usize> = (0..self.clusters.len()).filter(is_new).collect();
+        let new: Vec<usize> = (0..self.list.len()).filter(is_new).collect();
         self.lay_out(&new);
         let this = &*self;
         let look = |some: &[usize]| some.iter().map(|&which| this.met_by(which)).collect::<Vec<_>>();
@@ -146,16 +192,17 @@ impl Clusters<'_> {
         for (which, met) in new.iter().copied().zip(met) {
             let met = met?;
             if met.is_empty() {
-                self.clusters[which].seen = Some(self.clusters[which].version);
+                self.list[which].seen = Some(self.list[which].version);
             } else {
                 in_vain += u64::from(self.leader(which).is_some_and(&mine));
-                changed.push((self.clusters[which].hot[0] as usize, met));
+                changed.push((self.list[which].hot[0] as usize, met));
             }
         }
         for (member, met) in &changed {
             for &place in met {
                 let other = self.cluster_of(place);
-                self.unite(self.members[*member].cluster as usize, other);
+                let which = self.members[*member].cluster as usize;
+                self.unite(which, other);
             }
         }
         let mut changed: Vec<usize> =
@@ -163,30 +210,31 @@ impl Clusters<'_> {
         changed.sort_unstable();
         changed.dedup();
         changed.iter().for_each(|&which| self.settle(which));
-        changed.iter().all(|&which| !self.clusters[which].is_crowd()).then_some(in_vain)
+        changed.iter().all(|&which| !self.list[which].is_crowd()).then_some(in_vain)
     }
 
     /// Sorts the balls of all members into cells the first time; later only those of islands that were solved again
     /// since.
     fn lay_out(&mut self, new: &[usize]) {
-        let region = &self.search.region;
-        self.widest = self.members.iter().map(|member| member.around).fold(0.0, f64::max);
-        let [all, anew] = &mut self.turned;
+        let Clusters { search, members: known, list, widest, .. } = &mut self.clusters;
+        let region = &search.region;
+        *widest = known.iter().map(|member| member.around).fold(0.0, f64::max);
+        let [all, anew] = &mut self.deflected;
         if all.members.is_empty() {
-            all.sort((0..self.members.len() as u32).collect(), &self.members, region);
+            all.sort((0..known.len() as u32).collect(), known, region);
             return;
         }
         let mut members = std::mem::take(&mut anew.members);
-        members.extend(new.iter().flat_map(|&which| &self.clusters[which].hot));
+        members.extend(new.iter().flat_map(|&which| &list[which].hot));
         members.sort_unstable();
         members.dedup();
-        anew.sort(members, &self.members, region);
+        anew.sort(members, known, region);
     }
 
     /// Calls `visit` with the members whose balls overlap the given one. Some members come twice, and some only nearly
     /// overlap.
-    pub(super) fn for_each_turned_beside(&self, ball: &BoundingSphere, mut visit: impl FnMut(&Member)) {
-        for turned in &self.turned {
+    fn for_each_deflected_beside(&self, ball: &BoundingSphere, mut visit: impl FnMut(&Member)) {
+        for turned in &self.deflected {
             turned.for_each_beside(ball, &self.search.region, |member| visit(&self.members[member as usize]));
         }
     }
@@ -196,26 +244,26 @@ impl Clusters<'_> {
         let mut met = Vec::new();
         // until an island is solved again, a deflected flight that meets a straight one finds it, so one direction is
         // enough
-        let all_look = self.search.region.is_all() && self.turned[1].members.is_empty();
-        for &member in &self.clusters[which].hot {
+        let all_look = self.search.region.is_all() && self.deflected[1].members.is_empty();
+        for &member in &self.list[which].hot {
             let member = &self.members[member as usize];
             // beyond half a period, images other than the nearest may be met
             if member.around + self.widest.max(self.search.levels.largest_reach()) > self.half_period {
                 return None;
             }
-            let course = self.course(member);
+            let own = self.trajectory(member);
             let touches =
-                |other: &Member| other.cluster != which as u32 && self.may_touch(&course, &self.course(other));
+                |other: &Member| other.cluster != which as u32 && self.may_touch(&own, &self.trajectory(other));
             let mut note = |other: &Member| met.extend(touches(other).then_some(other.place));
-            self.for_each_turned_beside(&member.ball, &mut note);
+            self.for_each_deflected_beside(&member.ball, &mut note);
             if !all_look {
-                self.for_each_turned_beside(&member.flight, &mut note);
+                self.for_each_deflected_beside(&member.flight, &mut note);
             }
             self.search.for_each_beside(&member.ball, self.domain, |place| {
                 let straight = ParticleTrajectory { place, turns: Some(&[]) };
                 let meets = match self.search.label[place as usize] {
                     Some(label) => touches(&self.members[label.member()]),
-                    None => self.may_touch(&course, &straight),
+                    None => self.may_touch(&own, &straight),
                 };
                 met.extend(meets.then_some(place));
             });
@@ -224,7 +272,7 @@ impl Clusters<'_> {
     }
 
     /// True if two particles may touch on their trajectories, at least one of them after a velocity change.
-    pub(super) fn may_touch(&self, one: &ParticleTrajectory, other: &ParticleTrajectory) -> bool {
+    fn may_touch(&self, one: &ParticleTrajectory, other: &ParticleTrajectory) -> bool {
         let (Some(turns), Some(others)) = (one.turns, other.turns) else { return true };
         let reach = self.particles.radius[one.place as usize] + self.particles.radius[other.place as usize];
         (0..=turns.len()).any(|number| {

@@ -1,0 +1,275 @@
+//! One run cut into domains. Each process has the particles of a block of the box. For each part of a window it borrows
+//! the particles of other processes that its own may interact with (ghost particles).
+//!
+//! A process treats its own and the borrowed particles as if there were no others, and solves all islands that it sees
+//! whole. These include islands that other processes own, so no result has to be sent back. It sends its results to the
+//! processes that have borrowed its particles. Two processes may disagree on the members of an island, or an island may
+//! reach beyond what its owner has borrowed. Then all processes borrow from farther away and repeat the part.
+
+use super::CrossRankContact;
+use super::gathering::GatheredPart;
+use super::packing::{ids_of, pack, packed, take_aboard, unpacked};
+use crate::communicator::Communicator;
+use crate::domain::Domain;
+use crate::domain::blocks::Blocks;
+use crate::engine::driver::Work;
+use crate::engine::islands::{BoundingSphere, Solve};
+use crate::engine::population::PopulationSummary;
+use crate::exact::ExactSum;
+use crate::neighbours::region::Region;
+use nalgebra::Vector3;
+use rustc_hash::FxHashMap;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use std::sync::Arc;
+
+/// Least distance that a process sees beyond its block, in largest reaches of a flight.
+const SEEN: f64 = 4.0;
+
+/// Least distance that a process sees beyond its block in the first part of a run, in largest reaches of a flight. Case
+/// D with 10⁶ particles needs 8, and a repeated part costs as much as a window.
+const SEEN_AT_FIRST: f64 = 10.0;
+
+/// Particles per process below which steps of all particles are not shared: most would be ghost particles of others.
+const FEWEST: usize = 200;
+
+/// One run cut into domains.
+pub struct Domains<C> {
+    pub(super) communicator: Arc<dyn Communicator>,
+    /// Assignment of blocks to processes.
+    pub(super) blocks: Blocks,
+    /// Distance [m] from which particles are borrowed.
+    pub(super) width: f64,
+    /// True if the store holds the particles of one block only.
+    pub is_cut: bool,
+    /// State carried between a particle of this process and one of another process.
+    pub abroad: Vec<CrossRankContact<C>>,
+    /// Own part of the lead process, while it is shown the particles of all processes.
+    pub(super) gathered: Option<GatheredPart<C>>,
+    /// Summary of all particles of the run in a few numbers.
+    pub population: Arc<PopulationSummary>,
+}
+
+/// The particles that a process sees in a part of a window: its own and the borrowed ones.
+pub struct LocalParticles<C> {
+    /// Flags by index: true for own particles; empty if all are.
+    pub(super) mine: Vec<bool>,
+    /// Number of particles in the store when the part began.
+    pub(super) count: usize,
+    /// State carried when the part began: among own particles, and between an own particle and one of another process.
+    pub(super) lasting: (Vec<C>, Vec<CrossRankContact<C>>),
+    /// Indices of the particles of other processes, by id.
+    pub(super) strangers: FxHashMap<u32, u32>,
+    /// True if all partners in carried state are here.
+    pub complete: bool,
+    /// Region that holds all these particles.
+    pub region: Region,
+}
+
+impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
+    /// Domains of a box shared by the given processes. The summary of all particles is that of the lead process.
+    pub fn new(communicator: Arc<dyn Communicator>, population: PopulationSummary) -> Self {
+        let population = unpacked(&communicator.broadcast(packed(&population))).unwrap_or(population);
+        Self {
+            communicator,
+            blocks: Blocks::default(),
+            width: 0.0,
+            is_cut: false,
+            abroad: Vec::new(),
+            gathered: None,
+            population: Arc::new(population),
+        }
+    }
+
+    /// Value of the lead process, sent to all processes.
+    pub fn of_lead<T: Serialize + DeserializeOwned>(&self, value: T) -> T {
+        unpacked(&self.communicator.broadcast(packed(&value))).unwrap_or(value)
+    }
+
+    /// True if this process is the lead.
+    pub fn is_lead(&self) -> bool {
+        self.communicator.is_lead()
+    }
+
+    /// Sums over all processes, if each has particles of its own.
+    pub fn total(&self, sums: &mut [&mut ExactSum]) {
+        if self.is_cut {
+            self.communicator.total(sums);
+        }
+    }
+
+    /// Sums counts over all processes.
+    pub fn count(&self, counts: &mut [i64]) {
+        self.communicator.sum(counts);
+    }
+
+    /// Largest values over all processes, if each has particles of its own.
+    pub fn largest(&self, values: &mut [f64]) {
+        if self.is_cut {
+            self.communicator.largest(values);
+        }
+    }
+
+    /// Sends particles that have left the block to their owners, and borrows those whose flights come near. A flight
+    /// takes `part` [s] and is seen from `frame` [m/s]; `flight` [m] is the largest reach of a flight.
+    pub fn trade<S: Solve<Carried = C>>(
+        &mut self,
+        work: &mut Work<C>,
+        (frame, part): (Vector3<f64>, f64),
+        flight: f64,
+    ) -> LocalParticles<C> {
+        // partners of own particles and the partners of those must be seen; further needs of islands are known after
+        // the first part
+        let least = if self.width > 0.0 { SEEN } else { SEEN_AT_FIRST };
+        self.width = self.width.max(least * flight);
+        let (domain, size) = (&work.scene.domain, self.communicator.size());
+        let block = self.block(domain);
+        let mut places: Vec<Vec<u32>> = vec![Vec::new(); size];
+        let mut mine = Vec::with_capacity(work.particles.len());
+        // a particle so deep inside does not leave, and no other process needs it
+        let deep = (self.width + flight) * (1.0 + 1e-9);
+        for place in 0..work.particles.len() {
+            if self.blocks.is_deep(&work.particles.position[place], &block, deep) {
+                mine.push(true);
+                continue;
+            }
+            let owner = self.blocks.owner(&work.particles.position[place]);
+            mine.push(owner == self.communicator.rank());
+            let middle = BoundingSphere::of(work.particles, place, domain, frame, part).middle;
+            let mut to = |rank: usize| {
+                if places[rank].last() != Some(&(place as u32)) {
+                    places[rank].push(place as u32);
+                }
+            };
+            self.for_each_borrower(&middle, (&block, domain), &mut to);
+            if owner != self.communicator.rank() {
+                to(owner);
+            }
+        }
+        let cargo = |places: &Vec<u32>| {
+            if places.is_empty() {
+                return Vec::new();
+            }
+            let goes = |place: &u32| places.binary_search(place).is_ok();
+            let home = work.lasting.iter().filter(|carried| S::places(carried).iter().flatten().any(goes));
+            let mut lasting = ids_of::<S>(work.particles, home);
+            let abroad = self.abroad.iter().filter(|abroad| goes(&abroad.own));
+            lasting.extend(abroad.map(|abroad| abroad.carried));
+            pack(work.particles, places, &lasting)
+        };
+        let outgoing = places.iter().map(cargo).collect();
+        let (count, before) = (work.particles.len(), (work.lasting.clone(), self.abroad.clone()));
+        let leavers = (0u32..).zip(&mine).filter(|(_, mine)| !**mine);
+        let mut strangers: FxHashMap<u32, u32> =
+            leavers.map(|(place, _)| (work.particles.id[place as usize], place)).collect();
+        let mut lasting = Vec::new();
+        for bytes in self.communicator.exchange(outgoing) {
+            let first = work.particles.len();
+            lasting.extend(take_aboard::<C>(&bytes, work.particles).into_iter().flatten());
+            mine.extend(work.particles.position[first..].iter().map(|x| self.is_mine(x)));
+            strangers.extend((first as u32..).zip(&work.particles.id[first..]).map(|(place, &id)| (id, place)));
+        }
+        let mut agrees = true;
+        for CrossRankContact { carried, own, .. } in self.abroad.drain(..) {
+            let id = work.particles.id[own as usize];
+            let place = |other: u32| if other == id { Some(own) } else { strangers.get(&other).copied() };
+            // any particle in contact with it comes within reach of it
+            agrees &= S::places(&carried).iter().flatten().all(|id| place(*id).is_some());
+            work.lasting.push(S::moved(&carried, &|id| place(id).unwrap_or(own)));
+        }
+        // the carried state of own particles is known already
+        for carried in lasting {
+            if S::places(&carried).iter().flatten().all(|id| strangers.contains_key(id)) {
+                work.lasting.push(S::moved(&carried, &|id| strangers.get(&id).copied().unwrap_or(id)));
+            }
+        }
+        strangers.retain(|_, place| !mine[*place as usize]);
+        let region = Region::around(domain, block, self.width);
+        LocalParticles { mine, count, lasting: before, strangers, complete: agrees, region }
+    }
+
+    /// Sends particles that have left the block to their owners, and borrows all within `width` [m] of it. Returns
+    /// flags by index, true for own particles. Also returns the indices of the particles that each process has
+    /// borrowed; some of these may have been there before.
+    pub fn borrow<S: Solve<Carried = C>>(&mut self, work: &mut Work<C>, width: f64) -> (Vec<bool>, Vec<Vec<u32>>) {
+        let before = std::mem::replace(&mut self.width, width);
+        let LocalParticles { mine, .. } = self.trade::<S>(work, (Vector3::zeros(), 0.0), 0.0);
+        let (domain, mut lent) = (&work.scene.domain, vec![Vec::new(); self.communicator.size()]);
+        let block = self.block(domain);
+        for (place, x) in (0u32..).zip(&work.particles.position).filter(|(place, _)| mine[*place as usize]) {
+            self.for_each_borrower(x, (&block, domain), |rank| lent[rank].push(place));
+        }
+        self.width = before;
+        (mine, lent)
+    }
+
+    /// True if there are enough particles to share the steps of all of them.
+    pub fn is_worth_it(&self) -> bool {
+        let size = self.communicator.size();
+        size > 1 && self.population.count >= FEWEST * size
+    }
+
+    /// Communicator of the processes.
+    pub fn communicator(&self) -> Arc<dyn Communicator> {
+        self.communicator.clone()
+    }
+}
+
+impl<C> Domains<C> {
+    /// Region with the particles of this process.
+    pub fn region(&self, domain: &Domain) -> Region {
+        Region::around(domain, self.block(domain), 0.0)
+    }
+
+    fn is_mine(&self, x: &Vector3<f64>) -> bool {
+        self.blocks.owner(x) == self.communicator.rank()
+    }
+
+    /// Corners [m] of the block of this process.
+    pub(super) fn block(&self, domain: &Domain) -> [Vector3<f64>; 2] {
+        self.blocks.corners(self.communicator.rank(), domain)
+    }
+
+    /// Distance [m] from another block within which particles are lent: a little more than the other process relies on.
+    pub(super) fn lent(&self) -> f64 {
+        self.width * (1.0 + 1e-9)
+    }
+
+    /// Calls `visit` with every other process that borrows a particle whose flight has its middle at `x`; `block` are
+    /// the corners of the own block.
+    pub(super) fn for_each_borrower(
+        &self,
+        x: &Vector3<f64>,
+        (block, domain): (&[Vector3<f64>; 2], &Domain),
+        mut visit: impl FnMut(usize),
+    ) {
+        let width = self.lent();
+        if !self.blocks.is_deep(x, block, width) {
+            let others = |rank: usize| {
+                if rank != self.communicator.rank() {
+                    visit(rank);
+                }
+            };
+            self.blocks.for_each_within(x, width, domain, others);
+        }
+    }
+}
+
+impl<C> LocalParticles<C> {
+    /// All particles of a box, which a single process has.
+    pub fn all(domain: &Domain) -> Self {
+        Self {
+            mine: Vec::new(),
+            count: 0,
+            lasting: (Vec::new(), Vec::new()),
+            strangers: FxHashMap::default(),
+            complete: true,
+            region: Region::from(domain),
+        }
+    }
+
+    /// True if the particle at an index is in the block of this process.
+    pub fn is_mine(&self, place: u32) -> bool {
+        self.mine.get(place as usize).is_none_or(|mine| *mine)
+    }
+}

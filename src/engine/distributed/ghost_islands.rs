@@ -1,0 +1,106 @@
+//! Messages to other processes about islands near the border of a domain.
+
+use crate::engine::islands::{BoundingSphere, Clusters, IslandFinder, Member, VelocityChange};
+use nalgebra::Vector3;
+use rustc_hash::FxHashMap;
+use serde::{Deserialize, Serialize};
+use std::hash::Hasher;
+
+/// Message of a process to others about one of its hot particles.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct HotParticleDigest {
+    /// Id of the particle.
+    pub id: u32,
+    /// Checksum of the island of the particle.
+    mark: u64,
+    /// The ball that holds the particle.
+    ball: BoundingSphere,
+    /// Velocity changes of the particle, if they are known.
+    turns: Option<Vec<VelocityChange>>,
+}
+
+/// Calls `tell` with the result for each chosen particle and the middle of its flight, if that is `near` another
+/// process.
+pub fn tell<'a>(
+    islands: &impl IslandFinder<'a>,
+    chosen: impl Fn(u32) -> bool,
+    near: impl Fn(&Vector3<f64>) -> bool,
+    mut tell: impl FnMut(HotParticleDigest, &Vector3<f64>),
+) {
+    for (which, cluster) in islands.list.iter().enumerate().filter(|(_, cluster)| cluster.alive) {
+        let members = cluster.hot.iter().map(|&member| &islands.members[member as usize]);
+        let mut known = None;
+        for member in members.filter(|member| chosen(member.place) && near(&member.flight.middle)) {
+            let id = islands.particles.id[member.place as usize];
+            let mark = *known.get_or_insert_with(|| mark(islands, which));
+            let turns = islands.velocity_changes(member).map(<[VelocityChange]>::to_vec);
+            tell(HotParticleDigest { id, mark, ball: member.ball, turns }, &member.flight.middle);
+        }
+    }
+}
+
+/// True if the messages of other processes, by particle index, agree with the results here for the islands of the
+/// chosen particles. The islands must have equal members, and no other particle of those messages may meet them.
+pub fn agree_with<'a>(
+    islands: &impl IslandFinder<'a>,
+    chosen: impl Fn(u32) -> bool,
+    told: &[(u32, HotParticleDigest)],
+) -> bool {
+    let own: Vec<bool> = (0..islands.list.len()).map(|which| islands.has(which, &chosen)).collect();
+    let marks: FxHashMap<u32, u64> = told.iter().map(|(place, told)| (*place, told.mark)).collect();
+    let mut known = islands.members.iter().filter(|member| own[member.cluster as usize] && !chosen(member.place));
+    let alike = known.all(|member| marks.get(&member.place) == Some(&mark(islands, member.cluster as usize)));
+    let widest = told.iter().map(|(_, told)| told.ball.reach).fold(islands.widest, f64::max);
+    let late = late_near(islands, &own, told, widest);
+    let domain = islands.domain;
+    let meets = |place: u32, told: &HotParticleDigest| {
+        let flight = islands.search.flights[place as usize];
+        let meets = |member: &Member| {
+            own[member.cluster as usize]
+                && islands.may_meet(member, place, told.turns.as_deref())
+                && (told.ball.meets(&member.flight, domain)
+                    || told.ball.meets(&member.ball, domain)
+                    || flight.meets(&member.ball, domain))
+        };
+        let mut met = late.iter().copied().any(meets);
+        for ball in [told.ball, flight] {
+            islands.for_each_beside(&ball, widest, &mut |member| met |= meets(member));
+        }
+        met
+    };
+    let is_known = |place: u32| {
+        let label = islands.search.label[place as usize];
+        label.is_some_and(|label| own[islands.members[label.member()].cluster as usize])
+    };
+    alike && told.iter().all(|(place, told)| is_known(*place) || !meets(*place, told))
+}
+
+/// Members of own islands that are in no cells, and may meet a particle that other processes tell of. Most are too deep
+/// inside. No ball reaches farther than `widest` [m].
+fn late_near<'i, 'a: 'i>(
+    islands: &'i impl IslandFinder<'a>,
+    own: &[bool],
+    told: &[(u32, HotParticleDigest)],
+    widest: f64,
+) -> Vec<&'i Member> {
+    let depth = |middle: &Vector3<f64>| islands.search.region.depth(middle, islands.domain);
+    let deeper = |deepest: f64, (place, told): &(u32, HotParticleDigest)| {
+        deepest.max(depth(&told.ball.middle)).max(depth(&islands.search.flights[*place as usize].middle))
+    };
+    let deep = told.iter().fold(f64::NEG_INFINITY, deeper) + 2.0 * widest.max(islands.search.levels.largest_reach());
+    let is_near = |one: &&Member| depth(&one.flight.middle).min(depth(&one.ball.middle)) <= deep;
+    islands.late().iter().filter(|member| own[member.cluster as usize]).filter(is_near).collect()
+}
+
+/// Checksum of all data that the result of an island depends on, except the state of its particles.
+fn mark(islands: &Clusters, which: usize) -> u64 {
+    let cluster = &islands.list[which];
+    let id = |place: u32| u64::from(islands.particles.id[place as usize]);
+    let hot = cluster.hot.iter().map(|&member| id(islands.members[member as usize].place));
+    let ([one, other], [fast, next]) = (cluster.energies, cluster.speeds);
+    let bounds = [cluster.floor, cluster.first, cluster.stored, one, other, fast, next];
+    let all = hot.chain([u64::MAX]).chain(cluster.bystanders.iter().map(|&place| id(place)));
+    let mut mark = std::hash::DefaultHasher::new();
+    all.chain(bounds.map(f64::to_bits)).chain([u64::from(cluster.lasts)]).for_each(|part| mark.write_u64(part));
+    mark.finish()
+}

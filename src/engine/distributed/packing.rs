@@ -1,0 +1,111 @@
+//! Packing of the particles of a process into bytes that can be stored, and distribution of stored parts to any number
+//! of processes.
+
+use super::CrossRankContact;
+use super::domains::Domains;
+use crate::domain::Domain;
+use crate::engine::driver::Work;
+use crate::engine::islands::Solve;
+use crate::particles::Particles;
+use rustc_hash::FxHashMap;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+/// [bytes] of a stored length.
+const LENGTH: usize = 8;
+
+/// Packs the particles of this process and their carried state, in which ids stand for the particles.
+pub fn packed_part<S: Solve>(
+    particles: &Particles,
+    home: &[S::Carried],
+    abroad: &[CrossRankContact<S::Carried>],
+) -> Vec<u8> {
+    let mut lasting = ids_of::<S>(particles, home.iter());
+    lasting.extend(abroad.iter().map(|abroad| abroad.carried));
+    pack(particles, &(0..particles.len() as u32).collect::<Vec<u32>>(), &lasting)
+}
+
+/// Turns carried state with ids into carried state with indices, at the process that has its particles. Returns state
+/// carried between a particle of this process and one of another process.
+pub fn settle<S: Solve>(lasting: Vec<S::Carried>, work: &mut Work<S::Carried>) -> Vec<CrossRankContact<S::Carried>> {
+    let mut abroad = Vec::new();
+    let places: FxHashMap<u32, u32> = work.particles.id.iter().copied().zip(0..).collect();
+    for carried in lasting {
+        let here: Vec<Option<u32>> = S::places(&carried).iter().flatten().map(|id| places.get(id).copied()).collect();
+        match here.iter().flatten().next() {
+            // the overlap of the two is known when a part has been done
+            Some(&own) if here.iter().any(Option::is_none) => {
+                abroad.push(CrossRankContact { carried, own, overlap: None })
+            }
+            Some(_) => work.lasting.push(S::moved(&carried, &|id| places.get(&id).copied().unwrap_or(id))),
+            None => {}
+        }
+    }
+    abroad
+}
+
+impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
+    /// Distributes a part that the lead process has: each process gets its particles and their carried state. The other
+    /// processes pass no bytes.
+    pub fn deal<S: Solve<Carried = C>>(&self, bytes: &[u8], domain: &Domain) -> Vec<u8> {
+        let mut outgoing = vec![Vec::new(); self.communicator.size()];
+        let mut part = Particles::default();
+        if let Some(lasting) = take_aboard::<C>(bytes, &mut part) {
+            part.wrap(domain);
+            let owners: Vec<usize> = part.position.iter().map(|x| self.blocks.owner(x)).collect();
+            let owner_of: FxHashMap<u32, usize> = part.id.iter().copied().zip(owners.iter().copied()).collect();
+            for (rank, bytes) in outgoing.iter_mut().enumerate() {
+                let is_theirs = |place: &u32| owners[*place as usize] == rank;
+                let places: Vec<u32> = (0..part.len() as u32).filter(is_theirs).collect();
+                let touches = |carried: &&S::Carried| {
+                    S::places(carried).iter().flatten().any(|id| owner_of.get(id) == Some(&rank))
+                };
+                *bytes = pack(&part, &places, &lasting.iter().filter(touches).copied().collect::<Vec<_>>());
+            }
+        }
+        self.communicator.exchange(outgoing).into_iter().next().unwrap_or_default()
+    }
+}
+
+/// Packs particles and carried state for sending: the length of the particle bytes, these bytes, then the carried
+/// state.
+pub fn pack<C: Serialize>(particles: &Particles, places: &[u32], lasting: &[C]) -> Vec<u8> {
+    let mut bytes = vec![0; LENGTH];
+    particles.pack(places, &mut bytes);
+    let length = (bytes.len() - LENGTH) as u64;
+    bytes[..LENGTH].copy_from_slice(&length.to_le_bytes());
+    let lasting = packed(&lasting);
+    bytes.reserve_exact(lasting.len());
+    bytes.extend(lasting);
+    bytes
+}
+
+/// Appends packed particles, and returns the carried state; `None`, with nothing appended, if the bytes are not of that
+/// form.
+pub fn take_aboard<C: DeserializeOwned>(bytes: &[u8], particles: &mut Particles) -> Option<Vec<C>> {
+    let (length, rest) = bytes.split_first_chunk::<LENGTH>()?;
+    let (of_particles, rest) = rest.split_at_checked(u64::from_le_bytes(*length) as usize)?;
+    let (lasting, count) = (unpacked(rest)?, particles.len());
+    if particles.unpack(of_particles).is_none() {
+        particles.truncate(count);
+    }
+    Some(lasting)
+}
+
+/// Carried state with ids in place of indices.
+pub fn ids_of<'a, S: Solve>(particles: &Particles, lasting: impl Iterator<Item = &'a S::Carried>) -> Vec<S::Carried>
+where
+    S::Carried: 'a,
+{
+    lasting.map(|carried| S::moved(carried, &|place| particles.id[place as usize])).collect()
+}
+
+/// Bytes of a value, for sending.
+pub fn packed<T: Serialize>(value: &T) -> Vec<u8> {
+    postcard::to_stdvec(value).unwrap_or_default()
+}
+
+/// Value of bytes that were [`packed`].
+pub fn unpacked<T: DeserializeOwned>(bytes: &[u8]) -> Option<T> {
+    postcard::from_bytes(bytes).ok()
+}

@@ -1,0 +1,103 @@
+//! Particles that stay with their process after a part of a window, when the borrowed ones are dropped.
+
+use super::CrossRankContact;
+use super::domains::{Domains, LocalParticles};
+use crate::encounter::{Couple, FrameTime};
+use crate::engine::Overlap;
+use crate::engine::driver::Work;
+use crate::engine::islands::Solve;
+
+/// New indices of particles after others have been removed.
+pub struct Stay<'a> {
+    /// Flags by old index: true for particles that stay.
+    mine: &'a [bool],
+    /// Number of particles that stay.
+    count: u32,
+    /// Old and new index of the last particles, which move into the gaps, in ascending order.
+    moves: Vec<(u32, u32)>,
+}
+
+impl<'a> Stay<'a> {
+    fn of(mine: &'a [bool]) -> Self {
+        let count = mine.iter().filter(|mine| **mine).count();
+        let (first, last) = mine.split_at(count);
+        let holes = (0u32..).zip(first).filter(|(_, mine)| !**mine).map(|(place, _)| place);
+        let movers = (count as u32..).zip(last).filter(|(_, mine)| **mine).map(|(place, _)| place);
+        Self { mine, count: count as u32, moves: movers.zip(holes).collect() }
+    }
+
+    /// New index of a particle, by its old one, if it stays.
+    fn place(&self, before: u32) -> Option<u32> {
+        if !self.mine[before as usize] {
+            return None;
+        }
+        if before < self.count {
+            return Some(before);
+        }
+        let which = self.moves.binary_search_by_key(&before, |(from, _)| *from).ok()?;
+        Some(self.moves[which].1)
+    }
+}
+
+impl<C: Copy> Domains<C> {
+    /// Returns borrowed particles: the store is as it was before.
+    pub fn give_back(&mut self, work: &mut Work<C>, view: LocalParticles<C>) {
+        work.particles.truncate(view.count);
+        (*work.lasting, self.abroad) = view.lasting;
+    }
+
+    /// Keeps only the own particles and their carried state after a part that is done. The indices in `members` are
+    /// updated.
+    pub fn keep<S: Solve<Carried = C>>(
+        &mut self,
+        solver: &S,
+        work: &mut Work<C>,
+        view: &LocalParticles<C>,
+        members: &mut Vec<u32>,
+    ) {
+        let stay = self.keep_some(solver, work, &view.mine);
+        *members = members.iter().filter_map(|&place| stay.place(place)).collect();
+    }
+
+    /// Keeps only the own particles, by flags in order of index, and carried state that involves them.
+    pub fn keep_own<S: Solve<Carried = C>>(&mut self, solver: &S, work: &mut Work<C>, mine: &[bool]) {
+        drop(self.keep_some(solver, work, mine));
+    }
+
+    /// Keeps some of the particles, and carried state that involves them.
+    pub(super) fn keep_some<'a, S: Solve<Carried = C>>(
+        &mut self,
+        solver: &S,
+        work: &mut Work<C>,
+        mine: &'a [bool],
+    ) -> Stay<'a> {
+        let stay = Stay::of(mine);
+        let (particles, id) = (&*work.particles, &work.particles.id);
+        let overlap = |couple: Couple| Overlap {
+            depth: couple.meet(particles, work.scene, FrameTime::default()).overlap(),
+            diameter: couple.diameter(particles),
+        };
+        self.abroad.clear();
+        let mut home = Vec::new();
+        for carried in work.lasting.drain(..) {
+            let of = S::places(&carried);
+            let mut here = of.iter().flatten().filter_map(|&place| stay.place(place));
+            match here.next() {
+                Some(own) if of.iter().flatten().any(|&place| stay.place(place).is_none()) => {
+                    let overlap = solver.touching(&carried).map(overlap);
+                    self.abroad.push(CrossRankContact {
+                        carried: S::moved(&carried, &|place| id[place as usize]),
+                        own,
+                        overlap,
+                    });
+                }
+                Some(_) => home.push(S::moved(&carried, &|place| stay.place(place).unwrap_or(place))),
+                None => {}
+            }
+        }
+        *work.lasting = home;
+        work.particles.relocate(&stay.moves);
+        work.particles.truncate(stay.count as usize);
+        stay
+    }
+}

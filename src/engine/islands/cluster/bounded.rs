@@ -1,0 +1,301 @@
+//! Islands that reach as far as their particles might fly: their surroundings are searched for bystanders and for other
+//! islands to unite with, before islands are solved.
+
+use super::{Cluster, Clusters, Few, IslandFinder, IslandLimits, Member};
+use crate::engine::islands::batch::Retry;
+use crate::engine::islands::choice::{BOUNDED, PartCosts};
+use crate::engine::islands::search::{BoundingSphere, FirstTouch, Label};
+use crate::neighbours::Pair;
+use crate::neighbours::cells::CellGrid;
+use crate::work_sharing;
+use std::ops::{Deref, DerefMut};
+
+/// Number of contacts in progress beyond which all of them form one crowd. A contact costs four times as much per step
+/// of an island as per uniform step, and with so many contacts something always touches.
+const MANY_CONTACTS: usize = 16;
+
+/// Islands whose surroundings a thread searches at once.
+const BATCH: usize = 16;
+
+/// Islands whose bystanders a thread checks at once.
+const MANY: usize = 512;
+
+/// Result of a search of the surroundings of an island.
+enum Surroundings {
+    /// Cold particles that the island might hit, by index.
+    Bystanders(Few),
+    /// Other islands that it might meet; all of them if there may be crowds, otherwise one.
+    Islands(Vec<usize>),
+    /// The island has grown too large.
+    TooLarge,
+}
+
+/// Islands that reach as far as their particles might fly.
+pub struct BoundedIslands<'a> {
+    clusters: Clusters<'a>,
+    limits: IslandLimits,
+    /// The members in cells, as they were last sorted. Members that became hot later stand at the end of `members`.
+    grid: CellGrid,
+    pub(super) sorted: Vec<u32>,
+}
+
+impl<'a> Deref for BoundedIslands<'a> {
+    type Target = Clusters<'a>;
+
+    fn deref(&self) -> &Clusters<'a> {
+        &self.clusters
+    }
+}
+
+impl<'a> DerefMut for BoundedIslands<'a> {
+    fn deref_mut(&mut self) -> &mut Clusters<'a> {
+        &mut self.clusters
+    }
+}
+
+impl<'a> IslandFinder<'a> for BoundedIslands<'a> {
+    const COSTS: PartCosts = BOUNDED;
+    const KEEPS_SHORTER: bool = true;
+
+    fn new(clusters: Clusters<'a>, limits: IslandLimits) -> Self {
+        Self { clusters, limits, grid: CellGrid::default(), sorted: Vec::new() }
+    }
+
+    fn into_clusters(self) -> Clusters<'a> {
+        self.clusters
+    }
+
+    fn gather(&mut self, touches: &[FirstTouch], carried: &[[Option<u32>; 2]], energy: Vec<f64>) -> bool {
+        // many contacts in progress form one crowd from the start, even if they do not touch one another: as separate
+        // islands they would meet one by one, and be stepped at several times the cost
+        let many = self.limits.crowds && carried.len() > MANY_CONTACTS;
+        self.begin(touches, carried, energy, many);
+        self.sort();
+        self.expand_all((0..self.list.len()).collect())
+    }
+
+    /// Lists the pairs whose balls overlap.
+    fn list_pairs(&self, (a, member): (usize, &Member), (places, hot): (&[u32], usize), pairs: &mut Vec<Pair>) {
+        // a touch at the very start of the ball must not be lost by rounding
+        let here = BoundingSphere { reach: member.ball.reach * (1.0 + 1e-9), ..member.ball };
+        let others = (a + 1..places.len()).filter(|&b| here.meets(&self.ball_of(places[b], b < hot), self.domain));
+        pairs.extend(others.map(|b| Pair { i: a as u32, j: b as u32 }));
+    }
+
+    fn next_round(&mut self, retries: Vec<(usize, Retry)>, _mine: impl Fn(u32) -> bool) -> Option<u64> {
+        let mut known = self.members.len();
+        let mut changed = self.apply_retries(retries);
+        while !changed.is_empty() {
+            changed.extend(self.unite_with_bystanders(known));
+            known = self.members.len();
+            let of = |member: u32| self.members[member as usize].cluster as usize;
+            let islands = changed.drain(..).map(of).collect();
+            if !self.expand_all(islands) {
+                return None;
+            }
+            changed.extend((known..self.members.len()).map(|member| member as u32));
+        }
+        Some(0)
+    }
+
+    fn late(&self) -> &[Member] {
+        &self.members[self.sorted.len()..]
+    }
+
+    fn for_each_beside(&self, ball: &BoundingSphere, widest: f64, visit: &mut dyn FnMut(&Member)) {
+        self.grid.for_each_near(&ball.middle, ball.reach + widest, |range, _| {
+            self.sorted[range].iter().for_each(|&member| visit(&self.members[member as usize]));
+        });
+    }
+}
+
+impl BoundedIslands<'_> {
+    /// Sorts the members into cells.
+    pub(super) fn sort(&mut self) {
+        let Clusters { search, members, widest, .. } = &self.clusters;
+        let spacing = (search.region.volume() / members.len().max(1) as f64).cbrt();
+        // a bed fills only a part of the domain: with cells of a third of the spacing there are at most 27 for each
+        // member
+        let edge = widest.max(if self.limits.crowds { spacing / 3.0 } else { spacing });
+        self.grid.sort(members, |member| member.flight.middle, &search.region, edge, &mut self.sorted);
+    }
+
+    /// Ball that holds a particle of an island, given by index: of a member from the first touch on, of a bystander
+    /// throughout its straight flight.
+    fn ball_of(&self, place: u32, is_member: bool) -> BoundingSphere {
+        match self.search.label[place as usize] {
+            Some(label) if is_member => self.members[label.member()].ball,
+            _ => self.search.flights[place as usize],
+        }
+    }
+
+    /// Searches the surroundings of islands until no two of them meet; each then knows its bystanders. Returns false if
+    /// one grows too large. The searches run in rounds, in parallel, and change nothing during a round. Islands only
+    /// grow, so the result does not depend on the order of the searches.
+    fn expand_all(&mut self, changed: Vec<usize>) -> bool {
+        let mut waiting = changed;
+        while !waiting.is_empty() {
+            waiting.sort_unstable();
+            waiting.dedup();
+            self.settle_changed(&waiting);
+            // crowds first: each takes in at once all that it meets; otherwise the islands around it would be united
+            // with it one by one
+            if self.limits.crowds
+                && !waiting.iter().all(|&which| !self.list[which].is_crowd() || self.expand_crowd(which))
+            {
+                return false;
+            }
+            waiting.retain(|&which| self.list[which].has_to_look());
+            let this = &*self;
+            let look = |&which: &usize| (which, this.list[which].version, this.look_around(which));
+            let looks = waiting.chunks(BATCH);
+            let seen = work_sharing::map(looks, |some| some.iter().map(look).collect::<Vec<_>>()).into_iter().flatten();
+            let mut united = Vec::new();
+            for (which, version, seen) in seen {
+                // otherwise it has been united with another one in this round, which searches in the next
+                if self.list[which].alive && self.list[which].version == version {
+                    match seen {
+                        Surroundings::Bystanders(bystanders) => self.has_seen(which, bystanders),
+                        Surroundings::Islands(others) => united.push(self.unite_all(which, others)),
+                        Surroundings::TooLarge => return false,
+                    }
+                }
+            }
+            waiting = united;
+        }
+        true
+    }
+
+    /// Computes the reach of the members of islands where it is not known.
+    fn settle_changed(&mut self, islands: &[usize]) {
+        for &which in islands {
+            let cluster = &self.list[which];
+            if cluster.alive && cluster.settled != Some(cluster.version) {
+                self.settle(which);
+            }
+        }
+    }
+
+    /// Takes into a crowd all particles beside it, finds its bystanders, and unites it with islands that it may meet.
+    /// Returns false if it grows too large.
+    fn expand_crowd(&mut self, which: usize) -> bool {
+        let mut which = which;
+        while self.list[which].has_to_look() {
+            self.settle(which);
+            self.take_in_beside(which);
+            match self.look_around(which) {
+                Surroundings::Bystanders(bystanders) => self.has_seen(which, bystanders),
+                Surroundings::Islands(others) => which = self.unite_all(which, others),
+                Surroundings::TooLarge => return false,
+            }
+        }
+        true
+    }
+
+    /// Unites an island with some others.
+    fn unite_all(&mut self, which: usize, others: Vec<usize>) -> usize {
+        others.into_iter().fold(which, |which, other| self.unite(which, other))
+    }
+
+    /// Records that an island, in its present version, meets no other one.
+    fn has_seen(&mut self, which: usize, bystanders: Few) {
+        let cluster = &mut self.list[which];
+        cluster.bystanders = bystanders;
+        cluster.seen = Some(cluster.version);
+    }
+
+    /// Finds the particles and islands that an island might hit.
+    fn look_around(&self, which: usize) -> Surroundings {
+        let cluster = &self.list[which];
+        if cluster.is_too_large(self.limits.most) && !self.limits.crowds {
+            return Surroundings::TooLarge;
+        }
+        let mut bystanders = Few::new();
+        let mut met: Vec<usize> = Vec::new();
+        let search = &*self.search;
+        let largest_reach = search.levels.largest_reach();
+        for &member in &cluster.hot {
+            let here = self.members[member as usize].ball;
+            // beyond half a period, images other than the nearest may be met
+            if here.reach + self.widest.max(largest_reach) > self.half_period {
+                return Surroundings::TooLarge;
+            }
+            let mut meet = |member: &Member| {
+                if member.cluster != which as u32
+                    && here.meets(&BoundingSphere { reach: member.around, ..member.flight }, self.domain)
+                    && (here.meets(&member.flight, self.domain) || here.meets(&member.ball, self.domain))
+                {
+                    met.push(member.cluster as usize);
+                }
+            };
+            self.grid.for_each_near(&here.middle, here.reach + self.widest, |range, _| {
+                self.sorted[range].iter().for_each(|&other| meet(&self.members[other as usize]));
+            });
+            self.members[self.sorted.len()..].iter().for_each(meet);
+            if let Some(&met) = met.last().filter(|_| !self.limits.crowds) {
+                return Surroundings::Islands(vec![met]);
+            }
+            search.for_each_beside(&here, self.domain, |other| {
+                if search.label[other as usize].is_none() {
+                    bystanders.push(other);
+                }
+            });
+        }
+        if !met.is_empty() {
+            met.sort_unstable();
+            met.dedup();
+            return Surroundings::Islands(met);
+        }
+        bystanders.sort_unstable_by_key(|&place| self.particles.id[place as usize]);
+        bystanders.dedup();
+        Surroundings::Bystanders(bystanders)
+    }
+
+    /// Unites islands with those of their bystanders that are hot now: members from number `known` on. Returns a member
+    /// of each island that has changed.
+    fn unite_with_bystanders(&mut self, known: usize) -> Vec<u32> {
+        let mut changed = Vec::new();
+        if self.members.len() == known {
+            return changed;
+        }
+        let this = &*self;
+        let late =
+            |place: &u32| this.search.label[*place as usize].map(Label::member).filter(|&member| member >= known);
+        let of_one = |(which, cluster): (usize, &Cluster)| {
+            let late: Vec<usize> = cluster.bystanders.iter().filter_map(late).collect();
+            (cluster.alive && !late.is_empty()).then_some((which, late))
+        };
+        let of_some = |first: usize| {
+            let clusters = this.list.iter().enumerate().skip(first).take(MANY);
+            clusters.filter_map(of_one).collect::<Vec<_>>()
+        };
+        let found = work_sharing::map((0..self.list.len()).step_by(MANY), of_some);
+        for (which, late) in found.into_iter().flatten() {
+            if !self.list[which].alive {
+                continue;
+            }
+            let mut united = which;
+            for member in late {
+                let other = self.members[member].cluster as usize;
+                if other != united {
+                    united = self.unite(united, other);
+                    changed.push(member as u32);
+                }
+            }
+        }
+        changed
+    }
+}
+
+impl Cluster {
+    /// True if the island is a crowd, or has more than `most` members and a shorter part would have fewer. Contacts in
+    /// progress are there in any part, so each of them allows for two members.
+    fn is_too_large(&self, most: usize) -> bool {
+        self.is_crowd() || self.hot.len() > most.max(2 * self.carried.len())
+    }
+
+    /// True if the island has changed since its surroundings were last searched.
+    fn has_to_look(&self) -> bool {
+        self.alive && self.seen != Some(self.version)
+    }
+}
