@@ -1,16 +1,18 @@
 //! Checkpoints of a command: states are stored from time to time, when a run is over, and when the user stops it.
 
 use super::error::StudyError;
-use super::invocation::Invocation;
+use super::resumable::ResumableRun;
+use super::settings::{CommandSettings, Invocation};
 use super::signals::Signals;
 use super::terminal::tell;
 use crate::case::Case;
 use crate::checkpoint::{RunIdentity, Store, StoredCommand, StoredRun, Unreadable, checksum, open, seal};
 use crate::cli::CheckpointEvery;
 use crate::engine::Failure;
-use crate::experiment::Experiment;
 use crate::output::{Folder, OutputError, numbers};
 use crate::stored::StoreError;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
@@ -50,6 +52,8 @@ enum Ends {
     Caught(Vec<u8>),
     /// The end came from another process, as bytes.
     Received(Vec<u8>),
+    /// The result that is made of the end is stored in its place.
+    Replaced,
 }
 
 impl Checkpointer {
@@ -59,37 +63,39 @@ impl Checkpointer {
     /// # Errors
     /// The case of a resumed command has changed; the system refuses a folder or signals.
     pub fn new(
-        CheckpointEvery(every): CheckpointEvery,
-        occasion: &Invocation,
+        settings: &CommandSettings,
         folder: &Folder,
         case: &Case,
-        runs: Vec<RunIdentity>,
+        runs: &[ResumableRun],
     ) -> Result<Self, StudyError> {
-        let signals = Signals::listen()?;
+        // replicas have the name of the first run of their variant, which stands before them; a run whose result is kept is
+        // known by its name alone
+        let mut first: Vec<RunIdentity> = Vec::new();
+        for run in runs.iter().filter(|_| !settings.keeps_results).map(|run| &run.identity) {
+            if first.iter().all(|known| known.name != run.name) {
+                first.push(run.clone());
+            }
+        }
         let command = StoredCommand {
-            arguments: occasion.arguments(),
+            arguments: settings.arguments(),
             folder: std::env::current_dir().unwrap_or_default().into_os_string(),
             case: checksum(case.text.as_bytes()),
-            runs,
+            runs: first,
         };
+        let CheckpointEvery(every) = settings.checkpoint_every;
         let mut keeper = Self {
-            signals,
-            store: every.map(|_| Store::of(folder.path())),
-            every,
-            last: Instant::now(),
-            under_way: None,
-            stored: None,
-            more: false,
-            stopped: false,
-            unwritten: None,
-            quiet: occasion.quiet(),
-            resumed: false,
             remedy: format!("`diptych resume {}`", folder.path().display()),
-            ends: Ends::Stored,
+            ends: if settings.keeps_results { Ends::Replaced } else { Ends::Stored },
+            ..Self::with(Signals::listen()?, every.map(|_| Store::of(folder.path())), every)
         };
-        match occasion {
+        match &settings.invocation {
             Invocation::First => keeper.begin(&command, folder.path())?,
-            Invocation::Resumed { command: earlier, .. } => {
+            Invocation::Again => {
+                keeper.store.as_ref().map_or(Ok(()), |store| store.replace_command(&command))?;
+                keeper.look_back();
+            }
+            Invocation::Resumed { command: earlier, quiet, .. } => {
+                keeper.quiet = *quiet;
                 refuse_changes(earlier, &command, case)?;
                 keeper.look_back();
             }
@@ -97,31 +103,38 @@ impl Checkpointer {
         Ok(keeper)
     }
 
-    /// Checkpointer for a helper process of a command whose results go to the folder at `place`. States are stored
-    /// there too. The ends of runs are for the lead process.
+    /// Checkpointer for a helper process of a command. States are stored in the folder of the lead process. The ends of
+    /// runs are for the lead process.
     ///
     /// # Errors
     /// Signals that the system refuses.
-    pub fn of_helper(
-        CheckpointEvery(every): CheckpointEvery,
-        occasion: &Invocation,
-        place: &Path,
-    ) -> Result<Self, StudyError> {
+    pub fn of_helper(settings: &CommandSettings) -> Result<Self, StudyError> {
+        let CheckpointEvery(every) = settings.checkpoint_every;
         Ok(Self {
-            signals: Signals::listen()?,
-            store: every.map(|_| Store::of(place)),
+            more: true,
+            quiet: true,
+            resumed: !matches!(settings.invocation, Invocation::First),
+            ends: Ends::Caught(Vec::new()),
+            ..Self::with(Signals::listen()?, every.map(|_| Store::of(&settings.folder)), every)
+        })
+    }
+
+    fn with(signals: Signals, store: Option<Store>, every: Option<Duration>) -> Self {
+        Self {
+            signals,
+            store,
             every,
             last: Instant::now(),
             under_way: None,
             stored: None,
-            more: true,
+            more: false,
             stopped: false,
             unwritten: None,
-            quiet: true,
-            resumed: matches!(occasion, Invocation::Resumed { .. }),
+            quiet: false,
+            resumed: false,
             remedy: String::new(),
-            ends: Ends::Caught(Vec::new()),
-        })
+            ends: Ends::Stored,
+        }
     }
 
     /// Signals by which the user stops the command.
@@ -132,21 +145,14 @@ impl Checkpointer {
     /// Checkpointer for one of several runs at the same time, with its own files. It does not report the stored states
     /// that it finds.
     pub fn beside(&self, run: &RunIdentity) -> Self {
+        let store = self.store.as_ref().map(|store| store.beside(run));
         let mut one = Self {
-            signals: self.signals.clone(),
-            store: self.store.as_ref().map(|store| store.beside(run)),
-            every: self.every,
-            last: Instant::now(),
-            under_way: None,
-            stored: None,
             // the end of this run is not the end of the command
             more: true,
-            stopped: false,
-            unwritten: None,
             quiet: true,
-            resumed: false,
             remedy: self.remedy.clone(),
             ends: self.ends.clone(),
+            ..Self::with(self.signals.clone(), store, self.every)
         };
         if self.resumed {
             one.look_back();
@@ -270,7 +276,11 @@ impl Checkpointer {
     /// True if the end of a run is to be stored. That is so if something is still to be done after it. It is also so if
     /// the run took so long that more than its report must remain.
     pub fn wants_the_end(&self) -> bool {
-        matches!(self.ends, Ends::Caught(_)) || self.store.is_some() && (self.more || self.stored.is_some())
+        match self.ends {
+            Ends::Caught(_) => true,
+            Ends::Replaced => false,
+            Ends::Stored | Ends::Received(_) => self.store.is_some() && (self.more || self.stored.is_some()),
+        }
     }
 
     /// Stores the end of a run, after its `parts` were written, or keeps it for another process.
@@ -297,7 +307,7 @@ impl Checkpointer {
     pub fn into_end(self) -> Vec<u8> {
         match self.ends {
             Ends::Caught(bytes) | Ends::Received(bytes) => bytes,
-            Ends::Stored => Vec::new(),
+            Ends::Stored | Ends::Replaced => Vec::new(),
         }
     }
 
@@ -321,6 +331,19 @@ impl Checkpointer {
             }
             Err(why) => Err(StudyError::Failed(format!("error: what another process sent of \"{}\" {why}", run.name))),
         }
+    }
+
+    /// Stored result of a run that is over, in a command that goes on and stores results.
+    pub fn result<T: DeserializeOwned>(&self, run: &RunIdentity) -> Option<T> {
+        self.store.as_ref().filter(|_| self.resumed)?.result(run)
+    }
+
+    /// Stores the result of a run in place of its states.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn store_result<T: Serialize>(&self, run: &RunIdentity, result: &T) -> Result<(), OutputError> {
+        self.store.as_ref().map_or(Ok(()), |store| store.beside(run).finish(run, result))
     }
 
     /// Leaves a command whose run cannot be written. Once it can be, the command goes on from the stored state.
@@ -408,15 +431,6 @@ fn refuse_changes(earlier: &StoredCommand, now: &StoredCommand, case: &Case) -> 
         }
     }
     Ok(())
-}
-
-/// Identities of the runs of a command, one for each experiment that starts from a state of that hash.
-///
-/// # Errors
-/// An experiment cannot be written as JSON.
-pub fn runs<'a>(experiments: impl Iterator<Item = (&'a Experiment, u64)>) -> Result<Vec<RunIdentity>, StudyError> {
-    let runs = experiments.map(|(experiment, start)| RunIdentity::new(experiment, start));
-    runs.collect::<Result<_, _>>().map_err(|why| StudyError::Failed(format!("error: cannot store the command: {why}")))
 }
 
 /// Error for a checkpoint file that cannot be used, where nothing can be resumed.

@@ -2,9 +2,10 @@
 
 use crate::case::Diagnostic;
 use crate::output::OutputError;
+use serde::{Deserialize, Serialize};
 
 /// Why a command did not end well.
-#[derive(Debug, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, thiserror::Error)]
 pub enum StudyError {
     /// The input is at fault; nothing was computed and nothing written. Exit code 2.
     #[error("{0}")]

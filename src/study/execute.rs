@@ -3,6 +3,7 @@
 use super::checkpointer::Checkpointer;
 use super::error::StudyError;
 use super::ranks::Ranks;
+use super::resumable::ResumableRun;
 use super::terminal::tell;
 use crate::checkpoint::{RunIdentity, StoredRun};
 use crate::clock::Clock;
@@ -27,44 +28,19 @@ use std::sync::Arc;
 /// Runs a variant from `start` to its end or its failure, which is part of the outcome. `others` observe the run
 /// besides the standard observers. Returns the outcome and the final state in the order of ids.
 pub fn execute(experiment: &Experiment, start: Particles, others: &mut [&mut dyn Observer]) -> (Outcome, Particles) {
-    execute_unless(experiment, start, others, &|| false)
-}
-
-/// Runs a variant like [`execute`], and calls `stop` at the end of every window. If `stop` returns true, the run ends
-/// there, which is its failure.
-pub fn execute_unless(
-    experiment: &Experiment,
-    start: Particles,
-    others: &mut [&mut dyn Observer],
-    stop: &(dyn Fn() -> bool + Sync),
-) -> (Outcome, Particles) {
     // from inside the pool: every parallel loop called from outside would put this thread to sleep and wake it again
-    keep_workers_spinning(|| simulate(experiment, start, others, stop))
-}
-
-fn simulate(
-    experiment: &Experiment,
-    start: Particles,
-    others: &mut [&mut dyn Observer],
-    stop: &dyn Fn() -> bool,
-) -> (Outcome, Particles) {
-    let mut seen = StandardObservers::new(experiment, start.fingerprint());
-    let mut simulation = Simulation::new(experiment, start).with_clock(Clock::wall());
-    let schedule = seen.schedule;
-    let mut observers = seen.with(others);
-    let mut course = RunLoop::new(&schedule, observers.len());
-    let failure = match course.run(&mut simulation, &mut observers, &mut || stop()) {
-        Ok(true) => None,
-        Ok(false) => {
-            course.settle(&mut simulation);
-            Some(Failure::Stopped { time: simulation.time })
-        }
-        Err(failure) => Some(failure),
-    };
-    course.end(&mut simulation, &mut observers, failure.as_ref());
-    drop(observers);
-    simulation.end();
-    (seen.outcome(&simulation, failure, simulation.particles.fingerprint()), simulation.particles)
+    keep_workers_spinning(|| {
+        let mut seen = StandardObservers::new(experiment, start.fingerprint());
+        let mut simulation = Simulation::new(experiment, start).with_clock(Clock::wall());
+        let schedule = seen.schedule;
+        let mut observers = seen.with(others);
+        let mut course = RunLoop::new(&schedule, observers.len());
+        let failure = course.run(&mut simulation, &mut observers, &mut || false).err();
+        course.end(&mut simulation, &mut observers, failure.as_ref());
+        drop(observers);
+        simulation.end();
+        (seen.outcome(&simulation, failure, simulation.particles.fingerprint()), simulation.particles)
+    })
 }
 
 /// Runs a variant like [`execute`], with a keeper that stores the run from time to time and may stop it. A stored run
@@ -73,13 +49,11 @@ fn simulate(
 /// # Errors
 /// The stored state is not of this run.
 pub fn execute_kept(
-    experiment: &Experiment,
-    start: Start,
+    run: &ResumableRun,
     others: &mut [&mut dyn Observer],
     keeper: &mut Checkpointer,
 ) -> Result<(Outcome, Particles), StudyError> {
-    let run = RunIdentity::new(experiment, start.fingerprint).map_err(unfit)?;
-    keep_workers_spinning(|| simulate_kept(experiment, start, others, (&run, keeper), None))
+    keep_workers_spinning(|| simulate_kept(run, others, keeper, None))
 }
 
 /// Runs a variant together with the other processes, which were told its index `place` in the list of shared runs. The
@@ -88,17 +62,15 @@ pub fn execute_kept(
 /// # Errors
 /// As for [`execute_kept`].
 pub fn execute_together(
-    experiment: &Experiment,
-    start: Start,
+    run: &ResumableRun,
     others: &mut [&mut dyn Observer],
     keeper: &mut Checkpointer,
     SharedRun { place, ranks, quiet, gives_end }: SharedRun,
 ) -> Result<(Outcome, Particles), StudyError> {
-    let run = RunIdentity::new(experiment, start.fingerprint).map_err(unfit)?;
     ranks.call_together(place);
-    let (result, traffic) = ranks.together(|communicator| {
-        rayon::scope(|_| simulate_kept(experiment, start, others, (&run, keeper), Some((communicator, gives_end))))
-    });
+    let (result, traffic) = ranks
+        .together(|communicator| rayon::scope(|_| simulate_kept(run, others, keeper, Some((communicator, gives_end)))));
+    let experiment = &run.experiment;
     if let (Ok((outcome, _)), false) = (&result, quiet) {
         let verlet = experiment.model() == Model::Soft && experiment.soft.integrator == Integrator::VelocityVerlet;
         let steps_are_shared = verlet && outcome.counters.uniform_steps > 0;
@@ -124,7 +96,9 @@ pub struct SharedRun<'a> {
 
 /// Part of the other processes in a shared run. `others` are those observers that see parts of the run, in the order of
 /// process 0, where they come before all other ones.
-pub fn follow(experiment: &Experiment, start: Start, others: &mut [&mut dyn Observer], ranks: &Ranks) {
+pub fn follow(run: &ResumableRun, others: &mut [&mut dyn Observer], ranks: &Ranks) {
+    let experiment = &run.experiment;
+    let Ok(start) = run.start() else { return };
     ranks.together(|communicator| {
         rayon::scope(|_| {
             let mut seen = StandardObservers::new(experiment, 0);
@@ -147,12 +121,12 @@ pub fn follow(experiment: &Experiment, start: Start, others: &mut [&mut dyn Obse
 }
 
 fn simulate_kept(
-    experiment: &Experiment,
-    start: Start,
+    run: &ResumableRun,
     others: &mut [&mut dyn Observer],
-    (run, keeper): (&RunIdentity, &mut Checkpointer),
+    keeper: &mut Checkpointer,
     shared: Option<(Arc<dyn Communicator>, bool)>,
 ) -> Result<(Outcome, Particles), StudyError> {
+    let (experiment, start, run) = (&run.experiment, run.start()?, &run.identity);
     let mut seen = StandardObservers::new(experiment, start.fingerprint);
     let schedule = seen.schedule;
     let in_parts = others.iter().take_while(|other| other.sight() == Needs::Parts).count();

@@ -38,12 +38,12 @@ pub trait RunList: Sync {
     /// Result of one run.
     type Answer: Send;
 
-    /// Number of runs.
+    /// Number of runs that may go on at once.
     fn count(&self) -> usize;
 
     /// Does one run in the pool of threads that this is called in. `None` if it was left before its end; then no other
     /// run is to begin.
-    fn run(&self, place: usize) -> Option<Self::Answer>;
+    fn run(&self, place: usize) -> Option<Result<Self::Answer, StudyError>>;
 
     /// Result of one run as bytes, for another process; `None` if it was left before its end.
     ///
@@ -71,12 +71,12 @@ pub trait RunList: Sync {
 /// in the order in which runs end.
 ///
 /// # Errors
-/// The first error of `finished` or of a helper; no thread can be started.
+/// The first error of `finished`; a helper cannot help; no thread can be started.
 pub fn beside<R: RunList>(
     runs: &R,
     places: &[usize],
     (share, ranks): (ThreadBudget, &Ranks),
-    mut finished: impl FnMut(usize, R::Answer) -> Result<(), StudyError>,
+    mut finished: impl FnMut(usize, Result<R::Answer, StudyError>) -> Result<(), StudyError>,
 ) -> Result<(), StudyError> {
     let pools = pools(share, places.len())?;
     scope(|scope| {
@@ -101,8 +101,7 @@ pub fn beside<R: RunList>(
                     (place, answer)
                 }
                 Some(Heard::There(Message::Done(place, answer))) => {
-                    let bytes = answer.transpose().map_err(StudyError::Failed)?;
-                    (place, bytes.map(|bytes| runs.answer_of_another(place, &bytes)).transpose()?)
+                    (place, answer.map(|answer| answer.and_then(|bytes| runs.answer_of_another(place, &bytes))))
                 }
                 Some(Heard::There(Message::At(place, time))) => {
                     runs.is_elsewhere(place, time);
@@ -137,7 +136,6 @@ pub fn help<R: RunList>(runs: &R, share: ThreadBudget, ranks: &Ranks, signals: &
         loop {
             match wait(&answers, ranks) {
                 Some(Heard::Here(place, answer)) => {
-                    let answer = answer.map(|answer| answer.map_err(|why| why.to_string()));
                     ranks.report(&Message::Done(place, answer));
                 }
                 Some(Heard::There(Message::Do(place))) => drop(orders.send(place)),

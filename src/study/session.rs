@@ -1,23 +1,17 @@
-//! Tasks of every command around its work: read the case, prepare the folder, report.
+//! Tasks of every command around its work: reading the case, preparing the folder, reporting.
 
-use super::checkpointer::Checkpointer;
 pub use super::error::StudyError;
-use super::execute::{SharedRun, execute_kept, execute_together};
-use super::progress::Watch;
 use super::ranks::Ranks;
 use super::terminal::tell;
-use super::trust_sheet::trust_sheet;
-use super::verify::verify_kept;
 use crate::case::{Case, Checked, Diagnostic};
 use crate::cli::{Effort, Input, Output};
 use crate::engine::Failure;
-use crate::experiment::{Experiment, Trajectories};
+use crate::experiment::Experiment;
 use crate::memory;
-use crate::observe::Observer;
 use crate::outcome::Outcome;
-use crate::output::{Folder, HalvedStep, OutputError, Provenance, Trajectory, TrustSheet, figures};
+use crate::output::{Folder, Provenance, figures};
 use crate::particles::Particles;
-use crate::placement::{Start, initial_state};
+use crate::placement::initial_state;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
@@ -130,55 +124,6 @@ pub fn refuse_too_large(experiment: &Experiment) -> Result<(), StudyError> {
     }
 }
 
-/// Destination of the further files of a variant, besides its results.
-pub struct Into<'a> {
-    /// The folder of results.
-    pub folder: &'a Folder,
-    /// Name of the trajectory files.
-    pub name: &'a str,
-    /// The trajectory that is asked for.
-    pub trajectories: Option<Trajectories>,
-    /// Further observers of the run, such as the file of its final state.
-    pub others: Vec<&'a mut dyn Observer>,
-    /// Sharing of the run with other processes, if they share it.
-    pub shared: Option<SharedRun<'a>>,
-}
-
-/// Runs one variant while it is watched, or resumes it from its stored state. Its trajectory is written if that is
-/// asked for. A trajectory that cannot be written is a failure of the run.
-pub fn simulate(
-    experiment: &Experiment,
-    start: Start,
-    mut watch: Watch,
-    into: Into,
-    keeper: &mut Checkpointer,
-) -> Result<(Outcome, Particles), StudyError> {
-    let Into { folder, name, trajectories, mut others, shared } = into;
-    std::thread::scope(|scope| {
-        let mut trajectory = trajectories.map(|asked| Trajectory::new(scope, folder, name, asked));
-        // the trajectory first: the other processes that share the run have theirs at this position too
-        let first = trajectory.as_mut().map(|trajectory| trajectory as &mut dyn Observer);
-        let mut observers: Vec<&mut dyn Observer> = first.into_iter().collect();
-        observers.push(&mut watch);
-        observers.extend(others.iter_mut().map(|other| &mut **other as &mut dyn Observer));
-        let (mut outcome, end) = match shared {
-            Some(shared) => execute_together(experiment, start, &mut observers, keeper, shared)?,
-            None => execute_kept(experiment, start, &mut observers, keeper)?,
-        };
-        let written = trajectory.map_or(Ok(()), Trajectory::written);
-        // a folder that has been removed cannot be resumed from
-        let is_gone = matches!(written, Err(OutputError::Gone { .. }));
-        if let Err(why) = written {
-            let time = outcome.simulated_seconds;
-            outcome.failure.get_or_insert(Failure::Unwritten { time, why: why.to_string() });
-        }
-        if let (Some(failure @ Failure::Unwritten { .. }), false) = (&outcome.failure, is_gone) {
-            keeper.leave(failure);
-        }
-        Ok((outcome, end))
-    })
-}
-
 /// Names of files for variants. They are the names of the variants, in letters that any system accepts, and all
 /// different.
 pub fn file_names<'a>(variants: impl Iterator<Item = &'a str>) -> Vec<String> {
@@ -189,22 +134,6 @@ pub fn file_names<'a>(variants: impl Iterator<Item = &'a str>) -> Vec<String> {
         names.push(if taken { format!("{name}variant-{}", names.len()) } else { name });
     }
     names
-}
-
-/// The trust sheet of a run, with a test of half the step if asked for.
-pub fn trust(
-    outcome: &Outcome,
-    end: &Particles,
-    asked: bool,
-    quiet: bool,
-    keeper: &mut Checkpointer,
-) -> Result<TrustSheet, StudyError> {
-    let halved = if asked {
-        verify_kept(outcome, end, quiet, keeper)?
-    } else {
-        HalvedStep::Unknown("not asked for: --verify does it, for about a fifth of the time of the run".into())
-    };
-    Ok(trust_sheet(outcome, halved))
 }
 
 /// Error of a command if some of its variants failed.

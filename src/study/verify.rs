@@ -4,6 +4,7 @@ use super::checkpointer::Checkpointer;
 use super::error::StudyError;
 use super::execute::{execute, execute_kept};
 use super::progress::Progress;
+use super::resumable::ResumableRun;
 use crate::experiment::{AverageFrom, Experiment, HardStepping, TimeStep};
 use crate::outcome::Outcome;
 use crate::output::{Halved, HalvedStep, Verification};
@@ -42,7 +43,8 @@ pub(super) fn verify_kept(
 ) -> Result<HalvedStep, StudyError> {
     halve(outcome, |experiment| {
         let progress = Progress::new([experiment], quiet);
-        Ok(execute_kept(experiment, end.clone().into(), &mut [&mut progress.watch(0)], keeper)?.0)
+        let run = ResumableRun::new(experiment.clone(), end.clone().into())?;
+        Ok(execute_kept(&run, &mut [&mut progress.watch(0)], keeper)?.0)
     })
 }
 

@@ -51,7 +51,7 @@ pub enum Message {
     /// Helper to lead: the run at this index has come to that simulated time [s].
     At(usize, f64),
     /// Helper to lead: the run at this index is over, with that result; `None` if it was left before its end.
-    Done(usize, Option<Result<Vec<u8>, String>>),
+    Done(usize, Option<Result<Vec<u8>, StudyError>>),
     /// Helper to lead: it cannot help.
     Failed(String),
     /// Helper to lead: nothing more will come.

@@ -121,17 +121,17 @@ impl RunList for Squares {
         COUNT
     }
 
-    fn run(&self, place: usize) -> Option<usize> {
+    fn run(&self, place: usize) -> Option<Result<usize, StudyError>> {
         std::thread::sleep(Duration::from_millis(2));
         self.left.fetch_add(1, Ordering::Relaxed);
-        (self.stopped_at != Some(place)).then_some(place * place)
+        (self.stopped_at != Some(place)).then_some(Ok(place * place))
     }
 
     fn run_for_another(&self, place: usize) -> Result<Option<Vec<u8>>, StudyError> {
         if self.unknown.is_some() {
             return Err(StudyError::Failed("error: it broke".into()));
         }
-        Ok(self.run(place).map(|square| square.to_le_bytes().to_vec()))
+        self.run(place).map(|square| Ok(square?.to_le_bytes().to_vec())).transpose()
     }
 
     fn answer_of_another(&self, _place: usize, bytes: &[u8]) -> Result<usize, StudyError> {
@@ -164,7 +164,7 @@ fn every_run_is_done_once_and_by_all() {
         let places: Vec<usize> = (0..COUNT).collect();
         for part in [&places[..20], &places[20..]] {
             beside(&squares, part, (SHARE, ranks), |place, square| {
-                all[place] += square;
+                all[place] += square?;
                 Ok(())
             })?;
         }
@@ -188,9 +188,9 @@ fn a_helper_that_fails_ends_all_and_one_that_is_stopped_stops_all() {
                 return help(&squares, SHARE, ranks, &Signals::listen()?).map(|()| 9);
             }
             let (places, mut over): (Vec<usize>, _) = ((0..COUNT).collect(), 0);
-            beside(&squares, &places, (SHARE, ranks), |_, _| {
+            beside(&squares, &places, (SHARE, ranks), |_, square| {
                 over += 1;
-                Ok(())
+                square.map(drop)
             })?;
             // each of four threads may be in a run, and get one more before the message arrives
             Ok(if over < COUNT / 2 { 130 } else { 3 })
