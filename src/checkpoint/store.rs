@@ -50,7 +50,7 @@ impl Store {
     }
 
     /// The checkpoint in this subfolder for one of several runs side by side, with generation files of its own.
-    pub fn beside(&self, run: &RunIdentity) -> Self {
+    pub fn for_run(&self, run: &RunIdentity) -> Self {
         let generations = GENERATIONS.map(|name| format!("{name}-{}", run.file_name()));
         Self { place: self.place.clone(), generations, next: 0 }
     }

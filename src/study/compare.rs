@@ -1,10 +1,7 @@
 //! `diptych compare`: the variants of a case, one after the other, each alone on the machine.
 
 use super::judge::{Criteria, judge_at};
-use super::ranks::Ranks;
 use super::replicas::pool;
-use super::session::{StudyError, read, share_threads};
-use super::settings::{CommandSettings, Invocation};
 use super::trust::notes;
 use super::variants::{VariantFindings, VariantResults, Variants};
 use crate::case::{Checked, describe_variants};
@@ -12,6 +9,7 @@ use crate::cli::Compare;
 use crate::experiment::Amount;
 use crate::outcome::Outcome;
 use crate::output::overall;
+use crate::runs::{CommandOrigin, CommandSettings, Ranks, StudyError, read, share_threads};
 use crate::statistics::{Answer, ErrorLevels};
 use std::ops::Range;
 
@@ -28,14 +26,14 @@ const MOST: usize = 64;
 /// # Errors
 /// Bad input before anything is computed; failures of engines after everything has been written.
 pub fn compare(args: &Compare, ranks: &Ranks) -> Result<Option<Answer>, StudyError> {
-    compare_on(args, Invocation::First, ranks)
+    compare_on(args, CommandOrigin::Typed, ranks)
 }
 
 /// Begins or resumes a comparison; runs that are over are not run again.
-pub(super) fn compare_on(args: &Compare, invocation: Invocation, ranks: &Ranks) -> Result<Option<Answer>, StudyError> {
+pub(super) fn compare_on(args: &Compare, origin: CommandOrigin, ranks: &Ranks) -> Result<Option<Answer>, StudyError> {
     let settings = CommandSettings {
         checkpoint_every: args.keep.checkpoint_every,
-        ..CommandSettings::new(invocation, "compare", &args.case, &args.output, &args.effort)
+        ..CommandSettings::new(origin, "compare", &args.case, &args.output, &args.effort)
     };
     let looks = Looks::of(args);
     let variants = ranks.agree(variants(args, looks, ranks), Variants::mark)?;

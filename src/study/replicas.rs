@@ -1,11 +1,10 @@
 //! `--replicas`: one variant with several seeds, and their averages as one outcome.
 
-use super::error::StudyError;
-use super::ranks::Ranks;
 use crate::experiment::{Amount, Experiment};
 use crate::observe::KindAverages;
 use crate::outcome::{Averaged, Outcome, Replicas};
 use crate::output::numbers::counted;
+use crate::runs::{Ranks, StudyError};
 use crate::statistics::{Batches, Estimate, FEWEST_RUNS, ProfileTable};
 
 /// The experiments of all replicas, the first with the seed of the case and the others with the next ones.

@@ -1,10 +1,7 @@
 //! `diptych run`: one case, one model.
 
 use super::plan::{USUAL_TARGET, any_model, plan_of};
-use super::ranks::Ranks;
 use super::replicas::pool;
-use super::session::{StudyError, read, share_threads};
-use super::settings::{CommandSettings, Invocation};
 use super::trust::{notes, verdict};
 use super::variants::{VariantFindings, VariantResults, Variants};
 use crate::case::describe;
@@ -14,6 +11,7 @@ use crate::observe::{MOMENTS, Observer, SecondMoments, Terms};
 use crate::outcome::Outcome;
 use crate::output::numbers::with_error;
 use crate::output::{FIGURES, Folder, StateFile, csv, figures};
+use crate::runs::{CommandOrigin, CommandSettings, Ranks, StudyError, read, share_threads};
 use crate::schedule::Schedule;
 use crate::statistics::Estimate;
 
@@ -22,14 +20,14 @@ use crate::statistics::Estimate;
 /// # Errors
 /// Bad input before anything is computed; a failure of the engine after everything up to it has been written.
 pub fn run(args: &Run, ranks: &Ranks) -> Result<(), StudyError> {
-    run_on(args, Invocation::First, ranks)
+    run_on(args, CommandOrigin::Typed, ranks)
 }
 
 /// Begins or resumes a run.
-pub(super) fn run_on(args: &Run, invocation: Invocation, ranks: &Ranks) -> Result<(), StudyError> {
+pub(super) fn run_on(args: &Run, origin: CommandOrigin, ranks: &Ranks) -> Result<(), StudyError> {
     let settings = CommandSettings {
         checkpoint_every: args.keep.checkpoint_every,
-        ..CommandSettings::new(invocation, "run", &args.case, &args.output, &args.effort)
+        ..CommandSettings::new(origin, "run", &args.case, &args.output, &args.effort)
     };
     let (variants, reason) = ranks.agree(variant(args, ranks), |(variants, _)| variants.mark())?;
     let experiment = &variants.checked[0].0;

@@ -4,13 +4,7 @@
 //! stays when the sweep is over. So a sweep that is started again, also with other values, goes on with the missing
 //! runs. A run that several points have in common is done once (hard spheres do not depend on a stiffness).
 
-use super::executor::Executor;
-use super::ranks::Ranks;
 use super::replicas::{FROZEN, replicas};
-use super::resumable::{ResumableRun, mark};
-use super::session::{StudyError, read};
-use super::settings::{CommandSettings, Invocation};
-use super::terminal::tell;
 use crate::case::{Case, Checked, Diagnostic, SweepAxis, describe_variants, fingerprint};
 use crate::checkpoint::Store;
 use crate::cli::{Cli, Command, Sweep};
@@ -19,6 +13,7 @@ use crate::outcome::Outcome;
 use crate::output::numbers::counted;
 use crate::output::sweep::{OBSERVABLES, SweepRow, SweepRun, SweepStudy, point};
 use crate::output::{sweep_verdicts, write_sweep};
+use crate::runs::{CommandOrigin, CommandSettings, Executor, Ranks, ResumableRun, StudyError, mark, read, tell};
 use crate::statistics::Estimate;
 use clap::Parser;
 use std::collections::HashSet;
@@ -32,15 +27,15 @@ const MOST: usize = 10_000;
 /// # Errors
 /// Bad input before anything is computed; runs that stopped early after everything has been written.
 pub fn sweep(args: &Sweep, ranks: &Ranks) -> Result<(), StudyError> {
-    sweep_on(args, Invocation::First, ranks)
+    sweep_on(args, CommandOrigin::Typed, ranks)
 }
 
 /// Begins or resumes a sweep; runs that are over are not run again.
-pub(super) fn sweep_on(args: &Sweep, invocation: Invocation, ranks: &Ranks) -> Result<(), StudyError> {
+pub(super) fn sweep_on(args: &Sweep, origin: CommandOrigin, ranks: &Ranks) -> Result<(), StudyError> {
     let mut settings = CommandSettings {
         in_turn: args.in_turn,
         keeps_results: true,
-        ..CommandSettings::new(invocation, "sweep", &args.case, &args.output, &args.effort)
+        ..CommandSettings::new(origin, "sweep", &args.case, &args.output, &args.effort)
     };
     if !settings.overwrite && is_begun(&settings.folder) {
         settings.goes_on();
@@ -53,7 +48,7 @@ pub(super) fn sweep_on(args: &Sweep, invocation: Invocation, ranks: &Ranks) -> R
     let Some(executor) = Executor::begin(&settings, &case, &checked, Ok(runs), ranks)? else { return Ok(()) };
     let (mut missing, wanted) = (Vec::new(), executor.runs.len());
     for (index, run) in executor.runs.iter().enumerate() {
-        match executor.keeper.result::<SweepRun>(&run.identity) {
+        match executor.checkpointer.result::<SweepRun>(&run.identity) {
             Some(run) => give(&mut rows, &run),
             None => missing.push(index),
         }
@@ -67,10 +62,10 @@ pub(super) fn sweep_on(args: &Sweep, invocation: Invocation, ranks: &Ranks) -> R
         let study = SweepStudy { provenance: &provenance, axes: &axes, variants: &variants, reference, rows };
         Ok((write_sweep(&executor.folder, &study)?, sweep_verdicts(&study)))
     };
-    executor.beside(&missing, |index, outcome| {
+    executor.concurrently(&missing, |index, outcome| {
         let identity = &executor.runs[index].identity;
         let run = result(&identity.name, outcome)?;
-        executor.keeper.store_result(identity, &run)?;
+        executor.checkpointer.store_result(identity, &run)?;
         done += 1;
         let how = run.failure.as_ref().map_or(String::new(), |why| format!(", stopped: {why}"));
         executor.say(format!("{done} of {wanted} runs: {}, {:.1} s{how}", names[index], run.wall_seconds));

@@ -1,21 +1,20 @@
 //! Variants of a case, one after the other and each with its replicas: the list of their runs, and their results.
 
-use super::error::StudyError;
-use super::executor::Executor;
-use super::ranks::Ranks;
 use super::replicas::{refuse_idle, replicas};
-use super::resumable::{ResumableRun, mark_of_experiments};
-use super::session::{failures, file_names, refuse_too_large, start};
-use super::settings::CommandSettings;
+use super::trust_sheet::trust_sheet;
+use super::verify::verify_with_checkpoints;
 use crate::case::{Case, Checked};
 use crate::communicator::Communicator;
 use crate::experiment::{Experiment, Trajectories};
 use crate::observe::{Frames, Observer};
 use crate::outcome::Outcome;
 use crate::output::numbers::counted;
-use crate::output::{Folder, Provenance, Study, TrustSheet, Verdict, write_part, write_study};
+use crate::output::{Folder, HalvedStep, Provenance, Study, TrustSheet, Verdict, figures, write_part, write_study};
 use crate::particles::Particles;
 use crate::placement::{Crowded, Start};
+use crate::runs::{
+    CommandSettings, Executor, Ranks, ResumableRun, StudyError, failures, mark_of_experiments, refuse_too_large, start,
+};
 use serde_json::Value;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -155,9 +154,9 @@ impl<'a> VariantResults<'a> {
         let mut frames = Frames::new(&checked[variant].0, checked.len());
         let observers = observers.into_iter().map(|observer| observer as &mut dyn Observer);
         let observers = observers.chain([&mut frames as &mut dyn Observer]).collect();
-        self.executor.keeper.expects(*verify || *replicas > 1 || variant + 1 < checked.len());
+        self.executor.checkpointer.set_more(*verify || *replicas > 1 || variant + 1 < checked.len());
         let (outcome, end) = self.executor.alone(variant * usize::from(*replicas), observers, *verify)?;
-        self.executor.keeper.expects(false);
+        self.executor.checkpointer.set_more(false);
         self.frames.push(frames);
         self.runs.push(vec![outcome]);
         Ok(end)
@@ -169,7 +168,12 @@ impl<'a> VariantResults<'a> {
     /// The stored state of the test of half the step is not of it.
     pub fn check(&mut self, end: &Particles) -> Result<(), StudyError> {
         let Some(outcome) = self.runs.last().and_then(|runs| runs.first()) else { return Ok(()) };
-        self.sheets.push(self.executor.trust(outcome, end, self.variants.verify)?);
+        let halved = if self.variants.verify {
+            verify_with_checkpoints(outcome, end, self.executor.quiet, &mut self.executor.checkpointer)?
+        } else {
+            HalvedStep::Unknown("not asked for: --verify does it, for about a fifth of the time of the run".into())
+        };
+        self.sheets.push(trust_sheet(outcome, halved));
         Ok(())
     }
 
@@ -179,26 +183,26 @@ impl<'a> VariantResults<'a> {
     /// # Errors
     /// The stored state of a replica is not of it.
     pub fn run_replicas(&mut self, variant: usize, range: Range<usize>) -> Result<bool, StudyError> {
-        if !range.is_empty() && !self.executor.keeper.is_stopped() {
+        if !range.is_empty() && !self.executor.checkpointer.is_stopped() {
             let name = &self.variants.checked[variant].0.name;
             self.executor.say(format!("{name}: {} more of it, from the next seeds", counted(range.len(), "replica")));
             let before = variant * usize::from(self.variants.replicas) + range.start;
             let mut over: Vec<Option<Outcome>> = vec![None; range.len()];
-            self.executor.beside(&(before..before + range.len()).collect::<Vec<_>>(), |index, outcome| {
+            self.executor.concurrently(&(before..before + range.len()).collect::<Vec<_>>(), |index, outcome| {
                 over[index - before] = Some(outcome?);
                 Ok(())
             })?;
             if over.iter().any(Option::is_none) {
-                self.executor.keeper.stop();
+                self.executor.checkpointer.stop();
             }
             self.runs[variant].extend(over.into_iter().flatten());
         }
-        Ok(!self.executor.keeper.is_stopped())
+        Ok(!self.executor.checkpointer.is_stopped())
     }
 
     /// Error of a command that was stopped in a variant.
     pub fn stopped(&self, variant: usize) -> StudyError {
-        self.executor.keeper.words(&self.variants.checked[variant].0.name)
+        self.executor.checkpointer.stop_error(&self.variants.checked[variant].0.name)
     }
 
     /// Writes the document on the results so far; with a summary if they are `whole`. Returns the path of the report.
@@ -218,7 +222,7 @@ impl<'a> VariantResults<'a> {
             frames: &self.frames,
         };
         let write = if whole { write_study } else { write_part };
-        self.executor.keeper.helped(write(&self.executor.folder, &study))
+        self.executor.checkpointer.with_remedy(write(&self.executor.folder, &study))
     }
 
     /// Ends the command after all results were written, with these sentences.
@@ -229,4 +233,16 @@ impl<'a> VariantResults<'a> {
         self.executor.finish(sentences, report)?;
         failures(&findings.outcomes)
     }
+}
+
+/// Names of files for variants. They are the names of the variants, in letters that any system accepts, and all
+/// different.
+fn file_names<'a>(variants: impl Iterator<Item = &'a str>) -> Vec<String> {
+    let mut names: Vec<String> = Vec::new();
+    for variant in variants {
+        let name = figures::file_name(variant);
+        let taken = name.is_empty() || names.contains(&name);
+        names.push(if taken { format!("{name}variant-{}", names.len()) } else { name });
+    }
+    names
 }

@@ -9,14 +9,7 @@ mod plan;
 mod weigh;
 mod words;
 
-use super::executor::Executor;
-use super::progress::INTERVAL;
-use super::ranks::Ranks;
 use super::replicas::{pool, replicas};
-use super::resumable::ResumableRun;
-use super::session::{StudyError, failures, read, share_threads, start};
-use super::settings::{CommandSettings, Invocation};
-use super::terminal::{answer, tell};
 use super::trust::notes;
 use crate::case::describe;
 use crate::checkpoint::checksum;
@@ -24,6 +17,10 @@ use crate::cli::Sensitivity;
 use crate::outcome::Outcome;
 use crate::output::sensitivity::{Factor, OmittedFactor, SensitivityRun, SensitivityStudy};
 use crate::output::{Folder, OutputError, Provenance, write_sensitivity, write_sensitivity_part};
+use crate::runs::{
+    CommandOrigin, CommandSettings, Executor, INTERVAL, Ranks, ResumableRun, StudyError, answer, failures, read,
+    share_threads, start, tell,
+};
 use crate::statistics::Answer;
 use plan::SensitivityPlan;
 use std::path::PathBuf;
@@ -34,18 +31,18 @@ use std::time::Instant;
 /// # Errors
 /// Bad input before anything is computed; failures of engines after everything has been written.
 pub fn sensitivity(args: &Sensitivity, ranks: &Ranks) -> Result<Option<Answer>, StudyError> {
-    sensitivity_on(args, Invocation::First, ranks)
+    sensitivity_on(args, CommandOrigin::Typed, ranks)
 }
 
 /// Begins or resumes a sensitivity study; runs that are over are not run again.
 pub(super) fn sensitivity_on(
     args: &Sensitivity,
-    invocation: Invocation,
+    origin: CommandOrigin,
     ranks: &Ranks,
 ) -> Result<Option<Answer>, StudyError> {
     let settings = CommandSettings {
         checkpoint_every: args.keep.checkpoint_every,
-        ..CommandSettings::new(invocation, "sensitivity", &args.case, &args.output, &args.effort)
+        ..CommandSettings::new(origin, "sensitivity", &args.case, &args.output, &args.effort)
     };
     let read = || {
         share_threads(&args.effort, ranks)?;
@@ -72,11 +69,11 @@ pub(super) fn sensitivity_on(
     };
     run_all(&executor, &mut table)?;
     if !table.is_whole() {
-        executor.keeper.stop();
-        executor.keeper.helped(table.write(&executor.folder))?;
-        return Err(executor.keeper.words("sensitivity"));
+        executor.checkpointer.stop();
+        executor.checkpointer.with_remedy(table.write(&executor.folder))?;
+        return Err(executor.checkpointer.stop_error("sensitivity"));
     }
-    let (report, sentences, overall) = executor.keeper.helped(table.write(&executor.folder))?;
+    let (report, sentences, overall) = executor.checkpointer.with_remedy(table.write(&executor.folder))?;
     executor.finish(&sentences, &report)?;
     failures(&table.pooled().into_iter().flatten().collect::<Vec<_>>())?;
     Ok(overall)
@@ -99,11 +96,11 @@ fn run_all(executor: &Executor, table: &mut SensitivityTable) -> Result<(), Stud
     let replicas = usize::from(table.plan.replicas);
     let all: Vec<usize> = (0..replicas * table.plan.runs.len()).collect();
     let mut written = Instant::now();
-    executor.beside(&all, |index, outcome| {
+    executor.concurrently(&all, |index, outcome| {
         table.outcomes[index / replicas][index % replicas] = Some(outcome?);
         // the results so far are written so that the user can look at them
         if written.elapsed() >= INTERVAL && !table.is_whole() {
-            executor.keeper.helped(table.write(&executor.folder))?;
+            executor.checkpointer.with_remedy(table.write(&executor.folder))?;
             written = Instant::now();
         }
         Ok(())

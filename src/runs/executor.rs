@@ -3,21 +3,19 @@
 
 use super::checkpointer::Checkpointer;
 use super::error::StudyError;
-use super::execute::{SharedRun, execute_kept, execute_together, follow};
+use super::execute::{SharedRun, execute_together, execute_with_checkpoints, follow};
 use super::progress::Progress;
 use super::ranks::Ranks;
 use super::resumable::{ResumableRun, mark};
-use super::run_list::{RunList, ThreadBudget, beside, help};
-use super::session::warn;
+use super::run_list::{RunList, distribute, help};
 use super::settings::CommandSettings;
-use super::terminal::{conclude, tell};
-use super::trust_sheet::trust_sheet;
-use super::verify::verify_kept;
+use super::terminal::{conclude, tell, warn};
+use super::threads::ThreadBudget;
 use crate::case::{Case, Checked};
 use crate::engine::Failure;
 use crate::observe::Observer;
 use crate::outcome::Outcome;
-use crate::output::{Folder, HalvedStep, OutputError, Trajectory, TrustSheet};
+use crate::output::{Folder, OutputError, Trajectory};
 use crate::particles::Particles;
 use std::fmt::Display;
 use std::path::Path;
@@ -28,13 +26,14 @@ pub struct Executor<'a> {
     /// The folder of results.
     pub folder: Rc<Folder>,
     /// Checkpointer that stores the runs.
-    pub keeper: Checkpointer,
+    pub checkpointer: Checkpointer,
     /// The runs.
     pub runs: Vec<ResumableRun>,
     progress: Progress,
     threads: ThreadBudget,
     ranks: &'a Ranks,
-    quiet: bool,
+    /// True to print nothing.
+    pub quiet: bool,
 }
 
 impl<'a> Executor<'a> {
@@ -54,17 +53,18 @@ impl<'a> Executor<'a> {
         let threads = ThreadBudget { threads: ranks.threads(settings.threads), in_turn: settings.in_turn };
         let shown = |quiet| Progress::new(runs.iter().map(|run| &run.experiment), quiet);
         if !ranks.is_lead() {
-            let (keeper, folder) = (Checkpointer::of_helper(settings)?, Folder::of_another(&settings.folder));
-            let list = ResumableRuns { runs: &runs, folder: &folder, keeper: &keeper, progress: &shown(true) };
-            return help(&list, threads, ranks, keeper.signals()).map(|()| None);
+            let (checkpointer, folder) = (Checkpointer::of_helper(settings)?, Folder::of_another(&settings.folder));
+            let list =
+                ResumableRuns { runs: &runs, folder: &folder, checkpointer: &checkpointer, progress: &shown(true) };
+            return help(&list, threads, ranks, checkpointer.signals()).map(|()| None);
         }
         let folder = settings.open_folder()?;
         ranks.announce(threads.threads, settings.quiet);
         warn(checked, settings.quiet);
-        let keeper = Checkpointer::new(settings, &folder, case, &runs)?;
+        let checkpointer = Checkpointer::new(settings, &folder, case, &runs)?;
         let progress = shown(settings.quiet);
         let folder = Rc::new(folder);
-        Ok(Some(Self { folder, keeper, runs, progress, threads, ranks, quiet: settings.quiet }))
+        Ok(Some(Self { folder, checkpointer, runs, progress, threads, ranks, quiet: settings.quiet }))
     }
 
     /// Tells the user a line, unless the command is to print nothing.
@@ -86,11 +86,11 @@ impl<'a> Executor<'a> {
         mut others: Vec<&mut dyn Observer>,
         gives_end: bool,
     ) -> Result<(Outcome, Particles), StudyError> {
-        let Self { folder, keeper, runs, progress, ranks, quiet, .. } = self;
+        let Self { folder, checkpointer, runs, progress, ranks, quiet, .. } = self;
         let (run, mut watch) = (&runs[index], progress.watch(index));
         // several processes, and no runs that they could do concurrently
         let is_shared = ranks.count() > 1 && runs.iter().all(|run| run.is_lone);
-        let shared = is_shared.then_some(SharedRun { place: index, ranks, quiet: *quiet, gives_end });
+        let shared = is_shared.then_some(SharedRun { index, ranks, quiet: *quiet, gives_end });
         std::thread::scope(|scope| {
             let mut trajectory =
                 run.trajectory.as_ref().map(|(name, asked)| Trajectory::new(scope, folder, name, *asked));
@@ -100,8 +100,8 @@ impl<'a> Executor<'a> {
             observers.push(&mut watch);
             observers.extend(others.iter_mut().map(|other| &mut **other as &mut dyn Observer));
             let (mut outcome, end) = match shared {
-                Some(shared) => execute_together(run, &mut observers, keeper, shared)?,
-                None => execute_kept(run, &mut observers, keeper)?,
+                Some(shared) => execute_together(run, &mut observers, checkpointer, shared)?,
+                None => execute_with_checkpoints(run, &mut observers, checkpointer)?,
             };
             let written = trajectory.map_or(Ok(()), Trajectory::written);
             // a folder that has been removed cannot be resumed from
@@ -111,23 +111,10 @@ impl<'a> Executor<'a> {
                 outcome.failure.get_or_insert(Failure::Unwritten { time, why: why.to_string() });
             }
             if let (Some(failure @ Failure::Unwritten { .. }), false) = (&outcome.failure, is_gone) {
-                keeper.leave(failure);
+                checkpointer.stop_unwritten(failure);
             }
             Ok((outcome, end))
         })
-    }
-
-    /// The trust sheet of a run that ended in that state, with a test of half the step if it is `asked` for.
-    ///
-    /// # Errors
-    /// The stored state of the test is not of it.
-    pub fn trust(&mut self, outcome: &Outcome, end: &Particles, asked: bool) -> Result<TrustSheet, StudyError> {
-        let halved = if asked {
-            verify_kept(outcome, end, self.quiet, &mut self.keeper)?
-        } else {
-            HalvedStep::Unknown("not asked for: --verify does it, for about a fifth of the time of the run".into())
-        };
-        Ok(trust_sheet(outcome, halved))
     }
 
     /// Does the runs at these indices concurrently, as many as there are threads, and in all processes. Results do not
@@ -136,14 +123,14 @@ impl<'a> Executor<'a> {
     ///
     /// # Errors
     /// The first error of `finished`; no thread can be started.
-    pub fn beside(
+    pub fn concurrently(
         &self,
         indices: &[usize],
         finished: impl FnMut(usize, Result<Outcome, StudyError>) -> Result<(), StudyError>,
     ) -> Result<(), StudyError> {
-        let Self { folder, keeper, runs, progress, .. } = self;
-        let list = ResumableRuns { runs, folder, keeper, progress };
-        beside(&list, indices, (self.threads, self.ranks), finished)
+        let Self { folder, checkpointer, runs, progress, .. } = self;
+        let list = ResumableRuns { runs, folder, checkpointer, progress };
+        distribute(&list, indices, self.threads, self.ranks, finished)
     }
 
     /// Ends the command after all results were written: removes the stored states and prints the last sentences.
@@ -152,7 +139,7 @@ impl<'a> Executor<'a> {
     /// A stored state that cannot be removed.
     pub fn finish(self, sentences: &[String], report: &Path) -> Result<(), StudyError> {
         self.conclude(sentences, report);
-        Ok(self.keeper.done()?)
+        Ok(self.checkpointer.done()?)
     }
 
     /// Prints the last sentences and the path of the report, unless the command is to print nothing.
@@ -167,17 +154,17 @@ impl<'a> Executor<'a> {
 struct ResumableRuns<'a> {
     runs: &'a [ResumableRun],
     folder: &'a Folder,
-    keeper: &'a Checkpointer,
+    checkpointer: &'a Checkpointer,
     progress: &'a Progress,
 }
 
 impl ResumableRuns<'_> {
     /// Does one run with that checkpointer; `None` if it was stopped.
-    fn run_with(&self, place: usize, own: &mut Checkpointer) -> Result<Option<Outcome>, StudyError> {
+    fn run_with(&self, index: usize, own: &mut Checkpointer) -> Result<Option<Outcome>, StudyError> {
         if own.is_stopping() {
             return Ok(None);
         }
-        let (outcome, _) = execute_kept(&self.runs[place], &mut [&mut self.progress.watch(place)], own)?;
+        let (outcome, _) = execute_with_checkpoints(&self.runs[index], &mut [&mut self.progress.watch(index)], own)?;
         Ok((!own.is_stopped()).then_some(outcome))
     }
 }
@@ -189,17 +176,17 @@ impl RunList for ResumableRuns<'_> {
         self.runs.iter().filter(|run| !run.is_lone).count()
     }
 
-    fn run(&self, place: usize) -> Option<Result<Outcome, StudyError>> {
-        self.run_with(place, &mut self.keeper.beside(&self.runs[place].identity)).transpose()
+    fn run(&self, index: usize) -> Result<Option<Outcome>, StudyError> {
+        self.run_with(index, &mut self.checkpointer.for_run(&self.runs[index].identity))
     }
 
-    fn run_for_another(&self, place: usize) -> Result<Option<Vec<u8>>, StudyError> {
-        let mut own = self.keeper.beside(&self.runs[place].identity);
-        Ok(self.run_with(place, &mut own)?.map(|_| own.into_end()))
+    fn run_for_another(&self, index: usize) -> Result<Option<Vec<u8>>, StudyError> {
+        let mut own = self.checkpointer.for_run(&self.runs[index].identity);
+        Ok(self.run_with(index, &mut own)?.map(|_| own.into_end()))
     }
 
-    fn follow(&self, place: usize, ranks: &Ranks) {
-        let run = &self.runs[place];
+    fn follow(&self, index: usize, ranks: &Ranks) {
+        let run = &self.runs[index];
         std::thread::scope(|scope| {
             let mut trajectory =
                 run.trajectory.as_ref().map(|(name, asked)| Trajectory::new(scope, self.folder, name, *asked));
@@ -208,16 +195,16 @@ impl RunList for ResumableRuns<'_> {
         });
     }
 
-    fn answer_of_another(&self, place: usize, bytes: &[u8]) -> Result<Outcome, StudyError> {
+    fn answer_of_another(&self, index: usize, bytes: &[u8]) -> Result<Outcome, StudyError> {
         // the outcome follows from the stored end, as for a run that was over when a command is resumed
-        let run = &self.runs[place];
-        let mut own = self.keeper.beside(&run.identity);
+        let run = &self.runs[index];
+        let mut own = self.checkpointer.for_run(&run.identity);
         own.receive(&run.identity, bytes)?;
-        Ok(execute_kept(run, &mut [&mut self.progress.watch(place)], &mut own)?.0)
+        Ok(execute_with_checkpoints(run, &mut [&mut self.progress.watch(index)], &mut own)?.0)
     }
 
-    fn is_elsewhere(&self, place: usize, time: f64) {
-        self.progress.is_elsewhere(place, time);
+    fn is_elsewhere(&self, index: usize, time: f64) {
+        self.progress.is_elsewhere(index, time);
     }
 
     fn under_way(&self) -> Vec<(usize, f64)> {

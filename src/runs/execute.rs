@@ -43,33 +43,34 @@ pub fn execute(experiment: &Experiment, start: Particles, others: &mut [&mut dyn
     })
 }
 
-/// Runs a variant like [`execute`], with a keeper that stores the run from time to time and may stop it. A stored run
+/// Runs a variant like [`execute`], with a checkpointer that stores the run from time to time and may stop it. A stored run
 /// goes on from its stored state, and a run that is over is not run again.
 ///
 /// # Errors
 /// The stored state is not of this run.
-pub fn execute_kept(
+pub fn execute_with_checkpoints(
     run: &ResumableRun,
     others: &mut [&mut dyn Observer],
-    keeper: &mut Checkpointer,
+    checkpointer: &mut Checkpointer,
 ) -> Result<(Outcome, Particles), StudyError> {
-    keep_workers_spinning(|| simulate_kept(run, others, keeper, None))
+    keep_workers_spinning(|| simulate_with_checkpoints(run, others, checkpointer, None))
 }
 
-/// Runs a variant together with the other processes, which were told its index `place` in the list of shared runs. The
+/// Runs a variant together with the other processes, which were told its index in the list of runs. The
 /// final state is returned if it is asked for; otherwise it has no particles.
 ///
 /// # Errors
-/// As for [`execute_kept`].
+/// As for [`execute_with_checkpoints`].
 pub fn execute_together(
     run: &ResumableRun,
     others: &mut [&mut dyn Observer],
-    keeper: &mut Checkpointer,
-    SharedRun { place, ranks, quiet, gives_end }: SharedRun,
+    checkpointer: &mut Checkpointer,
+    SharedRun { index, ranks, quiet, gives_end }: SharedRun,
 ) -> Result<(Outcome, Particles), StudyError> {
-    ranks.call_together(place);
-    let (result, traffic) = ranks
-        .together(|communicator| rayon::scope(|_| simulate_kept(run, others, keeper, Some((communicator, gives_end)))));
+    ranks.call_together(index);
+    let (result, traffic) = ranks.together(|communicator| {
+        rayon::scope(|_| simulate_with_checkpoints(run, others, checkpointer, Some((communicator, gives_end))))
+    });
     let experiment = &run.experiment;
     if let (Ok((outcome, _)), false) = (&result, quiet) {
         let verlet = experiment.model() == Model::Soft && experiment.soft.integrator == Integrator::VelocityVerlet;
@@ -84,8 +85,8 @@ pub fn execute_together(
 /// A run that all processes share.
 #[derive(Clone, Copy)]
 pub struct SharedRun<'a> {
-    /// Index of the run in the list of shared runs.
-    pub place: usize,
+    /// Index of the run in the list.
+    pub index: usize,
     /// The processes.
     pub ranks: &'a Ranks,
     /// True to print no summary of the run.
@@ -110,20 +111,20 @@ pub fn follow(run: &ResumableRun, others: &mut [&mut dyn Observer], ranks: &Rank
             if beginning == Beginning::Dealt {
                 simulation.take_dealt().unwrap_or_else(|why| leave(&why));
             }
-            simulation.follow(&mut |simulation, place, kept| {
-                if let Some(Err(why)) = kept.map(|kept| observers[place].restore(kept)) {
+            simulation.follow(&mut |simulation, index, kept| {
+                if let Some(Err(why)) = kept.map(|kept| observers[index].restore(kept)) {
                     leave(&why);
                 }
-                observers[place].see(simulation);
+                observers[index].see(simulation);
             });
         });
     });
 }
 
-fn simulate_kept(
+fn simulate_with_checkpoints(
     run: &ResumableRun,
     others: &mut [&mut dyn Observer],
-    keeper: &mut Checkpointer,
+    checkpointer: &mut Checkpointer,
     shared: Option<(Arc<dyn Communicator>, bool)>,
 ) -> Result<(Outcome, Particles), StudyError> {
     let (experiment, start, run) = (&run.experiment, run.start()?, &run.identity);
@@ -132,7 +133,7 @@ fn simulate_kept(
     let in_parts = others.iter().take_while(|other| other.sight() == Needs::Parts).count();
     let common = seen.with(&mut []).len() + in_parts;
     let mut observers = seen.with(others);
-    let (is_part, earlier) = (start.is_part, keeper.earlier(run));
+    let (is_part, earlier) = (start.is_part, checkpointer.earlier(run));
     let parts = earlier.as_ref().map(|kept| kept.pause.snapshot.parts);
     let beginning = Beginning::of(is_part, parts);
     let begun = begin(experiment, start, shared.as_ref().map(|(communicator, _)| &**communicator));
@@ -150,7 +151,7 @@ fn simulate_kept(
         over = kept.over;
         (simulation, course) = kept.pause.resume_as(simulation, experiment, &mut observers).map_err(unfit)?;
         if let Some(count) = parts.filter(|count| *count > 0) {
-            let taken = simulation.take_parts(count, &mut |number| keeper.part(run, over.is_some(), number));
+            let taken = simulation.take_parts(count, &mut |number| checkpointer.part(run, over.is_some(), number));
             taken.unwrap_or_else(|why| leave(&why));
         }
     }
@@ -161,17 +162,17 @@ fn simulate_kept(
         if let Some(failure) = over {
             break failure;
         }
-        over = match course.run(&mut simulation, &mut observers, &mut || keeper.is_due()) {
+        over = match course.run(&mut simulation, &mut observers, &mut || checkpointer.is_due()) {
             Ok(true) => Some(None),
             Ok(false) => None,
             Err(failure) => Some(Some(failure)),
         };
         // a run that could not be written has no stored end: it goes on from the state that was stored before
         let unwritten = matches!(over, Some(Some(Failure::Unwritten { .. })));
-        if unwritten || over.is_some() && !keeper.wants_the_end() {
+        if unwritten || over.is_some() && !checkpointer.wants_the_end() {
             continue;
         }
-        let parts = store_parts(&mut simulation, (run, keeper), over.is_some());
+        let parts = store_parts(&mut simulation, (run, checkpointer), over.is_some());
         let pause = course.store(&simulation, &observers).map_err(unfit)?;
         if let Some(why) = observers.iter().find_map(|observer| observer.stop()) {
             course.settle(&mut simulation);
@@ -179,8 +180,8 @@ fn simulate_kept(
         }
         let kept = StoredRun { pause, over: over.clone() };
         if over.is_some() {
-            keeper.finish(run, &kept, parts).map_err(unfit)?;
-        } else if keeper.keep(run, &kept, parts) {
+            checkpointer.finish(run, &kept, parts).map_err(unfit)?;
+        } else if checkpointer.keep(run, &kept, parts) {
             course.settle(&mut simulation);
             break Some(Failure::Stopped { time: simulation.time });
         }
@@ -199,7 +200,7 @@ fn simulate_kept(
 /// Stores the parts of a state, one of each process; without parts this process has all of it.
 fn store_parts(
     simulation: &mut Simulation,
-    (run, keeper): (&RunIdentity, &Checkpointer),
+    (run, checkpointer): (&RunIdentity, &Checkpointer),
     over: bool,
 ) -> Result<(), OutputError> {
     if simulation.parts_of_state() == 0 {
@@ -209,7 +210,7 @@ fn store_parts(
     let (mut written, mut number) = (Ok(()), 0);
     simulation.give_parts(&mut |part| {
         if written.is_ok() {
-            written = keeper.keep_part(run, over, number, &part);
+            written = checkpointer.keep_part(run, over, number, &part);
         }
         number += 1;
     });

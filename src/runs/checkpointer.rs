@@ -2,7 +2,7 @@
 
 use super::error::StudyError;
 use super::resumable::ResumableRun;
-use super::settings::{CommandSettings, Invocation};
+use super::settings::{CommandOrigin, CommandSettings};
 use super::signals::Signals;
 use super::terminal::tell;
 use crate::case::Case;
@@ -83,24 +83,24 @@ impl Checkpointer {
             runs: first,
         };
         let CheckpointEvery(every) = settings.checkpoint_every;
-        let mut keeper = Self {
+        let mut checkpointer = Self {
             remedy: format!("`diptych resume {}`", folder.path().display()),
             ends: if settings.keeps_results { Ends::Replaced } else { Ends::Stored },
             ..Self::with(Signals::listen()?, every.map(|_| Store::of(folder.path())), every)
         };
-        match &settings.invocation {
-            Invocation::First => keeper.begin(&command, folder.path())?,
-            Invocation::Again => {
-                keeper.store.as_ref().map_or(Ok(()), |store| store.replace_command(&command))?;
-                keeper.look_back();
+        match &settings.origin {
+            CommandOrigin::Typed => checkpointer.begin(&command, folder.path())?,
+            CommandOrigin::TypedAgain => {
+                checkpointer.store.as_ref().map_or(Ok(()), |store| store.replace_command(&command))?;
+                checkpointer.find_stored();
             }
-            Invocation::Resumed { command: earlier, quiet, .. } => {
-                keeper.quiet = *quiet;
+            CommandOrigin::Resumed { command: earlier, quiet, .. } => {
+                checkpointer.quiet = *quiet;
                 refuse_changes(earlier, &command, case)?;
-                keeper.look_back();
+                checkpointer.find_stored();
             }
         }
-        Ok(keeper)
+        Ok(checkpointer)
     }
 
     /// Checkpointer for a helper process of a command. States are stored in the folder of the lead process. The ends of
@@ -113,7 +113,7 @@ impl Checkpointer {
         Ok(Self {
             more: true,
             quiet: true,
-            resumed: !matches!(settings.invocation, Invocation::First),
+            resumed: !matches!(settings.origin, CommandOrigin::Typed),
             ends: Ends::Caught(Vec::new()),
             ..Self::with(Signals::listen()?, every.map(|_| Store::of(&settings.folder)), every)
         })
@@ -144,8 +144,8 @@ impl Checkpointer {
 
     /// Checkpointer for one of several runs at the same time, with its own files. It does not report the stored states
     /// that it finds.
-    pub fn beside(&self, run: &RunIdentity) -> Self {
-        let store = self.store.as_ref().map(|store| store.beside(run));
+    pub fn for_run(&self, run: &RunIdentity) -> Self {
+        let store = self.store.as_ref().map(|store| store.for_run(run));
         let mut one = Self {
             // the end of this run is not the end of the command
             more: true,
@@ -155,7 +155,7 @@ impl Checkpointer {
             ..Self::with(self.signals.clone(), store, self.every)
         };
         if self.resumed {
-            one.look_back();
+            one.find_stored();
         }
         one
     }
@@ -181,7 +181,7 @@ impl Checkpointer {
     }
 
     /// Looks up the state of the run that was under way.
-    fn look_back(&mut self) {
+    fn find_stored(&mut self) {
         self.resumed = true;
         let Some(store) = &mut self.store else { return };
         let newest = store.newest();
@@ -229,7 +229,7 @@ impl Checkpointer {
     }
 
     /// Notes if something is still to be done after the next run.
-    pub fn expects(&mut self, more: bool) {
+    pub fn set_more(&mut self, more: bool) {
         self.more = more;
     }
 
@@ -343,11 +343,11 @@ impl Checkpointer {
     /// # Errors
     /// It cannot be written.
     pub fn store_result<T: Serialize>(&self, run: &RunIdentity, result: &T) -> Result<(), OutputError> {
-        self.store.as_ref().map_or(Ok(()), |store| store.beside(run).finish(run, result))
+        self.store.as_ref().map_or(Ok(()), |store| store.for_run(run).finish(run, result))
     }
 
     /// Leaves a command whose run cannot be written. Once it can be, the command goes on from the stored state.
-    pub fn leave(&mut self, why: &Failure) {
+    pub fn stop_unwritten(&mut self, why: &Failure) {
         self.stopped = true;
         self.unwritten = Some(why.to_string());
     }
@@ -358,7 +358,7 @@ impl Checkpointer {
     }
 
     /// Error with which a stopped command ends, after the report on its finished part was written.
-    pub fn words(&self, name: &str) -> StudyError {
+    pub fn stop_error(&self, name: &str) -> StudyError {
         if let Some(why) = &self.unwritten {
             let help = match (&self.store, self.stored) {
                 (None, _) => String::new(),
@@ -384,7 +384,7 @@ impl Checkpointer {
     ///
     /// # Errors
     /// The error that was given, with its remedy.
-    pub fn helped<T>(&self, written: Result<T, OutputError>) -> Result<T, StudyError> {
+    pub fn with_remedy<T>(&self, written: Result<T, OutputError>) -> Result<T, StudyError> {
         written.map_err(|why| match &self.store {
             Some(_) => {
                 StudyError::Failed(format!("error: {why}\nhelp: once it can be written, {} does it", self.remedy))

@@ -1,10 +1,11 @@
 //! Run that can be resumed: its experiment, its initial state, and the identity by which its stored state is found.
 
 use super::error::StudyError;
-use super::session::start;
 use crate::checkpoint::{RunIdentity, checksum};
 use crate::experiment::{Experiment, Trajectories};
-use crate::placement::Start;
+use crate::memory;
+use crate::particles::Particles;
+use crate::placement::{Start, initial_state};
 use std::sync::{Mutex, PoisonError};
 
 /// Run that can be resumed.
@@ -13,8 +14,8 @@ pub struct ResumableRun {
     pub experiment: Experiment,
     /// Identity of the run.
     pub identity: RunIdentity,
-    /// True if no other run goes on beside it, so that its time is its own. All processes share such a run if the
-    /// command has no others.
+    /// True if no other run goes on at the same time, so that its time is its own. All processes share such a run if
+    /// the command has no others.
     pub is_lone: bool,
     /// Trajectory that is written, with the name of its files; only a lone run has one.
     pub trajectory: Option<(String, Trajectories)>,
@@ -38,7 +39,7 @@ impl ResumableRun {
         Self { experiment, identity, is_lone: false, trajectory: None, start: Mutex::default() }
     }
 
-    /// This run as one beside which no other goes on, and whose trajectory is written if there is one.
+    /// This run as one that goes on alone, and whose trajectory is written if there is one.
     pub fn lone(self, trajectory: Option<(String, Trajectories)>) -> Self {
         Self { is_lone: true, trajectory, ..self }
     }
@@ -70,4 +71,21 @@ pub fn mark_of_experiments<'a>(experiments: impl Iterator<Item = &'a Experiment>
 
 fn mark_of(checksums: impl Iterator<Item = u32>) -> u32 {
     checksum(&checksums.flat_map(u32::to_le_bytes).collect::<Vec<u8>>())
+}
+
+/// The initial state of one variant; a scene too crowded to start is bad input.
+pub fn start(experiment: &Experiment) -> Result<Particles, StudyError> {
+    refuse_too_large(experiment)?;
+    initial_state(experiment).map_err(|crowded| StudyError::Input(format!("error: {crowded}")))
+}
+
+/// Refuses a run for which there is not enough memory, before any of it is taken.
+///
+/// # Errors
+/// [`StudyError::Input`], with the memory that the run takes and the memory that there is.
+pub fn refuse_too_large(experiment: &Experiment) -> Result<(), StudyError> {
+    match memory::refusal(experiment) {
+        None => Ok(()),
+        Some((why, help)) => Err(StudyError::Input(format!("error: {why}\nhelp: {help}"))),
+    }
 }
