@@ -13,14 +13,13 @@ mod resumable;
 mod run_list;
 mod settings;
 mod signals;
+mod standard_observers;
 mod terminal;
 mod threads;
 
 pub(crate) use checkpointer::{Checkpointer, unusable};
 pub use error::StudyError;
 pub(crate) use error::{failures, failures_of};
-#[cfg(feature = "lab")]
-pub(crate) use execute::StandardObservers;
 pub use execute::execute;
 pub(crate) use execute::execute_with_checkpoints;
 pub(crate) use executor::Executor;
@@ -30,6 +29,8 @@ pub(crate) use resumable::{ResumableRun, mark, mark_of_experiments, refuse_too_l
 pub use settings::quoted;
 pub(crate) use settings::{CommandOrigin, CommandSettings, command_line, folder, provenance, read};
 pub use signals::Signals;
+#[cfg(feature = "lab")]
+pub(crate) use standard_observers::StandardObservers;
 pub use terminal::{answer, tell};
 pub(crate) use terminal::{answer_json, conclude, warn};
 pub(crate) use threads::{share_threads, use_threads};

@@ -3,8 +3,7 @@
 use crate::experiment::{Amount, Experiment};
 use crate::observe::KindAverages;
 use crate::outcome::{Averaged, Outcome, Replicas};
-use crate::output::numbers::counted;
-use crate::runs::{Ranks, StudyError};
+use crate::runs::StudyError;
 use crate::statistics::{Batches, Estimate, FEWEST_RUNS, ProfileTable};
 
 /// The experiments of all replicas, the first with the seed of the case and the others with the next ones.
@@ -25,23 +24,6 @@ pub fn replicas(experiment: &Experiment, count: u16) -> Result<Vec<Experiment>, 
         replica
     };
     Ok((0..count).map(one).collect())
-}
-
-/// Refuses idle processes in a shared run: more processes than particles, with no replicas for them to do.
-///
-/// # Errors
-/// There are idle processes.
-pub fn refuse_idle(experiment: &Experiment, replicas: u16, ranks: &Ranks) -> Result<(), StudyError> {
-    let (processes, particles) = (ranks.count(), experiment.count());
-    if replicas > 1 || processes <= particles.max(1) {
-        return Ok(());
-    }
-    Err(StudyError::Input(format!(
-        "error: {processes} processes for {}: each needs particles of its own\n\
-         help: start at most {} of them (`mpirun -n`)",
-        counted(particles, "particle"),
-        particles.max(1)
-    )))
 }
 
 /// Pools the replicas of a variant into one outcome; returns it with the replicas besides the first that it contains.

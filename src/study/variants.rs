@@ -1,6 +1,6 @@
 //! Variants of a case, one after the other and each with its replicas: the list of their runs, and their results.
 
-use super::replicas::{refuse_idle, replicas};
+use super::replicas::replicas;
 use super::trust_sheet::trust_sheet;
 use super::verify::verify_with_checkpoints;
 use crate::case::{Case, Checked};
@@ -41,12 +41,21 @@ impl Variants {
         self.checked.iter().map(|(experiment, _)| experiment)
     }
 
-    /// Refuses processes that would have nothing to do.
+    /// Refuses idle processes in a shared run: more processes than particles, with no replicas for them to do.
     ///
     /// # Errors
     /// There are idle processes.
     pub fn refuse_idle(&self, ranks: &Ranks) -> Result<(), StudyError> {
-        self.experiments().try_for_each(|experiment| refuse_idle(experiment, self.replicas, ranks))
+        let processes = ranks.count();
+        let particles = self.experiments().map(|experiment| experiment.count().max(1)).min().unwrap_or(1);
+        if self.replicas > 1 || processes <= particles {
+            return Ok(());
+        }
+        Err(StudyError::Input(format!(
+            "error: {processes} processes for {}: each needs particles of its own\n\
+             help: start at most {particles} of them (`mpirun -n`)",
+            counted(particles, "particle")
+        )))
     }
 
     /// A checksum of the variants, on which all processes have to agree before they make the starts.
