@@ -125,6 +125,13 @@ pub struct Keep {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CheckpointEvery(pub Option<Duration>);
 
+impl CheckpointEvery {
+    /// Time between checkpoints by default.
+    pub fn usual() -> Self {
+        Self(Some(Duration::from_mins(10)))
+    }
+}
+
 /// Parses a wall time with its unit, or `never`.
 fn wall_time(text: &str) -> Result<CheckpointEvery, String> {
     if text.trim() == "never" {

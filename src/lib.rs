@@ -77,6 +77,9 @@ pub mod output;
 pub mod checkpoint;
 
 #[cfg(feature = "program")]
+pub mod runs;
+
+#[cfg(feature = "program")]
 pub mod study;
 
 #[cfg(feature = "lab")]

@@ -3,7 +3,7 @@
 use crate::support::{BASE, diptych, words};
 use serde_json::Value;
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Output;
 
 const STIFFNESS: &str = "soft.linear_spring_dashpot.stiffness";
@@ -22,12 +22,26 @@ fn rows(folder: &Path) -> Vec<BTreeMap<String, String>> {
     table.deserialize().map(|row| row.unwrap()).collect()
 }
 
-/// The results of single runs, by their identities.
-fn runs(folder: &Path) -> BTreeMap<String, Value> {
-    let Ok(files) = std::fs::read_dir(folder.join("points")) else { return BTreeMap::new() };
-    let files = files.map(|file| file.unwrap().path()).filter(|path| path.extension().is_some_and(|e| e == "json"));
-    let read = |path: &Path| -> Value { serde_json::from_slice(&std::fs::read(path).unwrap()).unwrap() };
-    files.map(|path| (path.file_stem().unwrap().to_string_lossy().into_owned(), read(&path))).collect()
+/// The stored results of single runs, by their identities.
+fn runs(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    let Ok(files) = std::fs::read_dir(folder.join("checkpoint")) else { return BTreeMap::new() };
+    let paths = files.map(|file| file.unwrap().path());
+    let result = |path: PathBuf| {
+        let name = path.file_name()?.to_string_lossy().strip_prefix("done-")?.to_owned();
+        Some((name, std::fs::read(path).unwrap()))
+    };
+    paths.filter_map(result).collect()
+}
+
+fn summary(folder: &Path) -> Value {
+    serde_json::from_slice(&std::fs::read(folder.join("summary.json")).unwrap()).unwrap()
+}
+
+/// The rows but for what differs between two sweeps that are otherwise the same.
+fn lasting(folder: &Path) -> Vec<BTreeMap<String, String>> {
+    let mut rows = rows(folder);
+    rows.iter_mut().for_each(|row| row.retain(|column, _| column != "wall_seconds" && column != "cost_s_s"));
+    rows
 }
 
 fn number(row: &BTreeMap<String, String>, column: &str) -> f64 {
@@ -43,7 +57,7 @@ fn a_sweep_that_was_killed_goes_on_and_ends_the_same() {
     assert_eq!(code, 0, "{}", words(&output.stderr));
     // five soft ones, and one of hard spheres, which do not know of a stiffness
     assert_eq!(runs(&whole).len(), 6);
-    let summary: Value = serde_json::from_slice(&std::fs::read(whole.join("summary.json")).unwrap()).unwrap();
+    let summary = summary(&whole);
     assert_eq!((summary["status"].as_str(), summary["points"].as_array().unwrap().len()), (Some("complete"), 10));
 
     let short = ["--set", "run.duration=50 ms", "--set", "run.average_from=10 ms"];
@@ -64,11 +78,6 @@ fn a_sweep_that_was_killed_goes_on_and_ends_the_same() {
     // results that were there are as they were, and everything but times is that of the sweep in one go
     let after = runs(&cut);
     assert!(before.iter().all(|(identity, run)| after[identity] == *run));
-    let lasting = |folder: &Path| {
-        let mut rows = rows(folder);
-        rows.iter_mut().for_each(|row| row.retain(|column, _| column != "wall_seconds" && column != "cost_s_s"));
-        rows
-    };
     assert_eq!(lasting(&cut), lasting(&whole));
     // a third start has nothing left to do
     let (code, output) = sweep(&cut, &["--sweep", &values]);
@@ -109,13 +118,14 @@ fn a_sweep_that_is_stopped_says_so_and_goes_on() {
     let folder = place.path().join("stopped");
     let values = format!("{STIFFNESS}=1 kN/m,2 kN/m,3 kN/m");
     let arguments = ["--sweep", &values, "--in-turn", "--only", "soft"];
-    // long enough that the second run is under way when the first is seen to be done
-    let long = ["--set", "run.duration=4 s", "--set", "run.average_from=1 s"];
+    // long enough that the second run, which begins after the report on the first, is under way a little later
+    let long = ["--set", "run.duration=8 s", "--set", "run.average_from=1 s"];
     let mut command = diptych(&[&["sweep", BASE], &long[..], &arguments].concat());
     let child = command.arg("--out").arg(&folder).stderr(std::process::Stdio::piped()).spawn().unwrap();
-    while runs(&folder).is_empty() {
+    while !folder.join("report.html").exists() {
         std::thread::sleep(std::time::Duration::from_millis(1));
     }
+    std::thread::sleep(std::time::Duration::from_millis(400));
     assert!(std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
     let output = child.wait_with_output().unwrap();
     let told = words(&output.stderr);
@@ -123,11 +133,24 @@ fn a_sweep_that_is_stopped_says_so_and_goes_on() {
     let done = runs(&folder);
     assert!(told.contains(&format!("the sweep was stopped: {} of 3 runs are done", done.len())), "{told}");
     assert!(done.len() < 3 && !folder.join("summary.json").exists() && folder.join("report.html").exists());
+    // both ways to go on take the finished runs over, and the state of the run that was under way
+    assert!(std::fs::read_dir(folder.join("checkpoint")).unwrap().flatten().any(|file| {
+        let name = file.file_name().to_string_lossy().into_owned();
+        name.starts_with("a-") || name.starts_with("b-")
+    }));
+    let other = place.path().join("other");
+    assert!(std::process::Command::new("cp").arg("-r").args([&folder, &other]).status().unwrap().success());
     let output = diptych(&[&["sweep", BASE], &long[..], &arguments].concat()).arg("--out").arg(&folder).output();
-    let told = words(&output.unwrap().stderr);
-    assert!(told.contains(&format!("{} of 3 runs are there from an earlier start", done.len())), "{told}");
-    let after = runs(&folder);
-    assert!(after.len() == 3 && done.iter().all(|(identity, run)| after[identity] == *run));
+    let resumed = diptych(&["resume"]).arg(&other).output();
+    for (folder, output) in [(&folder, output), (&other, resumed)] {
+        let told = words(&output.unwrap().stderr);
+        assert!(told.contains(&format!("{} of 3 runs are there from an earlier start", done.len())), "{told}");
+        let after = runs(folder);
+        assert!(after.len() == 3 && done.iter().all(|(identity, run)| after[identity] == *run));
+    }
+    let whole = place.path().join("whole");
+    diptych(&[&["sweep", BASE], &long[..], &arguments].concat()).arg("--out").arg(&whole).output().unwrap();
+    assert!(lasting(&folder) == lasting(&whole) && lasting(&other) == lasting(&whole));
 }
 
 #[test]
@@ -137,8 +160,8 @@ fn a_grid_with_replicas_has_their_means_and_errors() {
     let arguments = ["--sweep", "contact.restitution=0.8,0.9", "--sweep", "hard.contact_time=1 us,2 us"];
     let (code, output) = sweep(&folder, &[&arguments[..], &["--replicas", "3", "--only", "hard"]].concat());
     assert_eq!(code, 0, "{}", words(&output.stderr));
-    let (rows, runs) = (rows(&folder), runs(&folder));
-    assert_eq!((rows.len(), runs.len()), (4, 12));
+    let (rows, runs) = (rows(&folder), summary(&folder)["runs"].clone());
+    assert_eq!((rows.len(), runs.as_object().unwrap().len(), self::runs(&folder).len()), (4, 12, 12));
     for row in &rows {
         let values: Vec<f64> = row["runs"]
             .split(' ')
@@ -159,7 +182,7 @@ fn a_grid_with_replicas_has_their_means_and_errors() {
     let alone = place.path().join("alone");
     sweep(&alone, &[&arguments[..], &["--only", "hard"]].concat());
     for identity in self::runs(&alone).keys() {
-        assert!(runs.contains_key(identity));
+        assert!(runs[identity].is_object());
     }
 }
 

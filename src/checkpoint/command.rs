@@ -21,7 +21,7 @@ pub struct StoredCommand {
 /// One run of a command, with checksums of its parts.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct RunIdentity {
-    /// Name of the variant.
+    /// Name of the variant, or the hash by which the run is known.
     pub name: String,
     /// Names of the parts of the experiment, with a checksum of each.
     parts: Vec<(String, u32)>,
@@ -48,13 +48,23 @@ impl RunIdentity {
         Ok(Self { name: name.clone(), parts })
     }
 
+    /// Identity of a run that is known by a hash of everything that it depends on.
+    pub fn of_hash(hash: &str) -> Self {
+        Self { name: hash.to_owned(), parts: Vec::new() }
+    }
+
     /// Name of the first part that differs in another run.
     pub fn difference(&self, other: &Self) -> Option<&str> {
         let differs = |(own, other): &(&(String, u32), &(String, u32))| own != other;
         self.parts.iter().zip(&other.parts).find(differs).map(|(own, _)| own.0.as_str())
     }
 
-    /// Checksum of all parts, for the name of a file.
+    /// Name in the names of files: the hash of the run, or a checksum of its parts.
+    pub fn file_name(&self) -> String {
+        if self.parts.is_empty() { self.name.clone() } else { format!("{:08x}", self.checksum()) }
+    }
+
+    /// Checksum of all parts.
     pub fn checksum(&self) -> u32 {
         let mut all = crc32fast::Hasher::new();
         all.update(self.name.as_bytes());

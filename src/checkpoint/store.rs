@@ -50,8 +50,8 @@ impl Store {
     }
 
     /// The checkpoint in this subfolder for one of several runs side by side, with generation files of its own.
-    pub fn beside(&self, run: &RunIdentity) -> Self {
-        let generations = GENERATIONS.map(|name| format!("{name}-{:08x}", run.checksum()));
+    pub fn for_run(&self, run: &RunIdentity) -> Self {
+        let generations = GENERATIONS.map(|name| format!("{name}-{}", run.file_name()));
         Self { place: self.place.clone(), generations, next: 0 }
     }
 
@@ -61,6 +61,14 @@ impl Store {
     /// If a file cannot be written.
     pub fn begin(&self, command: &StoredCommand) -> Result<(), OutputError> {
         self.remove()?;
+        self.replace_command(command)
+    }
+
+    /// Stores a command that goes on with the runs of an earlier one.
+    ///
+    /// # Errors
+    /// If a file cannot be written.
+    pub fn replace_command(&self, command: &StoredCommand) -> Result<(), OutputError> {
         COMMAND.iter().try_for_each(|name| self.write(name, command))
     }
 
@@ -144,12 +152,12 @@ impl Store {
         Newest { found: newest.map(|(_, run, kept)| (run, kept)), refused }
     }
 
-    /// Stores the end of a run.
+    /// Stores the end of a run, or the result that is made of it.
     ///
     /// # Errors
     /// If a file cannot be written.
-    pub fn finish(&self, run: &RunIdentity, kept: &StoredRun) -> Result<(), OutputError> {
-        self.write(&done(run), &(run, kept))?;
+    pub fn finish<T: Serialize>(&self, run: &RunIdentity, end: &T) -> Result<(), OutputError> {
+        self.write(&done(run), &(run, end))?;
         // no other run will replace generations with names of their own
         for name in self.generations.iter().filter(|name| !GENERATIONS.contains(&name.as_str())) {
             let _ = std::fs::remove_file(self.place.join(name));
@@ -169,6 +177,12 @@ impl Store {
             Err(Unreadable::Io(why)) if why.kind() == ErrorKind::NotFound => Ok(None),
             Err(why) => Err((self.place.join(name), why)),
         }
+    }
+
+    /// The result of a run, if that is what is stored in place of its end.
+    pub fn result<T: DeserializeOwned>(&self, run: &RunIdentity) -> Option<T> {
+        let (of, result) = self.read::<(RunIdentity, T)>(&done(run)).ok()?;
+        (of == *run).then_some(result)
     }
 
     /// Removes the files of the checkpoint, and the subfolder unless it holds other files.
@@ -224,5 +238,5 @@ fn part_of(name: &str, number: usize) -> String {
 
 /// Name of the file of a finished run.
 fn done(run: &RunIdentity) -> String {
-    format!("{DONE}{:08x}", run.checksum())
+    format!("{DONE}{}", run.file_name())
 }

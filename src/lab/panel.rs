@@ -8,9 +8,9 @@ use crate::experiment::{Experiment, HardStepping, Model};
 use crate::observe::{Observer, RunLoop};
 use crate::outcome::Outcome;
 use crate::particles::Particles;
+use crate::runs::StandardObservers;
 use crate::schedule::Schedule;
 use crate::simulation::{Simulation, soft_step};
-use crate::study::StandardObservers;
 use std::time::Duration;
 
 /// Rows of the gauge that a frame brings at most; beyond it some are left out.

@@ -98,8 +98,8 @@ pub const OBSERVABLES: [SweepObservable; 8] = [
     },
 ];
 
-/// The result of one run, as stored in a file of the folder `points`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+/// The result of one run.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SweepRun {
     /// Hash of the resolved case and the version of the program: equal for runs that must give equal results.
     pub identity: String,
@@ -109,8 +109,6 @@ pub struct SweepRun {
     pub failure: Option<String>,
     /// [s] wall time.
     pub wall_seconds: f64,
-    /// Number of threads of the run.
-    pub threads: usize,
 }
 
 /// A variant at one point of a sweep.

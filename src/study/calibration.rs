@@ -3,7 +3,6 @@
 //! The physics comes from a short run in a smaller periodic box, of a length that is counted in windows and collisions and so is
 //! the same on every machine. Times come from a few windows of the case at its full size; they decide nothing.
 
-use super::execute::execute;
 use super::trust::granular_temperature;
 use crate::contact_law::ContactLaw;
 use crate::engine::Failure;
@@ -14,6 +13,7 @@ use crate::placement::initial_state;
 use crate::predict::gas::{AgitationSpread, Slice};
 use crate::predict::{Calibration, EngineChoice, PredictedCost};
 use crate::record::Histogram;
+use crate::runs::execute;
 use crate::schedule::Schedule;
 use crate::simulation::{Simulation, soft_step};
 use crate::statistics::{Accumulator, Estimate, NUMBER_DENSITY, SliceRow, UU, VV, WW};

@@ -1,7 +1,5 @@
 //! `diptych check CASE`: the runs that a case asks for and what to expect of them, without running them.
 
-use super::session::StudyError;
-use super::terminal::{answer, answer_json};
 use crate::case::{Case, Checked, Diagnostic, describe, name_of};
 use crate::cli::Check;
 use crate::contact_law::ContactLaw;
@@ -11,6 +9,7 @@ use crate::output::numbers::counted;
 use crate::placement::initial_state_within;
 use crate::predict::Obstacles;
 use crate::predict::contact::{ContactTimes, at_fastest_impacts};
+use crate::runs::{StudyError, answer, answer_json};
 use crate::schedule::Schedule;
 use serde::Serialize;
 use std::collections::HashSet;

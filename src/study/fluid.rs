@@ -1,11 +1,10 @@
 //! Profile of the gas that the particles see, as a table and a figure; no particle is moved.
 
-use super::session::{StudyError, folder, read};
-use super::terminal::conclude;
 use crate::case::Case;
 use crate::cli::FluidArguments as Args;
 use crate::fluid::{Fluid, Profile};
 use crate::output::{FIGURES, Folder, OutputError, SUMMARY, figures};
+use crate::runs::{StudyError, conclude, folder, read};
 use serde::Serialize;
 
 /// Rows of `profile.csv` for a profile without a grid of its own.

@@ -1,7 +1,5 @@
 //! `diptych impact`: one impact, of two spheres or of a sphere and a wall, under each model.
 
-use super::session::{StudyError, failures_of, folder, provenance, read, start, warn};
-use super::terminal::conclude;
 use crate::case::describe_variants;
 use crate::cli::ImpactArguments;
 use crate::clock::Clock;
@@ -12,6 +10,7 @@ use crate::observe;
 use crate::output::{Analytic, Bounce, BounceValues, ImpactStudy, PathPoint, write_impact};
 use crate::particles::Particles;
 use crate::record::Impacts;
+use crate::runs::{StudyError, conclude, failures_of, folder, provenance, read, start, warn};
 use crate::scene::{Kind, Scene, Surface};
 use crate::schedule::Schedule;
 use crate::simulation::{Simulation, soft_step};

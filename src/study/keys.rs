@@ -1,10 +1,9 @@
 //! `diptych keys`: every key of a case, from the types that read it.
 
-use super::session::StudyError;
-use super::terminal::{answer, answer_json};
 use crate::case::keys::{Key, KeyTable, schema, tables};
 use crate::case::nearest;
 use crate::cli::Keys;
+use crate::runs::{StudyError, answer, answer_json};
 use std::fmt::Write;
 
 /// Text above the tables of the page.

@@ -2,8 +2,6 @@
 //! it is run.
 
 use super::calibration::{Physics, agitated, costs, is_gas, physics, start_variances, variance_of, with_choice};
-use super::session::{StudyError, read, start, use_threads, warn};
-use super::terminal::{answer, answer_json};
 use crate::case::{Case, Checked, Diagnostic, name_of};
 use crate::cli::Plan as Arguments;
 use crate::contact_law::ContactLaw;
@@ -23,6 +21,7 @@ use crate::predict::{
     Agitation, Averaging, EngineChoice, PredictedCost, Recommendation, RunPrediction, recommend, shortest_side,
 };
 use crate::record::Histogram;
+use crate::runs::{StudyError, answer, answer_json, read, start, use_threads, warn};
 use crate::schedule::Schedule;
 use crate::simulation::soft_step;
 

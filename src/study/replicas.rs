@@ -1,20 +1,10 @@
 //! `--replicas`: one variant with several seeds, and their averages as one outcome.
 
-use super::checkpointer::Checkpointer;
-use super::execute::SharedRun;
-use super::kept_runs::{ResumableRun, ResumableRuns};
-use super::progress::Progress;
-use super::ranks::Ranks;
-use super::run_list::{ThreadBudget, beside};
-use super::session::{StudyError, start};
-use super::terminal::tell;
 use crate::experiment::{Amount, Experiment};
 use crate::observe::KindAverages;
 use crate::outcome::{Averaged, Outcome, Replicas};
-use crate::output::numbers::counted;
+use crate::runs::StudyError;
 use crate::statistics::{Batches, Estimate, FEWEST_RUNS, ProfileTable, U};
-use std::ops::Range;
-use std::sync::Mutex;
 
 /// The experiments of all replicas, the first with the seed of the case and the others with the next ones.
 ///
@@ -34,106 +24,6 @@ pub fn replicas(experiment: &Experiment, count: u16) -> Result<Vec<Experiment>, 
         replica
     };
     Ok((0..count).map(one).collect())
-}
-
-/// Refuses idle processes in a shared run: more processes than particles, with no replicas for them to do.
-///
-/// # Errors
-/// There are idle processes.
-pub fn refuse_idle(experiment: &Experiment, replicas: u16, ranks: &Ranks) -> Result<(), StudyError> {
-    let (processes, particles) = (ranks.count(), experiment.count());
-    if replicas > 1 || processes <= particles.max(1) {
-        return Ok(());
-    }
-    Err(StudyError::Input(format!(
-        "error: {processes} processes for {}: each needs particles of its own\n\
-         help: start at most {} of them (`mpirun -n`)",
-        counted(particles, "particle"),
-        particles.max(1)
-    )))
-}
-
-/// Shared run at index `place`, if all processes share it. That is so for several processes and no replicas that they
-/// could do concurrently.
-///
-/// `gives_end`: true if the final state is needed.
-pub fn shared<'a>(place: usize, ground: &ReplicaContext<'a>, gives_end: bool) -> Option<SharedRun<'a>> {
-    let ReplicaContext { others, ranks, quiet, .. } = *ground;
-    (ranks.count() > 1 && others.iter().all(Vec::is_empty)).then_some(SharedRun { place, ranks, quiet, gives_end })
-}
-
-/// All replicas but the first, with their initial states.
-///
-/// # Errors
-/// Errors of [`replicas`], or a scene too crowded to start.
-pub fn others(experiment: &Experiment, count: u16) -> Result<Vec<ResumableRun>, StudyError> {
-    let others = replicas(experiment, count)?.into_iter().skip(1);
-    others.map(|other| start(&other).and_then(|start| ResumableRun::new(other, start.into()))).collect()
-}
-
-/// Progress of all variants and, after each, of its replicas. It is shown unless `quiet`.
-pub fn progress<'a>(variants: impl Iterator<Item = (&'a Experiment, &'a [ResumableRun])>, quiet: bool) -> Progress {
-    let each = |(variant, others): (&'a Experiment, &'a [ResumableRun])| {
-        std::iter::once(variant).chain(others.iter().map(|other| &other.experiment))
-    };
-    Progress::new(variants.flat_map(each), quiet)
-}
-
-/// Context in which replicas are run.
-pub struct ReplicaContext<'a> {
-    /// The replicas of all variants, one variant after the other.
-    pub others: &'a [Vec<ResumableRun>],
-    /// Display of their progress, made by [`progress`].
-    pub progress: &'a Progress,
-    /// The threads of this process.
-    pub share: ThreadBudget,
-    /// The processes.
-    pub ranks: &'a Ranks,
-    /// True to print nothing.
-    pub quiet: bool,
-}
-
-/// Runs the replicas of a variant at those indices of its list concurrently, as many as there are threads, and in all
-/// processes. The first run of the variant is not in that list. Results do not depend on the number of threads or
-/// processes. Where the user stops the command, unfinished replicas are stored and left out, and the keeper takes note.
-///
-/// # Errors
-/// The stored state of a replica is not of it.
-pub fn run_others(
-    variant: usize,
-    range: Range<usize>,
-    ground: &ReplicaContext,
-    keeper: &mut Checkpointer,
-) -> Result<Vec<Outcome>, StudyError> {
-    let own = &ground.others[variant][range.clone()];
-    let Some(first) = own.first().filter(|_| !keeper.is_stopped()) else { return Ok(Vec::new()) };
-    if !ground.quiet {
-        tell(format!("{}: {} more of it, from the next seeds", first.experiment.name, counted(own.len(), "replica")));
-    }
-    let before = ground.others[..variant].iter().map(Vec::len).sum::<usize>() + range.start;
-    let places: Vec<usize> = (before..before + own.len()).collect();
-    // in the progress each variant comes before its replicas
-    let watched = |(variant, others): (usize, &Vec<ResumableRun>)| std::iter::repeat_n(variant + 1, others.len());
-    let ahead = ground.others.iter().enumerate().flat_map(watched);
-    let runs = ResumableRuns {
-        shared: Mutex::default(),
-        pieces: None,
-        runs: ground.others.iter().flatten().collect(),
-        watched: ahead.enumerate().map(|(place, ahead)| place + ahead).collect(),
-        keeper,
-        progress: ground.progress,
-    };
-    let mut over: Vec<Option<Outcome>> = own.iter().map(|_| None).collect();
-    beside(&runs, &places, (ground.share, ground.ranks), |place, outcome| {
-        over[place - before] = Some(outcome?);
-        Ok(())
-    })?;
-    drop(runs);
-    let over: Vec<Outcome> = over.into_iter().flatten().collect();
-    if over.len() < own.len() {
-        keeper.stop();
-    }
-    Ok(over)
 }
 
 /// Pools the replicas of a variant into one outcome; returns it with the replicas besides the first that it contains.

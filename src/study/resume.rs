@@ -1,15 +1,13 @@
-//! `diptych resume`: goes on with a run, a comparison or a study of sensitivity that was stopped or killed.
+//! `diptych resume`: goes on with a run, a comparison, a sweep or a study of sensitivity that was stopped or killed.
 
-use super::checkpointer::unusable;
 use super::compare::compare_on;
-use super::invocation::Invocation;
-use super::ranks::Ranks;
 use super::run::run_on;
 use super::sensitivity::sensitivity_on;
-use super::session::StudyError;
+use super::sweep::sweep_on;
 use crate::checkpoint::{Store, Unreadable};
 use crate::cli::{Cli, Command, Effort, Output, Resume};
 use crate::output::{CHECKPOINT, COMMAND, SUMMARY};
+use crate::runs::{CommandOrigin, Ranks, StudyError, unusable};
 use clap::Parser;
 use std::io::ErrorKind;
 use std::path::Path;
@@ -34,17 +32,20 @@ pub fn resume(args: &Resume, ranks: &Ranks) -> Result<(), StudyError> {
             Path::new(&command.folder).display()
         ))
     })?;
-    let occasion = Invocation::Resumed { folder, command, quiet: args.quiet };
+    let origin = CommandOrigin::Resumed { folder, command, quiet: args.quiet };
     // no other command stores itself
     if let Command::Run(mut run) = cli.command {
         adopt(args, &mut run.output, &mut run.effort);
-        run_on(&run, &occasion, ranks)
+        run_on(&run, origin, ranks)
     } else if let Command::Compare(mut compare) = cli.command {
         adopt(args, &mut compare.output, &mut compare.effort);
-        compare_on(&compare, &occasion, ranks).map(|_| ())
+        compare_on(&compare, origin, ranks).map(|_| ())
     } else if let Command::Sensitivity(mut study) = cli.command {
         adopt(args, &mut study.output, &mut study.effort);
-        sensitivity_on(&study, &occasion, ranks).map(|_| ())
+        sensitivity_on(&study, origin, ranks).map(|_| ())
+    } else if let Command::Sweep(mut sweep) = cli.command {
+        adopt(args, &mut sweep.output, &mut sweep.effort);
+        sweep_on(&sweep, origin, ranks)
     } else {
         Err(input(format!("{typed} holds neither a run nor a comparison")))
     }

@@ -1,23 +1,17 @@
 //! `diptych run`: one case, one model.
 
-use super::checkpointer::Checkpointer;
-use super::invocation::Invocation;
-use super::kept_runs::{ResumableRun, help_with, mark, mark_of, starts};
 use super::plan::{USUAL_TARGET, any_model, plan_of};
-use super::ranks::Ranks;
-use super::replicas::{ReplicaContext, others, pool, progress, refuse_idle, run_others, shared};
-use super::run_list::ThreadBudget;
-use super::session::{Into, StudyError, failures, file_names, read, share_threads, simulate, trust, warn};
-use super::terminal::conclude;
-use super::trust::notes;
-use crate::case::{Case, Checked, describe};
-use crate::checkpoint;
+use super::replicas::pool;
+use super::trust::{notes, verdict};
+use super::variants::{VariantFindings, VariantResults, Variants};
+use crate::case::describe;
 use crate::cli::{ModelChoice, Run};
-use crate::experiment::{Experiment, Trajectories};
-use crate::observe::{Frames, MOMENTS, Observer, SecondMoments, Terms};
+use crate::experiment::Experiment;
+use crate::observe::{MOMENTS, Observer, SecondMoments, Terms};
 use crate::outcome::Outcome;
 use crate::output::numbers::with_error;
-use crate::output::{FIGURES, Folder, StateFile, Study, csv, figures, write_part, write_study};
+use crate::output::{FIGURES, Folder, StateFile, csv, figures};
+use crate::runs::{CommandOrigin, CommandSettings, Ranks, StudyError, read, share_threads};
 use crate::schedule::Schedule;
 use crate::statistics::Estimate;
 
@@ -26,110 +20,49 @@ use crate::statistics::Estimate;
 /// # Errors
 /// Bad input before anything is computed; a failure of the engine after everything up to it has been written.
 pub fn run(args: &Run, ranks: &Ranks) -> Result<(), StudyError> {
-    run_on(args, &Invocation::First, ranks)
+    run_on(args, CommandOrigin::Typed, ranks)
 }
 
 /// Begins or resumes a run.
-pub(super) fn run_on(args: &Run, occasion: &Invocation, ranks: &Ranks) -> Result<(), StudyError> {
-    let prepared = ranks.agree(prepare(args, ranks), |prepared| mark(prepared.runs()))?;
-    let share = ThreadBudget { threads: ranks.threads(args.effort.threads), in_turn: false };
-    if !ranks.is_lead() {
-        let place = occasion.place(&args.output, &args.case, "run");
-        let keeper = Checkpointer::of_helper(args.keep.checkpoint_every, occasion, &place)?;
-        let PreparedRun { first, others, trajectories, .. } = prepared;
-        let lists = (vec![first], others.iter().flatten().collect());
-        return help_with(lists, trajectories.map(|asked| (place, asked)), &keeper, share, ranks);
-    }
-    let PreparedRun { case, checked, reason, first: ResumableRun { start, run, .. }, others, trajectories } = prepared;
-    let folder = occasion.folder(&args.output, &args.case, "run")?;
-    ranks.announce(share.threads, args.output.quiet);
-    warn(std::slice::from_ref(&checked), args.output.quiet);
-    let (experiment, _) = checked;
-    let progress = progress(std::iter::once((&experiment, others[0].as_slice())), args.output.quiet);
-    let runs = vec![run];
-    let mut keeper = Checkpointer::new(args.keep.checkpoint_every, occasion, &folder, &case, runs)?;
-    keeper.expects(args.verify || !others[0].is_empty());
-    let mut state_file = args.save_state.then(|| StateFile::new(&folder, &case.text));
-    let schedule = Schedule::new(&experiment);
-    let mut moments = args.budgets.then(|| SecondMoments::new(experiment.statistics.slices, &schedule));
-    let file = state_file.as_mut().map(|file| file as &mut dyn Observer);
-    let mut frames = Frames::new(&experiment, 1);
-    let asked = file.into_iter().chain(moments.as_mut().map(|moments| moments as &mut dyn Observer));
-    let observers = asked.chain([&mut frames as &mut dyn Observer]).collect();
-    let names = file_names(std::iter::once(experiment.name.as_str()));
-    let ground = ReplicaContext { others: &others, progress: &progress, share, ranks, quiet: args.output.quiet };
-    let shared = shared(0, &ground, args.verify);
-    let into = Into { folder: &folder, name: &names[0], trajectories, others: observers, shared };
-    let (outcome, state) = simulate(&experiment, start, progress.watch(0), into, &mut keeper)?;
-    state_file.map_or(Ok(()), StateFile::written)?;
-    keeper.expects(false);
-    let sheets = [trust(&outcome, &state, args.verify, args.output.quiet, &mut keeper)?];
-    let replicas = run_others(0, 0..others[0].len(), &ground, &mut keeper)?;
-    drop(progress);
-    let outcomes = [pool(outcome, replicas).0];
-    let verdicts = [super::trust::verdict(&outcomes[0])];
-    let study = Study {
-        provenance: &occasion.provenance(&case, describe(&experiment)),
-        outcomes: &outcomes,
-        parameters: &[case.parameters(&experiment)],
-        verdicts: &verdicts,
-        comparisons: &[],
-        overrides: &[],
-        notes: &reason.into_iter().chain(notes(&outcomes)).collect::<Vec<_>>(),
-        trust: &sheets,
-        frames: &[frames],
+pub(super) fn run_on(args: &Run, origin: CommandOrigin, ranks: &Ranks) -> Result<(), StudyError> {
+    let settings = CommandSettings {
+        checkpoint_every: args.keep.checkpoint_every,
+        ..CommandSettings::new(origin, "run", &args.case, &args.output, &args.effort)
     };
-    if keeper.is_stopped() {
-        keeper.helped(write_part(&folder, &study))?;
-        return Err(keeper.words(&experiment.name));
+    let (variants, reason) = ranks.agree(variant(args, ranks), |(variants, _)| variants.mark())?;
+    let experiment = &variants.checked[0].0;
+    let Some(mut results) = VariantResults::begin(&variants, &settings, describe(experiment), ranks)? else {
+        return Ok(());
+    };
+    let folder = results.folder();
+    let mut state_file = args.save_state.then(|| StateFile::new(&folder, &variants.case.text));
+    let mut moments =
+        args.budgets.then(|| SecondMoments::new(experiment.statistics.slices, &Schedule::new(experiment)));
+    let file = state_file.as_mut().map(|file| file as &mut dyn Observer);
+    let asked = file.into_iter().chain(moments.as_mut().map(|moments| moments as &mut dyn Observer));
+    let end = results.run_first(asked.collect())?;
+    state_file.map_or(Ok(()), StateFile::written)?;
+    results.check(&end)?;
+    let is_whole = results.run_replicas(0, 1..usize::from(variants.replicas))?;
+    let mut runs = results.runs.swap_remove(0);
+    let outcomes = vec![pool(runs.remove(0), runs).0];
+    let findings = VariantFindings {
+        verdicts: vec![verdict(&outcomes[0])],
+        notes: reason.into_iter().chain(notes(&outcomes)).collect(),
+        outcomes,
+        ..VariantFindings::default()
+    };
+    let report = results.write(&findings, is_whole)?;
+    if !is_whole {
+        return Err(results.stopped(0));
     }
-    let report = keeper.helped(write_study(&folder, &study))?;
     // the folder of pictures is made anew with the report
-    let balance = moments.map_or(Ok(Vec::new()), |moments| budgets(&moments, &outcomes[0], &folder))?;
-    keeper.done()?;
-    if !args.output.quiet {
-        let said: Vec<String> = verdicts.iter().cloned().chain(balance).collect();
-        conclude(&said, "Report", &report);
-    }
-    failures(&outcomes)
+    let balance = moments.map_or(Ok(Vec::new()), |moments| budgets(&moments, &findings.outcomes[0], &folder))?;
+    results.finish(&findings, &[findings.verdicts.clone(), balance].concat(), &report)
 }
 
-/// A run, prepared.
-struct PreparedRun {
-    case: Case,
-    checked: Checked,
-    /// Reason for the model, if the program chose it.
-    reason: Option<String>,
-    first: ResumableRun,
-    /// The replicas of the one variant.
-    others: [Vec<ResumableRun>; 1],
-    trajectories: Option<Trajectories>,
-}
-
-impl PreparedRun {
-    fn runs(&self) -> impl Iterator<Item = &checkpoint::RunIdentity> {
-        std::iter::once(&self.first).chain(self.others.iter().flatten()).map(|one| &one.run)
-    }
-}
-
-fn prepare(args: &Run, ranks: &Ranks) -> Result<PreparedRun, StudyError> {
-    let asked = ranks.agree(ask(args, ranks), |asked| mark_of(std::iter::once(&asked.checked.0)))?;
-    let RunRequest { case, checked, reason, trajectories } = asked;
-    let start = starts(&[&checked.0], args.repeats.replicas, ranks)?.swap_remove(0);
-    let first = ResumableRun::new(checked.0.clone(), start)?;
-    let others = [others(&checked.0, args.repeats.replicas)?];
-    Ok(PreparedRun { case, checked, reason, first, others, trajectories })
-}
-
-/// Run as asked for on the command line.
-struct RunRequest {
-    case: Case,
-    checked: Checked,
-    reason: Option<String>,
-    trajectories: Option<Trajectories>,
-}
-
-fn ask(args: &Run, ranks: &Ranks) -> Result<RunRequest, StudyError> {
+/// The one variant of a run, and the reason for its model, if the program chose it.
+fn variant(args: &Run, ranks: &Ranks) -> Result<(Variants, Option<String>), StudyError> {
     let case = read(&args.case, &args.input.with_every(args.every.as_ref()))?;
     let auto = args.model == Some(ModelChoice::Auto);
     let model = args.model.and_then(ModelChoice::model);
@@ -138,9 +71,11 @@ fn ask(args: &Run, ranks: &Ranks) -> Result<RunRequest, StudyError> {
     share_threads(&args.effort, ranks)?;
     let reason = if auto { Some(choose(&mut checked.0)?) } else { None };
     refuse_budgets(args, &Schedule::new(&checked.0))?;
-    refuse_idle(&checked.0, args.repeats.replicas, ranks)?;
     let trajectories = case.trajectories()?;
-    Ok(RunRequest { case, checked, reason, trajectories })
+    let replicas = args.repeats.replicas;
+    let variants = Variants { case, checked: vec![checked], replicas, trajectories, verify: args.verify };
+    variants.refuse_idle(ranks)?;
+    Ok((variants, reason))
 }
 
 /// Refuses budgets where windows differ in length: budgets are sums over windows of one length.

@@ -1,13 +1,10 @@
 //! `--verify`: the effect of half the step and half the window.
 
-use super::checkpointer::Checkpointer;
-use super::error::StudyError;
-use super::execute::{execute, execute_kept};
-use super::progress::Progress;
 use crate::experiment::{AverageFrom, Experiment, HardStepping, TimeStep};
 use crate::outcome::Outcome;
 use crate::output::{Halved, HalvedStep, Verification};
 use crate::particles::Particles;
+use crate::runs::{Checkpointer, Progress, ResumableRun, StudyError, execute, execute_with_checkpoints};
 use crate::schedule::Schedule;
 use crate::statistics::Estimate;
 use std::convert::Infallible;
@@ -30,19 +27,20 @@ pub fn verify(outcome: &Outcome, end: &Particles, quiet: bool) -> HalvedStep {
     halved
 }
 
-/// Verifies a run like [`verify`], with a keeper that may stop it.
+/// Verifies a run like [`verify`], with a checkpointer that may stop it.
 ///
 /// # Errors
 /// The stored state of a stretch is not of it.
-pub(super) fn verify_kept(
+pub(super) fn verify_with_checkpoints(
     outcome: &Outcome,
     end: &Particles,
     quiet: bool,
-    keeper: &mut Checkpointer,
+    checkpointer: &mut Checkpointer,
 ) -> Result<HalvedStep, StudyError> {
     halve(outcome, |experiment| {
         let progress = Progress::new([experiment], quiet);
-        Ok(execute_kept(experiment, end.clone().into(), &mut [&mut progress.watch(0)], keeper)?.0)
+        let run = ResumableRun::new(experiment.clone(), end.clone().into())?;
+        Ok(execute_with_checkpoints(&run, &mut [&mut progress.watch(0)], checkpointer)?.0)
     })
 }
 

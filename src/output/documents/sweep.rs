@@ -33,6 +33,8 @@ pub fn write_sweep(folder: &Folder, study: &SweepStudy) -> Result<PathBuf, Outpu
                 "runs": row.identities,
             })
         });
+        let runs = study.rows.iter().flat_map(|row| &row.runs);
+        let runs: serde_json::Map<_, _> = runs.map(|run| (run.identity.clone(), json!(run))).collect();
         let summary = json!({
             "title": study.provenance.title,
             "case": study.provenance.case_path,
@@ -41,6 +43,7 @@ pub fn write_sweep(folder: &Folder, study: &SweepStudy) -> Result<PathBuf, Outpu
             "version": env!("CARGO_PKG_VERSION"),
             "verdicts": verdicts,
             "points": rows.collect::<Vec<_>>(),
+            "runs": runs,
         });
         write_summary(folder, &summary)?;
     }

@@ -9,9 +9,8 @@ use crate::outcome::Outcome;
 use crate::output::numbers::quantity;
 use crate::output::{ChartFailure, ChartPoint, ChartQuantity, CostSpread, PointError};
 use crate::particles::Particles;
+use crate::runs::{StudyError, execute, start};
 use crate::statistics::{Estimate, SliceColumn, U, VV};
-use crate::study::execute::execute;
-use crate::study::session::{StudyError, start};
 use std::time::Instant;
 
 /// A scene to be charted.

@@ -17,13 +17,12 @@ pub use methods::{FINE_STEPS, MethodParameter, MethodSweep, Values};
 pub use outlook::Outlook;
 pub use stretch::{STARTS, Stretch};
 
-use super::session::{StudyError, folder, provenance, read};
-use super::terminal::{conclude, tell};
 use crate::case::{Case, describe};
 use crate::cli::Chart;
 use crate::experiment::Experiment;
 use crate::output::numbers::{quantity, significant};
 use crate::output::{ChartMethod, ChartPoint, ChartQuantity, ChartStudy, write_chart};
+use crate::runs::{StudyError, conclude, folder, provenance, read, start, tell};
 
 /// Results of a chart, before they are written.
 pub struct ChartResults {
@@ -110,7 +109,7 @@ fn scene(base: &Experiment, path: &std::path::Path) -> Result<Option<HeadOn>, St
     if count > 2 {
         return Ok(None);
     }
-    let particles = super::session::start(base)?;
+    let particles = start(base)?;
     HeadOn::of(base, &particles, path).map(Some)
 }
 

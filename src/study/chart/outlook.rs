@@ -1,7 +1,7 @@
 //! Wall time of a chart, expected and left. It is told to the user and not used otherwise.
 
+use crate::runs::INTERVAL;
 use crate::simulation::Simulation;
-use crate::study::progress::INTERVAL;
 use std::time::Instant;
 
 /// [-] weight of the first estimate beside the times measured since, as a share of the chart.

@@ -4,10 +4,10 @@
 use super::methods::{FINE_STEPS, MethodParameter, MethodSweep, Values};
 use crate::experiment::{AverageFrom, Experiment, HardStepping, Integrator, SoftStepping, Spheres, TimeStep};
 use crate::output::numbers::quantity;
+use crate::runs::{StudyError, start};
 use crate::schedule::Schedule;
 use crate::statistics::FEWEST_BLOCKS;
 use crate::study::calibration::{agitated, physics, timed};
-use crate::study::session::{StudyError, start};
 use std::time::Instant;
 
 /// Runs of the reference, each from its own start.

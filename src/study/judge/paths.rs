@@ -11,8 +11,8 @@ use crate::outcome::Outcome;
 use crate::output::Basis;
 use crate::output::numbers::{quantity, significant};
 use crate::placement::initial_state;
+use crate::runs::execute;
 use crate::statistics::Answer;
-use crate::study::execute::execute;
 use nalgebra::Vector3;
 
 /// [-] disturbance of the twin over the largest speed: far above rounding, far below the differences compared.

@@ -10,8 +10,8 @@ use crate::output::numbers::{significant, with_error};
 use crate::output::panel::SeriesStyle;
 use crate::particles::Particles;
 use crate::predict::collision_integral::viscosity_integral;
+use crate::runs::StudyError;
 use crate::statistics::Estimate;
-use crate::study::session::StudyError;
 use std::f64::consts::{FRAC_2_PI, PI};
 
 /// [-] volume fraction, as in the paper's case D.

@@ -7,7 +7,7 @@ use crate::engine::Failure;
 use crate::output::limits::{self, Shade};
 use crate::output::numbers::significant;
 use crate::output::panel::SeriesStyle;
-use crate::study::session::StudyError;
+use crate::runs::StudyError;
 use std::f64::consts::PI;
 
 /// [-] limit tan²(π/4 (1 - 1/n)) of the restitution for a column of n equal spheres that meets a wall: below it they

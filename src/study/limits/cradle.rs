@@ -6,8 +6,8 @@ use super::sweep::{KnownPoint, MapSweep, Points};
 use crate::experiment::{Experiment, Spheres};
 use crate::output::numbers::significant;
 use crate::output::panel::SeriesStyle;
+use crate::runs::StudyError;
 use crate::simulation::Simulation;
-use crate::study::session::StudyError;
 use std::f64::consts::PI;
 
 /// [N/m] stiffness of the cases: contacts of spheres of 1 kg then last 2.2 ms.

@@ -9,8 +9,8 @@ use crate::experiment::TimeStep;
 use crate::output::numbers::with_error;
 use crate::output::panel::SeriesStyle;
 use crate::predict::integrator::{Scheme, heating_per_collision, realised_restitution, unit_spring};
+use crate::runs::StudyError;
 use crate::statistics::Estimate;
-use crate::study::session::StudyError;
 
 /// [m/s] speed per component at the start: T = 0.49 m²/s², as in the paper's case D.
 const SPEED: f64 = 0.7;

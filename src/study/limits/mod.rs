@@ -19,12 +19,11 @@ mod stepped;
 mod sweep;
 mod tunnelling;
 
-use super::session::{StudyError, command_line, use_threads};
-use super::terminal::conclude;
 use crate::case::Case;
 use crate::cli::Limits;
 use crate::output::limits::{LimitsStudy, Map};
 use crate::output::{Folder, Provenance, write_limits};
+use crate::runs::{StudyError, command_line, conclude, use_threads};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;

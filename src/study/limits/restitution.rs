@@ -9,7 +9,7 @@ use crate::experiment::TimeStep;
 use crate::output::limits::Shade;
 use crate::output::numbers::significant;
 use crate::predict::integrator::{Scheme, realised_restitution};
-use crate::study::session::StudyError;
+use crate::runs::StudyError;
 use nalgebra::Vector3;
 
 /// Ends of the classes of |realised - asked|. They stand for no error, a digit, a fluctuation of one percent, and one

@@ -5,9 +5,9 @@ use crate::domain::Domain;
 use crate::engine::Failure;
 use crate::experiment::{Amount, Experiment, Spheres};
 use crate::particles::Particles;
+use crate::runs::{StudyError, start};
 use crate::scene::Species;
 use crate::simulation::Simulation;
-use crate::study::session::{StudyError, start};
 use nalgebra::Vector3;
 
 /// [m] diameter of the paper's small particle.

@@ -8,8 +8,8 @@ use crate::engine::Failure;
 use crate::experiment::{Experiment, Spheres};
 use crate::output::numbers::{significant, with_error};
 use crate::output::panel::SeriesStyle;
+use crate::runs::StudyError;
 use crate::statistics::Estimate;
-use crate::study::session::StudyError;
 use std::f64::consts::PI;
 
 /// [m/s] speed per component at the start.

@@ -5,7 +5,7 @@ use super::scenes::{run, simulation};
 use super::sweep::{KnownPoint, MapSweep, Points};
 use crate::output::numbers::significant;
 use crate::output::panel::SeriesStyle;
-use crate::study::session::StudyError;
+use crate::runs::StudyError;
 
 /// Windows of the reference: its error is (1/32)² of that of the finest point.
 const REFERENCE: u64 = 16_384;

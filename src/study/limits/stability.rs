@@ -11,7 +11,7 @@ use crate::experiment::{Integrator, TimeStep};
 use crate::output::limits::Shade;
 use crate::output::numbers::significant;
 use crate::predict::integrator::{Scheme, reduced_step, stability_limit};
-use crate::study::session::StudyError;
+use crate::runs::StudyError;
 use std::f64::consts::PI;
 
 /// [-] overlap with each wall over the diameter.

@@ -7,8 +7,8 @@ use crate::engine::Failure;
 use crate::experiment::HardStepping;
 use crate::output::numbers::{significant, with_error};
 use crate::output::panel::SeriesStyle;
+use crate::runs::StudyError;
 use crate::statistics::Estimate;
-use crate::study::session::StudyError;
 use std::f64::consts::PI;
 
 /// [m/s] speed per component.

@@ -3,8 +3,7 @@
 use crate::engine::Failure;
 use crate::experiment::Experiment;
 use crate::output::limits::{self, Picture};
-use crate::study::session::StudyError;
-use crate::study::terminal::tell;
+use crate::runs::{StudyError, tell};
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
 use std::io::{IsTerminal, stderr};

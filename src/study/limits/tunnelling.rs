@@ -8,7 +8,7 @@ use crate::engine::Failure;
 use crate::experiment::TimeStep;
 use crate::output::limits::Shade;
 use crate::output::numbers::significant;
-use crate::study::session::StudyError;
+use crate::runs::StudyError;
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 

@@ -3,9 +3,8 @@
 use super::plan::SensitivityPlan;
 use crate::experiment::Model;
 use crate::output::numbers::{counted, quantity};
+use crate::runs::{StudyError, span, start};
 use crate::study::calibration::timed;
-use crate::study::progress::span;
-use crate::study::session::{StudyError, start};
 use std::fmt::Write;
 
 /// [-] largest share of a run that is timed: a run of many collisions shows its cost within seconds.

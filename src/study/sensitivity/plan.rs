@@ -6,9 +6,9 @@ use crate::cli::Sensitivity;
 use crate::experiment::{Amount, Experiment, Model};
 use crate::output::sensitivity::OmittedFactor;
 use crate::predict::transient::fades;
+use crate::runs::StudyError;
 use crate::study::plan::any_model;
 use crate::study::replicas::replicas;
-use crate::study::session::StudyError;
 
 /// Default number of replicas of each run that is not steady: Student's t of a difference then has 14 degrees of
 /// freedom.

@@ -22,7 +22,7 @@ use std::time::{Duration, Instant};
 pub const INTERVAL: Duration = Duration::from_secs(10);
 
 /// Time between two looks at the runs.
-const LOOK: Duration = Duration::from_millis(200);
+const REFRESH: Duration = Duration::from_millis(200);
 
 /// Resolution of the bar.
 const TICKS: u64 = 10_000;
@@ -42,11 +42,12 @@ pub struct Progress {
 /// Present state of all runs.
 struct Board {
     runs: Vec<RunProgress>,
-    how: RunEnd,
+    display: ProgressDisplay,
     said: Instant,
 }
 
-enum RunEnd {
+/// Way in which progress is shown.
+enum ProgressDisplay {
     Silent,
     Bar(ProgressBar),
     Lines,
@@ -71,20 +72,20 @@ enum RunStage {
 /// Progress of a run over wall time.
 struct Track {
     began: Instant,
-    reached: Where,
+    reached: ProgressSource,
     /// [s] pairs of wall time and simulated time, the latest last.
     points: Vec<[f64; 2]>,
 }
 
 /// Source of the progress of a run.
-enum Where {
+enum ProgressSource {
     /// The run goes on in this process, and tells its clock, if it has one.
     Here(Option<Reached>),
     /// The run goes on in another process, which has told this time [s].
     Told(f64),
 }
 
-impl Where {
+impl ProgressSource {
     /// [s] simulated time, as far as is known.
     fn time(&self) -> f64 {
         match self {
@@ -114,12 +115,12 @@ impl Track {
 impl Progress {
     /// Progress of these runs; silent if `quiet`.
     pub fn new<'a>(experiments: impl IntoIterator<Item = &'a Experiment>, quiet: bool) -> Self {
-        let how = if quiet {
-            RunEnd::Silent
+        let display = if quiet {
+            ProgressDisplay::Silent
         } else if stderr().is_terminal() {
-            RunEnd::Bar(ProgressBar::new(TICKS).with_style(style()))
+            ProgressDisplay::Bar(ProgressBar::new(TICKS).with_style(style()))
         } else {
-            RunEnd::Lines
+            ProgressDisplay::Lines
         };
         let of = |experiment: &Experiment| RunProgress {
             name: legible::message(&experiment.name).into_owned(),
@@ -127,14 +128,14 @@ impl Progress {
             duration: experiment.run.duration,
             stage: RunStage::Waiting,
         };
-        let board = Board { runs: experiments.into_iter().map(of).collect(), how, said: Instant::now() };
-        let silent = matches!(board.how, RunEnd::Silent);
+        let board = Board { runs: experiments.into_iter().map(of).collect(), display, said: Instant::now() };
+        let silent = matches!(board.display, ProgressDisplay::Silent);
         let board = Arc::new(Mutex::new(board));
         let show = (!silent).then(|| {
             let (sender, receiver) = channel();
             let board = Arc::clone(&board);
             let look = move || {
-                while receiver.recv_timeout(LOOK) == Err(RecvTimeoutError::Timeout) {
+                while receiver.recv_timeout(REFRESH) == Err(RecvTimeoutError::Timeout) {
                     lock(&board).show();
                 }
             };
@@ -154,17 +155,14 @@ impl Progress {
     pub fn is_elsewhere(&self, run: usize, time: f64) {
         let stage = &mut lock(&self.board).runs[run].stage;
         if matches!(stage, RunStage::Waiting) {
-            *stage = RunStage::Running(Track { began: Instant::now(), reached: Where::Told(time), points: Vec::new() });
-        } else if let RunStage::Running(Track { reached: Where::Told(known), .. }) = stage {
+            *stage = RunStage::Running(Track {
+                began: Instant::now(),
+                reached: ProgressSource::Told(time),
+                points: Vec::new(),
+            });
+        } else if let RunStage::Running(Track { reached: ProgressSource::Told(known), .. }) = stage {
             *known = time;
         }
-    }
-
-    /// Notes that the run at this index is over in another process.
-    pub fn ended_elsewhere(&self, run: usize) {
-        let mut board = lock(&self.board);
-        let duration = board.runs[run].duration;
-        board.end(run, duration);
     }
 
     /// Indices of the runs that are under way, and the time [s] that each has reached.
@@ -185,7 +183,7 @@ impl Drop for Progress {
             // the thread of the display has no result to return
             let _ = thread.join();
         }
-        if let RunEnd::Bar(bar) = &lock(&self.board).how {
+        if let ProgressDisplay::Bar(bar) = &lock(&self.board).display {
             bar.finish_and_clear();
         }
     }
@@ -211,7 +209,7 @@ impl Observer for Watch {
     fn see(&mut self, simulation: &Simulation) {
         let stage = &mut lock(&self.board).runs[self.run].stage;
         if matches!(stage, RunStage::Waiting) {
-            let reached = Where::Here(simulation.clock().reached());
+            let reached = ProgressSource::Here(simulation.clock().reached());
             *stage = RunStage::Running(Track { began: Instant::now(), reached, points: Vec::new() });
         }
     }
@@ -224,10 +222,10 @@ impl Observer for Watch {
 impl Board {
     /// Shows the run that began last.
     fn show(&mut self) {
-        let due = match &self.how {
-            RunEnd::Silent => false,
-            RunEnd::Bar(_) => true,
-            RunEnd::Lines => self.said.elapsed() >= INTERVAL,
+        let due = match &self.display {
+            ProgressDisplay::Silent => false,
+            ProgressDisplay::Bar(_) => true,
+            ProgressDisplay::Lines => self.said.elapsed() >= INTERVAL,
         };
         let Some(run) = self.runs.iter().rposition(|run| matches!(run.stage, RunStage::Running(_))) else { return };
         if !due {
@@ -237,13 +235,13 @@ impl Board {
         }
         self.said = Instant::now();
         let (done, text) = self.line(run);
-        match &self.how {
-            RunEnd::Silent => {}
-            RunEnd::Bar(bar) => {
+        match &self.display {
+            ProgressDisplay::Silent => {}
+            ProgressDisplay::Bar(bar) => {
                 bar.set_position((done * TICKS as f64) as u64);
                 bar.set_message(text);
             }
-            RunEnd::Lines => tell(text),
+            ProgressDisplay::Lines => tell(text),
         }
     }
 
@@ -257,10 +255,10 @@ impl Board {
         one.stage = RunStage::Over([time, wall]);
         let complete = share(time, one.duration) >= 1.0;
         let text = format!("{}: {} s simulated (100 %) in {}", one.name, one.duration, span(wall));
-        match &self.how {
-            RunEnd::Bar(bar) if complete => bar.suspend(|| tell(text)),
-            RunEnd::Lines if complete => tell(text),
-            RunEnd::Silent | RunEnd::Bar(_) | RunEnd::Lines => {}
+        match &self.display {
+            ProgressDisplay::Bar(bar) if complete => bar.suspend(|| tell(text)),
+            ProgressDisplay::Lines if complete => tell(text),
+            ProgressDisplay::Silent | ProgressDisplay::Bar(_) | ProgressDisplay::Lines => {}
         }
     }
 
@@ -390,13 +388,13 @@ mod tests {
         let clock = Clock::wall();
         clock.tell(time);
         let began = Instant::now().checked_sub(Duration::from_secs_f64(wall)).unwrap();
-        let track = Track { began, reached: Where::Here(clock.reached()), points: vec![[0.0, 0.0]] };
+        let track = Track { began, reached: ProgressSource::Here(clock.reached()), points: vec![[0.0, 0.0]] };
         let name = "soft, a stiffness of 3000 N/m, twenty steps per contact".to_owned();
         RunProgress { name, model, duration, stage: RunStage::Running(track) }
     }
 
-    fn board(runs: Vec<RunProgress>, how: RunEnd) -> Board {
-        Board { runs, how, said: Instant::now() }
+    fn board(runs: Vec<RunProgress>, display: ProgressDisplay) -> Board {
+        Board { runs, display, said: Instant::now() }
     }
 
     #[test]
@@ -405,7 +403,7 @@ mod tests {
             let terminal = Narrow(columns, Arc::default());
             let target = ProgressDrawTarget::term_like(Box::new(terminal.clone()));
             let bar = ProgressBar::with_draw_target(Some(TICKS), target).with_style(style());
-            let mut board = board(vec![running(Model::Soft, 1.2345678, 0.3, 3.0)], RunEnd::Bar(bar.clone()));
+            let mut board = board(vec![running(Model::Soft, 1.2345678, 0.3, 3.0)], ProgressDisplay::Bar(bar.clone()));
             board.show();
             bar.tick();
             let drawn = terminal.1.lock().unwrap();
@@ -417,7 +415,7 @@ mod tests {
 
     #[test]
     fn nothing_is_said_of_the_time_left_before_it_is_known() {
-        let line = |time, wall| board(vec![running(Model::Hard, 2.0, time, wall)], RunEnd::Lines).line(0).1;
+        let line = |time, wall| board(vec![running(Model::Hard, 2.0, time, wall)], ProgressDisplay::Lines).line(0).1;
         assert!(line(0.0, 30.0).starts_with("estimating the time left"), "no step has been done");
         assert!(line(0.5, 0.2).starts_with("estimating the time left"), "{}", line(0.5, 0.2));
         // a quarter done after 30 s
@@ -431,7 +429,7 @@ mod tests {
         let waiting = |model| RunProgress { stage: RunStage::Waiting, ..running(model, 1.0, 0.0, 0.0) };
         let over = RunProgress { stage: RunStage::Over([1.0, 10.0]), ..running(Model::Hard, 1.0, 1.0, 10.0) };
         let running = running(Model::Soft, 1.0, 0.5, 40.0);
-        let mut board = board(vec![over, running, waiting(Model::Soft), waiting(Model::Hard)], RunEnd::Lines);
+        let mut board = board(vec![over, running, waiting(Model::Soft), waiting(Model::Hard)], ProgressDisplay::Lines);
         let rates = board.rates();
         let left = board.left(&rates).unwrap();
         // 40 s of this run, 80 s of the other soft run and 10 s of the other hard run; the clock goes on meanwhile

@@ -2,8 +2,9 @@
 
 use super::link::Link;
 use super::*;
-use crate::study::run_list::{RunList, ThreadBudget, beside, help};
-use crate::study::signals::Signals;
+use crate::runs::run_list::{RunList, distribute, help};
+use crate::runs::signals::Signals;
+use crate::runs::threads::ThreadBudget;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Barrier, Mutex};
@@ -121,25 +122,25 @@ impl RunList for Squares {
         COUNT
     }
 
-    fn run(&self, place: usize) -> Option<usize> {
+    fn run(&self, index: usize) -> Result<Option<usize>, StudyError> {
         std::thread::sleep(Duration::from_millis(2));
         self.left.fetch_add(1, Ordering::Relaxed);
-        (self.stopped_at != Some(place)).then_some(place * place)
+        Ok((self.stopped_at != Some(index)).then_some(index * index))
     }
 
-    fn run_for_another(&self, place: usize) -> Result<Option<Vec<u8>>, StudyError> {
+    fn run_for_another(&self, index: usize) -> Result<Option<Vec<u8>>, StudyError> {
         if self.unknown.is_some() {
             return Err(StudyError::Failed("error: it broke".into()));
         }
-        Ok(self.run(place).map(|square| square.to_le_bytes().to_vec()))
+        Ok(self.run(index)?.map(|square| square.to_le_bytes().to_vec()))
     }
 
-    fn answer_of_another(&self, _place: usize, bytes: &[u8]) -> Result<usize, StudyError> {
+    fn answer_of_another(&self, _index: usize, bytes: &[u8]) -> Result<usize, StudyError> {
         self.by_others.fetch_add(1, Ordering::Relaxed);
         Ok(usize::from_le_bytes(bytes.try_into().unwrap()))
     }
 
-    fn is_elsewhere(&self, _place: usize, time: f64) {
+    fn is_elsewhere(&self, _index: usize, time: f64) {
         assert_eq!(time, 0.0);
     }
 
@@ -161,10 +162,10 @@ fn every_run_is_done_once_and_by_all() {
         }
         let mut all = vec![0; COUNT];
         // two lists of runs, one after the other, as in `compare`
-        let places: Vec<usize> = (0..COUNT).collect();
-        for part in [&places[..20], &places[20..]] {
-            beside(&squares, part, (SHARE, ranks), |place, square| {
-                all[place] += square;
+        let indices: Vec<usize> = (0..COUNT).collect();
+        for part in [&indices[..20], &indices[20..]] {
+            distribute(&squares, part, SHARE, ranks, |index, square| {
+                all[index] += square?;
                 Ok(())
             })?;
         }
@@ -174,7 +175,7 @@ fn every_run_is_done_once_and_by_all() {
     // all end with the code of the lead
     assert_eq!(codes, [3, 3, 3]);
     let (all, by_others) = found.into_inner().unwrap();
-    assert!(all.iter().enumerate().all(|(place, square)| *square == place * place), "{all:?}");
+    assert!(all.iter().enumerate().all(|(index, square)| *square == index * index), "{all:?}");
     assert!(by_others > COUNT / 4 && by_others < COUNT, "{by_others} by others");
 }
 
@@ -187,10 +188,10 @@ fn a_helper_that_fails_ends_all_and_one_that_is_stopped_stops_all() {
             if !ranks.is_lead() {
                 return help(&squares, SHARE, ranks, &Signals::listen()?).map(|()| 9);
             }
-            let (places, mut over): (Vec<usize>, _) = ((0..COUNT).collect(), 0);
-            beside(&squares, &places, (SHARE, ranks), |_, _| {
+            let (indices, mut over): (Vec<usize>, _) = ((0..COUNT).collect(), 0);
+            distribute(&squares, &indices, SHARE, ranks, |_, square| {
                 over += 1;
-                Ok(())
+                square.map(drop)
             })?;
             // each of four threads may be in a run, and get one more before the message arrives
             Ok(if over < COUNT / 2 { 130 } else { 3 })

@@ -4,6 +4,7 @@
 //! and `eprintln!` end the program then. Here the work goes on and its files are written.
 
 use super::error::StudyError;
+use crate::case::{Checked, Diagnostic};
 use crate::legible;
 use std::fmt::Display;
 use std::io::{ErrorKind, Write, stderr, stdout};
@@ -49,5 +50,16 @@ fn print(text: &str) -> Result<(), StudyError> {
             Err(StudyError::Failed(format!("error: cannot write to standard output: {why}")))
         }
         _ => Ok(()),
+    }
+}
+
+/// Prints the warnings of all variants, each once.
+pub fn warn(variants: &[Checked], quiet: bool) {
+    let mut told: Vec<&Diagnostic> = Vec::new();
+    for warning in variants.iter().flat_map(|(_, warnings)| warnings) {
+        if !quiet && !told.contains(&warning) {
+            tell(warning);
+            told.push(warning);
+        }
     }
 }

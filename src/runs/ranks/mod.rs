@@ -14,7 +14,7 @@ mod shared;
 mod tests;
 
 use super::error::StudyError;
-use super::run_list::LOOK;
+use super::run_list::POLL_INTERVAL;
 use super::terminal::tell;
 use crate::output::numbers::counted;
 use link::{Link, LoneProcess};
@@ -51,7 +51,7 @@ pub enum Message {
     /// Helper to lead: the run at this index has come to that simulated time [s].
     At(usize, f64),
     /// Helper to lead: the run at this index is over, with that result; `None` if it was left before its end.
-    Done(usize, Option<Result<Vec<u8>, String>>),
+    Done(usize, Result<Option<Vec<u8>>, StudyError>),
     /// Helper to lead: it cannot help.
     Failed(String),
     /// Helper to lead: nothing more will come.
@@ -172,7 +172,7 @@ impl Ranks {
             match self.take() {
                 Some((_, Message::Gone)) => left -= 1,
                 Some(_) => {}
-                None => std::thread::sleep(LOOK),
+                None => std::thread::sleep(POLL_INTERVAL),
             }
         }
         if let Err(why) = &result {
@@ -193,7 +193,7 @@ impl Ranks {
             match self.take() {
                 Some((_, Message::End(code))) => self.dismissed(code),
                 Some(_) => {}
-                None => std::thread::sleep(LOOK),
+                None => std::thread::sleep(POLL_INTERVAL),
             }
         };
         self.report(&Message::Gone);
@@ -205,10 +205,10 @@ impl Ranks {
         self.dismissed.set(Some(code));
     }
 
-    /// Gives the run at index `place` to a helper that could take one; false if there is none.
-    pub fn hand_out(&self, place: usize) -> bool {
+    /// Gives the run at this index to a helper that could take one; false if there is none.
+    pub fn hand_out(&self, index: usize) -> bool {
         let Some(helper) = self.free.borrow_mut().pop_front() else { return false };
-        self.send(helper, &Message::Do(place));
+        self.send(helper, &Message::Do(index));
         self.away.set(self.away.get() + 1);
         true
     }
@@ -219,8 +219,8 @@ impl Ranks {
     }
 
     /// Tells all helpers that a shared run begins.
-    pub fn call_together(&self, place: usize) {
-        (1..self.count()).for_each(|helper| self.send(helper, &Message::Follow(place)));
+    pub fn call_together(&self, index: usize) {
+        (1..self.count()).for_each(|helper| self.send(helper, &Message::Follow(index)));
     }
 
     /// Tells all helpers to leave their present runs.

@@ -1,16 +1,18 @@
 //! Checkpoints of a command: states are stored from time to time, when a run is over, and when the user stops it.
 
 use super::error::StudyError;
-use super::invocation::Invocation;
+use super::resumable::ResumableRun;
+use super::settings::{CommandOrigin, CommandSettings};
 use super::signals::Signals;
 use super::terminal::tell;
 use crate::case::Case;
 use crate::checkpoint::{RunIdentity, Store, StoredCommand, StoredRun, Unreadable, checksum, open, seal};
 use crate::cli::CheckpointEvery;
 use crate::engine::Failure;
-use crate::experiment::Experiment;
 use crate::output::{Folder, OutputError, numbers};
 use crate::stored::StoreError;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
@@ -50,6 +52,8 @@ enum Ends {
     Caught(Vec<u8>),
     /// The end came from another process, as bytes.
     Received(Vec<u8>),
+    /// The result that is made of the end is stored in its place.
+    Replaced,
 }
 
 impl Checkpointer {
@@ -59,22 +63,66 @@ impl Checkpointer {
     /// # Errors
     /// The case of a resumed command has changed; the system refuses a folder or signals.
     pub fn new(
-        CheckpointEvery(every): CheckpointEvery,
-        occasion: &Invocation,
+        settings: &CommandSettings,
         folder: &Folder,
         case: &Case,
-        runs: Vec<RunIdentity>,
+        runs: &[ResumableRun],
     ) -> Result<Self, StudyError> {
-        let signals = Signals::listen()?;
+        // replicas have the name of the first run of their variant, which stands before them; a run whose result is kept is
+        // known by its name alone
+        let mut first: Vec<RunIdentity> = Vec::new();
+        for run in runs.iter().filter(|_| !settings.keeps_results).map(|run| &run.identity) {
+            if first.iter().all(|known| known.name != run.name) {
+                first.push(run.clone());
+            }
+        }
         let command = StoredCommand {
-            arguments: occasion.arguments(),
+            arguments: settings.arguments(),
             folder: std::env::current_dir().unwrap_or_default().into_os_string(),
             case: checksum(case.text.as_bytes()),
-            runs,
+            runs: first,
         };
-        let mut keeper = Self {
+        let CheckpointEvery(every) = settings.checkpoint_every;
+        let mut checkpointer = Self {
+            remedy: format!("`diptych resume {}`", folder.path().display()),
+            ends: if settings.keeps_results { Ends::Replaced } else { Ends::Stored },
+            ..Self::with(Signals::listen()?, every.map(|_| Store::of(folder.path())), every)
+        };
+        match &settings.origin {
+            CommandOrigin::Typed => checkpointer.begin(&command, folder.path())?,
+            CommandOrigin::TypedAgain => {
+                checkpointer.store.as_ref().map_or(Ok(()), |store| store.replace_command(&command))?;
+                checkpointer.find_stored();
+            }
+            CommandOrigin::Resumed { command: earlier, quiet, .. } => {
+                checkpointer.quiet = *quiet;
+                refuse_changes(earlier, &command, case)?;
+                checkpointer.find_stored();
+            }
+        }
+        Ok(checkpointer)
+    }
+
+    /// Checkpointer for a helper process of a command. States are stored in the folder of the lead process. The ends of
+    /// runs are for the lead process.
+    ///
+    /// # Errors
+    /// Signals that the system refuses.
+    pub fn of_helper(settings: &CommandSettings) -> Result<Self, StudyError> {
+        let CheckpointEvery(every) = settings.checkpoint_every;
+        Ok(Self {
+            more: true,
+            quiet: true,
+            resumed: !matches!(settings.origin, CommandOrigin::Typed),
+            ends: Ends::Caught(Vec::new()),
+            ..Self::with(Signals::listen()?, every.map(|_| Store::of(&settings.folder)), every)
+        })
+    }
+
+    fn with(signals: Signals, store: Option<Store>, every: Option<Duration>) -> Self {
+        Self {
             signals,
-            store: every.map(|_| Store::of(folder.path())),
+            store,
             every,
             last: Instant::now(),
             under_way: None,
@@ -82,46 +130,11 @@ impl Checkpointer {
             more: false,
             stopped: false,
             unwritten: None,
-            quiet: occasion.quiet(),
+            quiet: false,
             resumed: false,
-            remedy: format!("`diptych resume {}`", folder.path().display()),
-            ends: Ends::Stored,
-        };
-        match occasion {
-            Invocation::First => keeper.begin(&command, folder.path())?,
-            Invocation::Resumed { command: earlier, .. } => {
-                refuse_changes(earlier, &command, case)?;
-                keeper.look_back();
-            }
-        }
-        Ok(keeper)
-    }
-
-    /// Checkpointer for a helper process of a command whose results go to the folder at `place`. States are stored
-    /// there too. The ends of runs are for the lead process.
-    ///
-    /// # Errors
-    /// Signals that the system refuses.
-    pub fn of_helper(
-        CheckpointEvery(every): CheckpointEvery,
-        occasion: &Invocation,
-        place: &Path,
-    ) -> Result<Self, StudyError> {
-        Ok(Self {
-            signals: Signals::listen()?,
-            store: every.map(|_| Store::of(place)),
-            every,
-            last: Instant::now(),
-            under_way: None,
-            stored: None,
-            more: true,
-            stopped: false,
-            unwritten: None,
-            quiet: true,
-            resumed: matches!(occasion, Invocation::Resumed { .. }),
             remedy: String::new(),
-            ends: Ends::Caught(Vec::new()),
-        })
+            ends: Ends::Stored,
+        }
     }
 
     /// Signals by which the user stops the command.
@@ -131,25 +144,18 @@ impl Checkpointer {
 
     /// Checkpointer for one of several runs at the same time, with its own files. It does not report the stored states
     /// that it finds.
-    pub fn beside(&self, run: &RunIdentity) -> Self {
+    pub fn for_run(&self, run: &RunIdentity) -> Self {
+        let store = self.store.as_ref().map(|store| store.for_run(run));
         let mut one = Self {
-            signals: self.signals.clone(),
-            store: self.store.as_ref().map(|store| store.beside(run)),
-            every: self.every,
-            last: Instant::now(),
-            under_way: None,
-            stored: None,
             // the end of this run is not the end of the command
             more: true,
-            stopped: false,
-            unwritten: None,
             quiet: true,
-            resumed: false,
             remedy: self.remedy.clone(),
             ends: self.ends.clone(),
+            ..Self::with(self.signals.clone(), store, self.every)
         };
         if self.resumed {
-            one.look_back();
+            one.find_stored();
         }
         one
     }
@@ -175,7 +181,7 @@ impl Checkpointer {
     }
 
     /// Looks up the state of the run that was under way.
-    fn look_back(&mut self) {
+    fn find_stored(&mut self) {
         self.resumed = true;
         let Some(store) = &mut self.store else { return };
         let newest = store.newest();
@@ -223,7 +229,7 @@ impl Checkpointer {
     }
 
     /// Notes if something is still to be done after the next run.
-    pub fn expects(&mut self, more: bool) {
+    pub fn set_more(&mut self, more: bool) {
         self.more = more;
     }
 
@@ -270,7 +276,11 @@ impl Checkpointer {
     /// True if the end of a run is to be stored. That is so if something is still to be done after it. It is also so if
     /// the run took so long that more than its report must remain.
     pub fn wants_the_end(&self) -> bool {
-        matches!(self.ends, Ends::Caught(_)) || self.store.is_some() && (self.more || self.stored.is_some())
+        match self.ends {
+            Ends::Caught(_) => true,
+            Ends::Replaced => false,
+            Ends::Stored | Ends::Received(_) => self.store.is_some() && (self.more || self.stored.is_some()),
+        }
     }
 
     /// Stores the end of a run, after its `parts` were written, or keeps it for another process.
@@ -297,7 +307,7 @@ impl Checkpointer {
     pub fn into_end(self) -> Vec<u8> {
         match self.ends {
             Ends::Caught(bytes) | Ends::Received(bytes) => bytes,
-            Ends::Stored => Vec::new(),
+            Ends::Stored | Ends::Replaced => Vec::new(),
         }
     }
 
@@ -323,8 +333,21 @@ impl Checkpointer {
         }
     }
 
+    /// Stored result of a run that is over, in a command that goes on and stores results.
+    pub fn result<T: DeserializeOwned>(&self, run: &RunIdentity) -> Option<T> {
+        self.store.as_ref().filter(|_| self.resumed)?.result(run)
+    }
+
+    /// Stores the result of a run in place of its states.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn store_result<T: Serialize>(&self, run: &RunIdentity, result: &T) -> Result<(), OutputError> {
+        self.store.as_ref().map_or(Ok(()), |store| store.for_run(run).finish(run, result))
+    }
+
     /// Leaves a command whose run cannot be written. Once it can be, the command goes on from the stored state.
-    pub fn leave(&mut self, why: &Failure) {
+    pub fn stop_unwritten(&mut self, why: &Failure) {
         self.stopped = true;
         self.unwritten = Some(why.to_string());
     }
@@ -335,7 +358,7 @@ impl Checkpointer {
     }
 
     /// Error with which a stopped command ends, after the report on its finished part was written.
-    pub fn words(&self, name: &str) -> StudyError {
+    pub fn stop_error(&self, name: &str) -> StudyError {
         if let Some(why) = &self.unwritten {
             let help = match (&self.store, self.stored) {
                 (None, _) => String::new(),
@@ -361,7 +384,7 @@ impl Checkpointer {
     ///
     /// # Errors
     /// The error that was given, with its remedy.
-    pub fn helped<T>(&self, written: Result<T, OutputError>) -> Result<T, StudyError> {
+    pub fn with_remedy<T>(&self, written: Result<T, OutputError>) -> Result<T, StudyError> {
         written.map_err(|why| match &self.store {
             Some(_) => {
                 StudyError::Failed(format!("error: {why}\nhelp: once it can be written, {} does it", self.remedy))
@@ -408,15 +431,6 @@ fn refuse_changes(earlier: &StoredCommand, now: &StoredCommand, case: &Case) -> 
         }
     }
     Ok(())
-}
-
-/// Identities of the runs of a command, one for each experiment that starts from a state of that hash.
-///
-/// # Errors
-/// An experiment cannot be written as JSON.
-pub fn runs<'a>(experiments: impl Iterator<Item = (&'a Experiment, u64)>) -> Result<Vec<RunIdentity>, StudyError> {
-    let runs = experiments.map(|(experiment, start)| RunIdentity::new(experiment, start));
-    runs.collect::<Result<_, _>>().map_err(|why| StudyError::Failed(format!("error: cannot store the command: {why}")))
 }
 
 /// Error for a checkpoint file that cannot be used, where nothing can be resumed.

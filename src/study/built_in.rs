@@ -1,10 +1,8 @@
-//! Commands that need no file: built-in cases, a new case to start from, completions, manual pages.
+//! `diptych cases` and `diptych init`: the built-in cases, and a new case to start from.
 
-use super::session::StudyError;
-use super::terminal::{answer, tell};
 use crate::case::{Case, built_in, nearest};
-use crate::cli::{Cli, Completions, Init, Man};
-use clap::CommandFactory;
+use crate::cli::Init;
+use crate::runs::{StudyError, answer, tell};
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -83,37 +81,4 @@ fn write_new(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
     let mut aside = builder.prefix(".diptych-").tempfile_in(folder)?;
     aside.write_all(bytes)?;
     aside.persist_noclobber(path).map(drop).map_err(|refused| refused.error)
-}
-
-/// Prints the completions of a shell.
-///
-/// # Errors
-/// Standard output cannot be written.
-pub fn completions(args: &Completions) -> Result<(), StudyError> {
-    let mut script = Vec::new();
-    clap_complete::generate(args.shell, &mut Cli::command(), "diptych", &mut script);
-    answer(&String::from_utf8_lossy(&script))
-}
-
-/// Prints a manual page.
-///
-/// # Errors
-/// No such command, or it cannot be written.
-pub fn man(args: &Man) -> Result<(), StudyError> {
-    let mut whole = Cli::command();
-    whole.build();
-    let command = match &args.command {
-        None => whole,
-        Some(name) => whole
-            .find_subcommand(name)
-            .ok_or_else(|| StudyError::Input(format!("error: there is no command `{name}`\nhelp: see diptych --help")))?
-            .clone(),
-    };
-    let mut page = Vec::new();
-    let failed = |why| StudyError::Failed(format!("error: cannot make the page: {why}"));
-    clap_mangen::Man::new(command)
-        .source(concat!("diptych ", env!("CARGO_PKG_VERSION")))
-        .render(&mut page)
-        .map_err(failed)?;
-    answer(&String::from_utf8_lossy(&page))
 }

@@ -1,8 +1,9 @@
 //! Concurrent runs: each on its own threads, in this process or in another one.
 
+use super::error::StudyError;
 use super::ranks::{Message, Ranks};
-use super::session::StudyError;
 use super::signals::Signals;
+use super::threads::ThreadBudget;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::sync::{Mutex, PoisonError};
@@ -10,58 +11,43 @@ use std::thread::scope;
 use std::time::{Duration, Instant};
 
 /// Time between two looks for messages of other processes. MPI's own ways to wait keep a core busy.
-pub const LOOK: Duration = Duration::from_millis(1);
+pub const POLL_INTERVAL: Duration = Duration::from_millis(1);
 
 /// Time between two messages of a helper on the progress of its runs.
-const TELL: Duration = Duration::from_secs(1);
-
-/// Distribution of the threads of a process among runs.
-#[derive(Clone, Copy)]
-pub struct ThreadBudget {
-    /// Threads in all.
-    pub threads: usize,
-    /// True for one run after the other, with all threads. Otherwise several runs go on at once, with equal shares of
-    /// the threads.
-    pub in_turn: bool,
-}
-
-impl ThreadBudget {
-    /// Number of the `count` runs that go on at once, and the threads of each.
-    pub fn of(self, count: usize) -> (usize, usize) {
-        let at_once = if self.in_turn { 1 } else { self.threads.min(count).max(1) };
-        (at_once, (self.threads / at_once).max(1))
-    }
-}
+const REPORT_INTERVAL: Duration = Duration::from_secs(1);
 
 /// A list of runs that may be done in any order, and by any process that has made the same list.
 pub trait RunList: Sync {
     /// Result of one run.
     type Answer: Send;
 
-    /// Number of runs.
+    /// Number of runs that may go on at once.
     fn count(&self) -> usize;
 
     /// Does one run in the pool of threads that this is called in. `None` if it was left before its end; then no other
     /// run is to begin.
-    fn run(&self, place: usize) -> Option<Self::Answer>;
+    ///
+    /// # Errors
+    /// The run cannot be done.
+    fn run(&self, index: usize) -> Result<Option<Self::Answer>, StudyError>;
 
     /// Result of one run as bytes, for another process; `None` if it was left before its end.
     ///
     /// # Errors
     /// The run cannot be done, or its result cannot be written.
-    fn run_for_another(&self, place: usize) -> Result<Option<Vec<u8>>, StudyError>;
+    fn run_for_another(&self, index: usize) -> Result<Option<Vec<u8>>, StudyError>;
 
-    /// Does the share of this process in the run at index `place` of the shared runs.
-    fn follow(&self, _place: usize, _ranks: &Ranks) {}
+    /// Does the share of this process in the run at this index, which all processes share.
+    fn follow(&self, _index: usize, _ranks: &Ranks) {}
 
     /// The result that another process has sent.
     ///
     /// # Errors
     /// The bytes are not of this run.
-    fn answer_of_another(&self, place: usize, bytes: &[u8]) -> Result<Self::Answer, StudyError>;
+    fn answer_of_another(&self, index: usize, bytes: &[u8]) -> Result<Self::Answer, StudyError>;
 
     /// Notes that another process has begun this run, or has come to `time` [s] in it.
-    fn is_elsewhere(&self, place: usize, time: f64);
+    fn is_elsewhere(&self, index: usize, time: f64);
 
     /// Indices of the runs that are under way here, and the time [s] that each has reached.
     fn under_way(&self) -> Vec<(usize, f64)>;
@@ -71,17 +57,18 @@ pub trait RunList: Sync {
 /// in the order in which runs end.
 ///
 /// # Errors
-/// The first error of `finished` or of a helper; no thread can be started.
-pub fn beside<R: RunList>(
+/// The first error of `finished`; a helper cannot help; no thread can be started.
+pub fn distribute<R: RunList>(
     runs: &R,
-    places: &[usize],
-    (share, ranks): (ThreadBudget, &Ranks),
-    mut finished: impl FnMut(usize, R::Answer) -> Result<(), StudyError>,
+    indices: &[usize],
+    share: ThreadBudget,
+    ranks: &Ranks,
+    mut finished: impl FnMut(usize, Result<R::Answer, StudyError>) -> Result<(), StudyError>,
 ) -> Result<(), StudyError> {
-    let pools = pools(share, places.len())?;
+    let pools = pools(share, indices.len())?;
     scope(|scope| {
-        let (orders, answers) = crew(scope, &pools, |place| runs.run(place));
-        let (mut left, mut here, mut stopped) = (places, 0, false);
+        let (orders, answers) = crew(scope, &pools, |index| runs.run(index));
+        let (mut left, mut here, mut stopped) = (indices, 0, false);
         loop {
             while let Some((next, rest)) = left.split_first().filter(|_| !stopped && here < pools.len()) {
                 // the threads of the crew take orders until this end of the channel is dropped
@@ -95,25 +82,25 @@ pub fn beside<R: RunList>(
             if here + ranks.away() == 0 {
                 return Ok(());
             }
-            let (place, answer) = match wait(&answers, ranks) {
-                Some(Heard::Here(place, answer)) => {
+            let (index, answer) = match wait(&answers, ranks) {
+                Some(Heard::Here(index, answer)) => {
                     here -= 1;
-                    (place, answer)
+                    (index, answer)
                 }
-                Some(Heard::There(Message::Done(place, answer))) => {
-                    let bytes = answer.transpose().map_err(StudyError::Failed)?;
-                    (place, bytes.map(|bytes| runs.answer_of_another(place, &bytes)).transpose()?)
+                Some(Heard::There(Message::Done(index, answer))) => {
+                    let made = |bytes: Vec<u8>| runs.answer_of_another(index, &bytes);
+                    (index, answer.and_then(|bytes| bytes.map(made).transpose()))
                 }
-                Some(Heard::There(Message::At(place, time))) => {
-                    runs.is_elsewhere(place, time);
+                Some(Heard::There(Message::At(index, time))) => {
+                    runs.is_elsewhere(index, time);
                     continue;
                 }
                 Some(Heard::There(Message::Failed(why))) => return Err(StudyError::Failed(why)),
                 Some(Heard::There(_) | Heard::Nothing) => continue,
                 None => return Err(StudyError::Failed("error: a run ended without a result".into())),
             };
-            match answer {
-                Some(answer) => finished(place, answer)?,
+            match answer.transpose() {
+                Some(answer) => finished(index, answer)?,
                 None if stopped => {}
                 None => {
                     stopped = true;
@@ -131,17 +118,14 @@ pub fn beside<R: RunList>(
 pub fn help<R: RunList>(runs: &R, share: ThreadBudget, ranks: &Ranks, signals: &Signals) -> Result<(), StudyError> {
     let pools = pools(share, runs.count())?;
     scope(|scope| {
-        let (orders, answers) = crew(scope, &pools, |place| runs.run_for_another(place).transpose());
+        let (orders, answers) = crew(scope, &pools, |index| runs.run_for_another(index));
         ranks.report(&Message::Free(pools.len()));
         let mut told = Instant::now();
         loop {
             match wait(&answers, ranks) {
-                Some(Heard::Here(place, answer)) => {
-                    let answer = answer.map(|answer| answer.map_err(|why| why.to_string()));
-                    ranks.report(&Message::Done(place, answer));
-                }
-                Some(Heard::There(Message::Do(place))) => drop(orders.send(place)),
-                Some(Heard::There(Message::Follow(place))) => runs.follow(place, ranks),
+                Some(Heard::Here(index, answer)) => ranks.report(&Message::Done(index, answer)),
+                Some(Heard::There(Message::Do(index))) => drop(orders.send(index)),
+                Some(Heard::There(Message::Follow(index))) => runs.follow(index, ranks),
                 Some(Heard::There(Message::Stop)) => signals.raise(),
                 Some(Heard::There(Message::End(code))) => {
                     ranks.dismissed(code);
@@ -150,8 +134,8 @@ pub fn help<R: RunList>(runs: &R, share: ThreadBudget, ranks: &Ranks, signals: &
                 Some(Heard::There(_) | Heard::Nothing) => {}
                 None => return,
             }
-            if told.elapsed() >= TELL {
-                runs.under_way().into_iter().for_each(|(place, time)| ranks.report(&Message::At(place, time)));
+            if told.elapsed() >= REPORT_INTERVAL {
+                runs.under_way().into_iter().for_each(|(index, time)| ranks.report(&Message::At(index, time)));
                 told = Instant::now();
             }
         }
@@ -175,17 +159,17 @@ fn crew<'scope, 'env, A: Send + 'scope>(
     pools: &'env [ThreadPool],
     run: impl Fn(usize) -> A + Sync + Send + Clone + 'scope,
 ) -> (Sender<usize>, Receiver<(usize, A)>) {
-    let (orders, places) = channel();
+    let (orders, indices) = channel();
     let (answered, answers) = channel();
-    let places = std::sync::Arc::new(Mutex::new(places));
+    let indices = std::sync::Arc::new(Mutex::new(indices));
     for pool in pools {
-        let (places, answered, run) = (places.clone(), answered.clone(), run.clone());
+        let (indices, answered, run) = (indices.clone(), answered.clone(), run.clone());
         scope.spawn(move || {
             loop {
-                let place = places.lock().unwrap_or_else(PoisonError::into_inner).recv();
-                let Ok(place) = place else { break };
+                let index = indices.lock().unwrap_or_else(PoisonError::into_inner).recv();
+                let Ok(index) = index else { break };
                 // the receiver is gone: further results would be lost
-                if answered.send((place, pool.install(|| run(place)))).is_err() {
+                if answered.send((index, pool.install(|| run(index)))).is_err() {
                     break;
                 }
             }
@@ -204,18 +188,18 @@ enum Heard<A> {
     Nothing,
 }
 
-/// Waits for the next event, with other processes for no longer than [`TELL`]. `None` if nothing more can come.
+/// Waits for the next event, with other processes for no longer than [`REPORT_INTERVAL`]. `None` if nothing more can come.
 fn wait<A>(answers: &Receiver<(usize, A)>, ranks: &Ranks) -> Option<Heard<A>> {
     if ranks.count() == 1 {
-        return answers.recv().ok().map(|(place, answer)| Heard::Here(place, answer));
+        return answers.recv().ok().map(|(index, answer)| Heard::Here(index, answer));
     }
     let began = Instant::now();
-    while began.elapsed() < TELL {
+    while began.elapsed() < REPORT_INTERVAL {
         if let Some(message) = ranks.heard() {
             return Some(Heard::There(message));
         }
-        match answers.recv_timeout(LOOK) {
-            Ok((place, answer)) => return Some(Heard::Here(place, answer)),
+        match answers.recv_timeout(POLL_INTERVAL) {
+            Ok((index, answer)) => return Some(Heard::Here(index, answer)),
             Err(RecvTimeoutError::Timeout) => {}
             Err(RecvTimeoutError::Disconnected) => return None,
         }

@@ -1,10 +1,13 @@
 //! Reasons why a command did not end well, with their exit codes.
 
 use crate::case::Diagnostic;
+use crate::engine::Failure;
+use crate::outcome::Outcome;
 use crate::output::OutputError;
+use serde::{Deserialize, Serialize};
 
 /// Why a command did not end well.
-#[derive(Debug, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, thiserror::Error)]
 pub enum StudyError {
     /// The input is at fault; nothing was computed and nothing written. Exit code 2.
     #[error("{0}")]
@@ -32,4 +35,16 @@ impl From<OutputError> for StudyError {
             other => Self::Failed(format!("error: {other}")),
         }
     }
+}
+
+/// Error of a command if some of its variants failed.
+pub fn failures_of<'a>(variants: impl Iterator<Item = (&'a str, Option<&'a Failure>)>) -> Result<(), StudyError> {
+    let failed: Vec<String> =
+        variants.filter_map(|(name, why)| Some(format!("error: \"{name}\" stopped: {}", why?))).collect();
+    if failed.is_empty() { Ok(()) } else { Err(StudyError::Failed(failed.join("\n"))) }
+}
+
+/// Error of a command if some of its outcomes failed.
+pub fn failures(outcomes: &[Outcome]) -> Result<(), StudyError> {
+    failures_of(outcomes.iter().map(|o| (o.experiment.name.as_str(), o.failure.as_ref())))
 }

@@ -1,0 +1,273 @@
+//! Running one variant from its initial state to its outcome.
+
+use super::checkpointer::Checkpointer;
+use super::error::StudyError;
+use super::ranks::Ranks;
+use super::resumable::ResumableRun;
+use super::standard_observers::StandardObservers;
+use super::terminal::tell;
+use crate::checkpoint::{RunIdentity, StoredRun};
+use crate::clock::Clock;
+use crate::communicator::Communicator;
+use crate::engine::Failure;
+use crate::experiment::{Experiment, Integrator, Model};
+use crate::observe::{Needs, Observer, RunLoop};
+use crate::outcome::Outcome;
+use crate::output::OutputError;
+use crate::particles::Particles;
+use crate::placement::Start;
+use crate::simulation::Simulation;
+use crate::stored::StoreError;
+use crate::work_sharing::keep_workers_spinning;
+use std::sync::Arc;
+
+/// Runs a variant from `start` to its end or its failure, which is part of the outcome. `others` observe the run
+/// besides the standard observers. Returns the outcome and the final state in the order of ids.
+pub fn execute(experiment: &Experiment, start: Particles, others: &mut [&mut dyn Observer]) -> (Outcome, Particles) {
+    // from inside the pool: every parallel loop called from outside would put this thread to sleep and wake it again
+    keep_workers_spinning(|| {
+        let mut seen = StandardObservers::new(experiment, start.fingerprint());
+        let mut simulation = Simulation::new(experiment, start).with_clock(Clock::wall());
+        let schedule = seen.schedule;
+        let mut observers = seen.with(others);
+        let mut course = RunLoop::new(&schedule, observers.len());
+        let failure = course.run(&mut simulation, &mut observers, &mut || false).err();
+        course.end(&mut simulation, &mut observers, failure.as_ref());
+        drop(observers);
+        simulation.end();
+        (seen.outcome(&simulation, failure, simulation.particles.fingerprint()), simulation.particles)
+    })
+}
+
+/// Runs a variant like [`execute`], with a checkpointer that stores the run from time to time and may stop it. A stored run
+/// goes on from its stored state, and a run that is over is not run again.
+///
+/// # Errors
+/// The stored state is not of this run.
+pub fn execute_with_checkpoints(
+    run: &ResumableRun,
+    others: &mut [&mut dyn Observer],
+    checkpointer: &mut Checkpointer,
+) -> Result<(Outcome, Particles), StudyError> {
+    keep_workers_spinning(|| simulate_with_checkpoints(run, others, checkpointer, None))
+}
+
+/// Runs a variant together with the other processes, which were told its index in the list of runs. The
+/// final state is returned if it is asked for; otherwise it has no particles.
+///
+/// # Errors
+/// As for [`execute_with_checkpoints`].
+pub fn execute_together(
+    run: &ResumableRun,
+    others: &mut [&mut dyn Observer],
+    checkpointer: &mut Checkpointer,
+    SharedRun { index, ranks, quiet, gives_end }: SharedRun,
+) -> Result<(Outcome, Particles), StudyError> {
+    ranks.call_together(index);
+    let (result, traffic) = ranks.together(|communicator| {
+        rayon::scope(|_| simulate_with_checkpoints(run, others, checkpointer, Some((communicator, gives_end))))
+    });
+    let experiment = &run.experiment;
+    if let (Ok((outcome, _)), false) = (&result, quiet) {
+        let verlet = experiment.model() == Model::Soft && experiment.soft.integrator == Integrator::VelocityVerlet;
+        let steps_are_shared = verlet && outcome.counters.uniform_steps > 0;
+        let alone = outcome.windows > 0 && outcome.counters.islands == 0 && !steps_are_shared;
+        let why = "nothing was shared: no window was moved by islands, and what moves all particles at once is done by process 0 alone";
+        tell(format!("{}: {}", experiment.name, if alone { why.to_owned() } else { traffic.to_string() }));
+    }
+    result
+}
+
+/// A run that all processes share.
+#[derive(Clone, Copy)]
+pub struct SharedRun<'a> {
+    /// Index of the run in the list.
+    pub index: usize,
+    /// The processes.
+    pub ranks: &'a Ranks,
+    /// True to print no summary of the run.
+    pub quiet: bool,
+    /// True if the final state is to be returned.
+    pub gives_end: bool,
+}
+
+/// Part of the other processes in a shared run. `others` are those observers that see parts of the run, in the order of
+/// process 0, where they come before all other ones.
+pub fn follow(run: &ResumableRun, others: &mut [&mut dyn Observer], ranks: &Ranks) {
+    let experiment = &run.experiment;
+    let Ok(start) = run.start() else { return };
+    ranks.together(|communicator| {
+        rayon::scope(|_| {
+            let mut seen = StandardObservers::new(experiment, 0);
+            let mut observers = seen.with(others);
+            let is_part = start.is_part;
+            let begun = begin(experiment, start, Some(&*communicator));
+            let beginning = Beginning::from(communicator.broadcast(Vec::new()));
+            let mut simulation = share(begun, communicator, observers.len(), is_part && beginning != Beginning::Whole);
+            if beginning == Beginning::Dealt {
+                simulation.take_dealt().unwrap_or_else(|why| leave(&why));
+            }
+            simulation.follow(&mut |simulation, index, kept| {
+                if let Some(Err(why)) = kept.map(|kept| observers[index].restore(kept)) {
+                    leave(&why);
+                }
+                observers[index].see(simulation);
+            });
+        });
+    });
+}
+
+fn simulate_with_checkpoints(
+    run: &ResumableRun,
+    others: &mut [&mut dyn Observer],
+    checkpointer: &mut Checkpointer,
+    shared: Option<(Arc<dyn Communicator>, bool)>,
+) -> Result<(Outcome, Particles), StudyError> {
+    let (experiment, start, run) = (&run.experiment, run.start()?, &run.identity);
+    let mut seen = StandardObservers::new(experiment, start.fingerprint);
+    let schedule = seen.schedule;
+    let in_parts = others.iter().take_while(|other| other.sight() == Needs::Parts).count();
+    let common = seen.with(&mut []).len() + in_parts;
+    let mut observers = seen.with(others);
+    let (is_part, earlier) = (start.is_part, checkpointer.earlier(run));
+    let parts = earlier.as_ref().map(|kept| kept.pause.snapshot.parts);
+    let beginning = Beginning::of(is_part, parts);
+    let begun = begin(experiment, start, shared.as_ref().map(|(communicator, _)| &**communicator));
+    let mut simulation = begun.with_clock(Clock::wall());
+    let gives_end = shared.as_ref().is_none_or(|(_, gives_end)| *gives_end);
+    let communicator = shared.map(|(communicator, _)| communicator);
+    if let Some(communicator) = &communicator {
+        communicator.broadcast(beginning.told());
+        if beginning != Beginning::Whole {
+            simulation = share(simulation, communicator.clone(), common, is_part);
+        }
+    }
+    let (mut course, mut over) = (RunLoop::new(&schedule, observers.len()), None);
+    if let Some(kept) = earlier {
+        over = kept.over;
+        (simulation, course) = kept.pause.resume_as(simulation, experiment, &mut observers).map_err(unfit)?;
+        if let Some(count) = parts.filter(|count| *count > 0) {
+            let taken = simulation.take_parts(count, &mut |number| checkpointer.part(run, over.is_some(), number));
+            taken.unwrap_or_else(|why| leave(&why));
+        }
+    }
+    if let (Some(communicator), Beginning::Whole) = (communicator, beginning) {
+        simulation = share(simulation, communicator, common, false);
+    }
+    let failure = loop {
+        if let Some(failure) = over {
+            break failure;
+        }
+        over = match course.run(&mut simulation, &mut observers, &mut || checkpointer.is_due()) {
+            Ok(true) => Some(None),
+            Ok(false) => None,
+            Err(failure) => Some(Some(failure)),
+        };
+        // a run that could not be written has no stored end: it goes on from the state that was stored before
+        let unwritten = matches!(over, Some(Some(Failure::Unwritten { .. })));
+        if unwritten || over.is_some() && !checkpointer.wants_the_end() {
+            continue;
+        }
+        let parts = store_parts(&mut simulation, (run, checkpointer), over.is_some());
+        let pause = course.store(&simulation, &observers).map_err(unfit)?;
+        if let Some(why) = observers.iter().find_map(|observer| observer.stop()) {
+            course.settle(&mut simulation);
+            break Some(Failure::Unwritten { time: simulation.time, why });
+        }
+        let kept = StoredRun { pause, over: over.clone() };
+        if over.is_some() {
+            checkpointer.finish(run, &kept, parts).map_err(unfit)?;
+        } else if checkpointer.keep(run, &kept, parts) {
+            course.settle(&mut simulation);
+            break Some(Failure::Stopped { time: simulation.time });
+        }
+    };
+    course.end(&mut simulation, &mut observers, failure.as_ref());
+    drop(observers);
+    if gives_end {
+        simulation.show(1);
+        simulation.end();
+    }
+    let hash = simulation.fingerprint();
+    let particles = if gives_end { std::mem::take(&mut simulation.particles) } else { Particles::default() };
+    Ok((seen.outcome(&simulation, failure, hash), particles))
+}
+
+/// Stores the parts of a state, one of each process; without parts this process has all of it.
+fn store_parts(
+    simulation: &mut Simulation,
+    (run, checkpointer): (&RunIdentity, &Checkpointer),
+    over: bool,
+) -> Result<(), OutputError> {
+    if simulation.parts_of_state() == 0 {
+        simulation.show(1);
+        return Ok(());
+    }
+    let (mut written, mut number) = (Ok(()), 0);
+    simulation.give_parts(&mut |part| {
+        if written.is_ok() {
+            written = checkpointer.keep_part(run, over, number, &part);
+        }
+        number += 1;
+    });
+    written
+}
+
+/// Distribution of the particles over the processes at the beginning of a shared run.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Beginning {
+    /// The lead has all particles.
+    Whole,
+    /// Each process has a part of the start.
+    Parts,
+    /// The lead deals out the parts of a state that was stored.
+    Dealt,
+}
+
+impl Beginning {
+    /// Distribution for a run whose start is in parts or not, and whose stored state, if there is one, has that many
+    /// parts.
+    fn of(is_part: bool, stored: Option<usize>) -> Self {
+        match stored {
+            None if is_part => Self::Parts,
+            Some(1..) => Self::Dealt,
+            None | Some(0) => Self::Whole,
+        }
+    }
+
+    /// Message of the lead about the distribution.
+    fn told(self) -> Vec<u8> {
+        vec![self as u8]
+    }
+}
+
+impl From<Vec<u8>> for Beginning {
+    fn from(told: Vec<u8>) -> Self {
+        let known = [Self::Parts, Self::Dealt].into_iter().find(|one| one.told() == told);
+        known.unwrap_or(Self::Whole)
+    }
+}
+
+/// Ends this process, and with it all others: if one went on, it would differ from the others.
+fn leave(why: &StoreError) -> ! {
+    tell(format!("error: the processes cannot go on together: {why}"));
+    std::process::exit(1);
+}
+
+/// Simulation of a run at its start, of which other processes may have a part.
+fn begin(experiment: &Experiment, start: Start, communicator: Option<&dyn Communicator>) -> Simulation {
+    match communicator.filter(|_| start.is_part) {
+        Some(communicator) => Simulation::part(experiment, start.particles, communicator),
+        None => Simulation::new(experiment, start.particles),
+    }
+}
+
+/// Simulation shared by all processes: each goes on with its part, or the lead has all particles.
+fn share(simulation: Simulation, with: Arc<dyn Communicator>, observers: usize, in_parts: bool) -> Simulation {
+    if in_parts { simulation.shared_in_parts(with, observers) } else { simulation.shared(with, observers) }
+}
+
+/// Error for a state that cannot be stored, or that belongs to another run.
+fn unfit(why: impl std::fmt::Display) -> StudyError {
+    StudyError::Failed(format!("error: cannot store this run or go on with it: {why}"))
+}

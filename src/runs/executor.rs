@@ -1,0 +1,213 @@
+//! Executor of the runs of a command. They are done alone or concurrently, by the threads of this process and by other
+//! processes; a stored run goes on from its stored state, and a run that is over is not run again.
+
+use super::checkpointer::Checkpointer;
+use super::error::StudyError;
+use super::execute::{SharedRun, execute_together, execute_with_checkpoints, follow};
+use super::progress::Progress;
+use super::ranks::Ranks;
+use super::resumable::{ResumableRun, mark};
+use super::run_list::{RunList, distribute, help};
+use super::settings::CommandSettings;
+use super::terminal::{conclude, tell, warn};
+use super::threads::ThreadBudget;
+use crate::case::{Case, Checked};
+use crate::engine::Failure;
+use crate::observe::Observer;
+use crate::outcome::Outcome;
+use crate::output::{Folder, OutputError, Trajectory};
+use crate::particles::Particles;
+use std::fmt::Display;
+use std::path::Path;
+use std::rc::Rc;
+
+/// Executor of the runs of a command, in the lead process.
+pub struct Executor<'a> {
+    /// The folder of results.
+    pub folder: Rc<Folder>,
+    /// Checkpointer that stores the runs.
+    pub checkpointer: Checkpointer,
+    /// The runs.
+    pub runs: Vec<ResumableRun>,
+    progress: Progress,
+    threads: ThreadBudget,
+    ranks: &'a Ranks,
+    /// True to print nothing.
+    pub quiet: bool,
+}
+
+impl<'a> Executor<'a> {
+    /// Opens the folder for the results of `runs` and looks up what is stored of them. All processes make the same list
+    /// of runs. A helper process does its part of the work in here, until the command is over, and gets `None`.
+    ///
+    /// # Errors
+    /// The list cannot be made, or another process has another one; the folder or a thread is refused by the system.
+    pub fn begin(
+        settings: &CommandSettings,
+        case: &Case,
+        checked: &[Checked],
+        runs: Result<Vec<ResumableRun>, StudyError>,
+        ranks: &'a Ranks,
+    ) -> Result<Option<Self>, StudyError> {
+        let runs = ranks.agree(runs, |runs| mark(runs))?;
+        let threads = ThreadBudget { threads: ranks.threads(settings.threads), in_turn: settings.in_turn };
+        let shown = |quiet| Progress::new(runs.iter().map(|run| &run.experiment), quiet);
+        if !ranks.is_lead() {
+            let (checkpointer, folder) = (Checkpointer::of_helper(settings)?, Folder::of_another(&settings.folder));
+            let list =
+                ResumableRuns { runs: &runs, folder: &folder, checkpointer: &checkpointer, progress: &shown(true) };
+            return help(&list, threads, ranks, checkpointer.signals()).map(|()| None);
+        }
+        let folder = settings.open_folder()?;
+        ranks.announce(threads.threads, settings.quiet);
+        warn(checked, settings.quiet);
+        let checkpointer = Checkpointer::new(settings, &folder, case, &runs)?;
+        let progress = shown(settings.quiet);
+        let folder = Rc::new(folder);
+        Ok(Some(Self { folder, checkpointer, runs, progress, threads, ranks, quiet: settings.quiet }))
+    }
+
+    /// Tells the user a line, unless the command is to print nothing.
+    pub fn say(&self, line: impl Display) {
+        if !self.quiet {
+            tell(line);
+        }
+    }
+
+    /// Does a lone run, or resumes it, with observers besides the standard ones. Its trajectory is written if that is
+    /// asked for; one that cannot be written is a failure of the run. Returns the outcome and, if `gives_end` or for a
+    /// process by itself, the final state in the order of ids.
+    ///
+    /// # Errors
+    /// The stored state is not of this run.
+    pub fn alone(
+        &mut self,
+        index: usize,
+        mut others: Vec<&mut dyn Observer>,
+        gives_end: bool,
+    ) -> Result<(Outcome, Particles), StudyError> {
+        let Self { folder, checkpointer, runs, progress, ranks, quiet, .. } = self;
+        let (run, mut watch) = (&runs[index], progress.watch(index));
+        // several processes, and no runs that they could do concurrently
+        let is_shared = ranks.count() > 1 && runs.iter().all(|run| run.is_lone);
+        let shared = is_shared.then_some(SharedRun { index, ranks, quiet: *quiet, gives_end });
+        std::thread::scope(|scope| {
+            let mut trajectory =
+                run.trajectory.as_ref().map(|(name, asked)| Trajectory::new(scope, folder, name, *asked));
+            // the trajectory first: the other processes that share the run have theirs at this position too
+            let first = trajectory.as_mut().map(|trajectory| trajectory as &mut dyn Observer);
+            let mut observers: Vec<&mut dyn Observer> = first.into_iter().collect();
+            observers.push(&mut watch);
+            observers.extend(others.iter_mut().map(|other| &mut **other as &mut dyn Observer));
+            let (mut outcome, end) = match shared {
+                Some(shared) => execute_together(run, &mut observers, checkpointer, shared)?,
+                None => execute_with_checkpoints(run, &mut observers, checkpointer)?,
+            };
+            let written = trajectory.map_or(Ok(()), Trajectory::written);
+            // a folder that has been removed cannot be resumed from
+            let is_gone = matches!(written, Err(OutputError::Gone { .. }));
+            if let Err(why) = written {
+                let time = outcome.simulated_seconds;
+                outcome.failure.get_or_insert(Failure::Unwritten { time, why: why.to_string() });
+            }
+            if let (Some(failure @ Failure::Unwritten { .. }), false) = (&outcome.failure, is_gone) {
+                checkpointer.stop_unwritten(failure);
+            }
+            Ok((outcome, end))
+        })
+    }
+
+    /// Does the runs at these indices concurrently, as many as there are threads, and in all processes. Results do not
+    /// depend on the number of threads or processes. Each outcome is handed to `finished` with the index of its run, in
+    /// the order in which runs end; it is an error if a scene is too crowded to start. Where the user stops the command, unfinished runs are stored and left out.
+    ///
+    /// # Errors
+    /// The first error of `finished`; no thread can be started.
+    pub fn concurrently(
+        &self,
+        indices: &[usize],
+        finished: impl FnMut(usize, Result<Outcome, StudyError>) -> Result<(), StudyError>,
+    ) -> Result<(), StudyError> {
+        let Self { folder, checkpointer, runs, progress, .. } = self;
+        let list = ResumableRuns { runs, folder, checkpointer, progress };
+        distribute(&list, indices, self.threads, self.ranks, finished)
+    }
+
+    /// Ends the command after all results were written: removes the stored states and prints the last sentences.
+    ///
+    /// # Errors
+    /// A stored state that cannot be removed.
+    pub fn finish(self, sentences: &[String], report: &Path) -> Result<(), StudyError> {
+        self.conclude(sentences, report);
+        Ok(self.checkpointer.done()?)
+    }
+
+    /// Prints the last sentences and the path of the report, unless the command is to print nothing.
+    pub fn conclude(&self, sentences: &[String], report: &Path) {
+        if !self.quiet {
+            conclude(sentences, "Report", report);
+        }
+    }
+}
+
+/// Runs of a command as a list for several processes.
+struct ResumableRuns<'a> {
+    runs: &'a [ResumableRun],
+    folder: &'a Folder,
+    checkpointer: &'a Checkpointer,
+    progress: &'a Progress,
+}
+
+impl ResumableRuns<'_> {
+    /// Does one run with that checkpointer; `None` if it was stopped.
+    fn run_with(&self, index: usize, own: &mut Checkpointer) -> Result<Option<Outcome>, StudyError> {
+        if own.is_stopping() {
+            return Ok(None);
+        }
+        let (outcome, _) = execute_with_checkpoints(&self.runs[index], &mut [&mut self.progress.watch(index)], own)?;
+        Ok((!own.is_stopped()).then_some(outcome))
+    }
+}
+
+impl RunList for ResumableRuns<'_> {
+    type Answer = Outcome;
+
+    fn count(&self) -> usize {
+        self.runs.iter().filter(|run| !run.is_lone).count()
+    }
+
+    fn run(&self, index: usize) -> Result<Option<Outcome>, StudyError> {
+        self.run_with(index, &mut self.checkpointer.for_run(&self.runs[index].identity))
+    }
+
+    fn run_for_another(&self, index: usize) -> Result<Option<Vec<u8>>, StudyError> {
+        let mut own = self.checkpointer.for_run(&self.runs[index].identity);
+        Ok(self.run_with(index, &mut own)?.map(|_| own.into_end()))
+    }
+
+    fn follow(&self, index: usize, ranks: &Ranks) {
+        let run = &self.runs[index];
+        std::thread::scope(|scope| {
+            let mut trajectory =
+                run.trajectory.as_ref().map(|(name, asked)| Trajectory::new(scope, self.folder, name, *asked));
+            let trajectory = trajectory.as_mut().map(|trajectory| trajectory as &mut dyn Observer);
+            follow(run, &mut trajectory.into_iter().collect::<Vec<_>>(), ranks);
+        });
+    }
+
+    fn answer_of_another(&self, index: usize, bytes: &[u8]) -> Result<Outcome, StudyError> {
+        // the outcome follows from the stored end, as for a run that was over when a command is resumed
+        let run = &self.runs[index];
+        let mut own = self.checkpointer.for_run(&run.identity);
+        own.receive(&run.identity, bytes)?;
+        Ok(execute_with_checkpoints(run, &mut [&mut self.progress.watch(index)], &mut own)?.0)
+    }
+
+    fn is_elsewhere(&self, index: usize, time: f64) {
+        self.progress.is_elsewhere(index, time);
+    }
+
+    fn under_way(&self) -> Vec<(usize, f64)> {
+        self.progress.under_way()
+    }
+}

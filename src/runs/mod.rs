@@ -1,0 +1,36 @@
+//! Runs of a command: settings and a list of runs go in, outcomes come out.
+//!
+//! [`Executor`] does the runs, alone or concurrently, by threads of this process and by other processes. Stored
+//! runs go on from their states. Commands make the list, and make a document of the outcomes.
+
+mod checkpointer;
+mod error;
+mod execute;
+mod executor;
+mod progress;
+mod ranks;
+mod resumable;
+mod run_list;
+mod settings;
+mod signals;
+mod standard_observers;
+mod terminal;
+mod threads;
+
+pub(crate) use checkpointer::{Checkpointer, unusable};
+pub use error::StudyError;
+pub(crate) use error::{failures, failures_of};
+pub use execute::execute;
+pub(crate) use execute::execute_with_checkpoints;
+pub(crate) use executor::Executor;
+pub(crate) use progress::{INTERVAL, Progress, span};
+pub use ranks::Ranks;
+pub(crate) use resumable::{ResumableRun, mark, mark_of_experiments, refuse_too_large, start};
+pub use settings::quoted;
+pub(crate) use settings::{CommandOrigin, CommandSettings, command_line, folder, provenance, read};
+pub use signals::Signals;
+#[cfg(feature = "lab")]
+pub(crate) use standard_observers::StandardObservers;
+pub use terminal::{answer, tell};
+pub(crate) use terminal::{answer_json, conclude, warn};
+pub(crate) use threads::{share_threads, use_threads};

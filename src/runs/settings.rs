@@ -1,0 +1,153 @@
+//! Settings of a command that does runs. They are made of its arguments in one place, and the arguments go no further.
+
+use super::error::StudyError;
+use crate::case::Case;
+use crate::checkpoint::StoredCommand;
+use crate::cli::{CheckpointEvery, Effort, Input, Output};
+use crate::output::{Folder, Provenance};
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+
+/// Origin of a command.
+pub enum CommandOrigin {
+    /// The user typed the command.
+    Typed,
+    /// The user typed the command again, and the runs that are over are kept.
+    TypedAgain,
+    /// `resume` goes on with the command.
+    Resumed {
+        /// Folder of the results of the command.
+        folder: PathBuf,
+        /// Command line as it was typed when the command began.
+        command: StoredCommand,
+        /// True if the command prints nothing while it runs.
+        quiet: bool,
+    },
+}
+
+/// Settings of a command that does runs.
+pub struct CommandSettings {
+    /// Origin of the command.
+    pub origin: CommandOrigin,
+    /// Path of the folder for the results.
+    pub folder: PathBuf,
+    /// True if the results of an earlier command in the folder may be replaced.
+    pub overwrite: bool,
+    /// True to print nothing while the command runs.
+    pub quiet: bool,
+    /// Number of threads of a process, if one is asked for.
+    pub threads: Option<u16>,
+    /// True to store the results of runs, which stay when the command is over, and not the ends of the runs.
+    pub keeps_results: bool,
+    /// True to do concurrent runs one after the other, each with all threads.
+    pub in_turn: bool,
+    /// Wall time between two checkpoints.
+    pub checkpoint_every: CheckpointEvery,
+}
+
+impl CommandSettings {
+    /// Settings of the command of that name on a case, with the usual time between checkpoints.
+    pub fn new(origin: CommandOrigin, command: &str, case: &Path, output: &Output, effort: &Effort) -> Self {
+        let folder = match &origin {
+            CommandOrigin::Typed | CommandOrigin::TypedAgain => place(output, case, command),
+            CommandOrigin::Resumed { folder, .. } => folder.clone(),
+        };
+        Self {
+            origin,
+            folder,
+            overwrite: output.overwrite,
+            quiet: output.quiet,
+            threads: effort.threads,
+            keeps_results: false,
+            in_turn: false,
+            checkpoint_every: CheckpointEvery::usual(),
+        }
+    }
+
+    /// Notes that a command that the user typed goes on with an earlier start.
+    pub fn goes_on(&mut self) {
+        if let CommandOrigin::Typed = self.origin {
+            self.origin = CommandOrigin::TypedAgain;
+        }
+    }
+
+    /// Command line with which the command began.
+    pub fn arguments(&self) -> Vec<OsString> {
+        match &self.origin {
+            CommandOrigin::Typed | CommandOrigin::TypedAgain => std::env::args_os().collect(),
+            CommandOrigin::Resumed { command, .. } => command.arguments.clone(),
+        }
+    }
+
+    /// Opens the folder for the results.
+    ///
+    /// # Errors
+    /// The folder is in use, cannot be written to, or, for a command that begins, holds results.
+    pub fn open_folder(&self) -> Result<Folder, StudyError> {
+        match &self.origin {
+            CommandOrigin::Typed => make(self.folder.clone(), self.overwrite),
+            CommandOrigin::TypedAgain | CommandOrigin::Resumed { .. } => {
+                Folder::resume(&self.folder).map_err(|error| StudyError::Input(format!("error: {error}")))
+            }
+        }
+    }
+
+    /// Provenance of the results; `scene`: description of the scene.
+    pub fn provenance(&self, case: &Case, scene: String) -> Provenance {
+        Provenance { command: quoted(self.arguments()), ..provenance(case, scene) }
+    }
+}
+
+/// Reads the case of a command.
+pub fn read(path: &Path, input: &Input) -> Result<Case, StudyError> {
+    Ok(Case::read(path, &input.sets())?)
+}
+
+/// Makes the folder of a command. A folder that cannot be written to is bad input: nothing has been computed yet.
+pub fn folder(output: &Output, case: &Path, command: &str) -> Result<Folder, StudyError> {
+    make(place(output, case, command), output.overwrite)
+}
+
+/// Folder of results of a command: the one asked for, or `out/<case>-<command>`.
+fn place(output: &Output, case: &Path, command: &str) -> PathBuf {
+    output.out.clone().unwrap_or_else(|| {
+        let stem = case.file_stem().map_or("case".into(), |stem| stem.to_string_lossy());
+        PathBuf::from(format!("out/{stem}-{command}"))
+    })
+}
+
+/// Makes a folder for results.
+fn make(path: PathBuf, overwrite: bool) -> Result<Folder, StudyError> {
+    Folder::create(path, overwrite).map_err(|error| StudyError::Input(format!("error: {error}")))
+}
+
+/// Provenance of the results; `scene`: description of the scene.
+pub fn provenance(case: &Case, scene: String) -> Provenance {
+    Provenance {
+        title: case.title.clone(),
+        case_path: case.path.display().to_string(),
+        case_text: case.text.to_string(),
+        command: command_line(),
+        scene,
+    }
+}
+
+/// The command as it was typed.
+pub fn command_line() -> String {
+    quoted(std::env::args_os())
+}
+
+/// A command line, quoted where a shell needs it.
+pub fn quoted(arguments: impl IntoIterator<Item = OsString>) -> String {
+    let quoted = arguments.into_iter().enumerate().map(|(k, argument)| {
+        // the program by its name, without the path it was started from
+        let argument = if k == 0 { "diptych".into() } else { argument.to_string_lossy().into_owned() };
+        let plain = |c: char| c.is_ascii_alphanumeric() || "-_=./,:+".contains(c);
+        if !argument.is_empty() && argument.chars().all(plain) {
+            argument
+        } else {
+            format!("'{}'", argument.replace('\'', "'\\''"))
+        }
+    });
+    quoted.collect::<Vec<_>>().join(" ")
+}

@@ -1,0 +1,137 @@
+//! Observers from which the outcome of every run is made.
+
+use crate::engine::Failure;
+use crate::experiment::{Experiment, Model, SoftStepping};
+use crate::observe::{
+    EnergyBooks, ImpactSeries, Kinds, Mixing, MomentumBooks, Motion, Observer, Paths, Rings, Series, Stresses,
+};
+use crate::outcome::{Averaged, Outcome, Timing};
+use crate::schedule::Schedule;
+use crate::simulation::{Simulation, soft_step};
+use crate::statistics::Accumulator;
+
+/// Observers from which the outcome of every run is made.
+#[derive(Clone)]
+pub(crate) struct StandardObservers<'a> {
+    experiment: &'a Experiment,
+    initial_state_hash: u64,
+    /// Windows and samples of the run.
+    pub schedule: Schedule,
+    profiles: Accumulator,
+    motion: Motion,
+    pairs: ImpactSeries,
+    walls: ImpactSeries,
+    energy: EnergyBooks,
+    momentum: MomentumBooks,
+    stresses: Stresses,
+    series: Series,
+    paths: Paths,
+    kinds: Kinds,
+    rings: Rings,
+    mixing: Mixing,
+}
+
+impl<'a> StandardObservers<'a> {
+    /// Observers of a run from that initial state, before its start.
+    pub fn new(experiment: &'a Experiment, initial_state_hash: u64) -> Self {
+        let schedule = Schedule::new(experiment);
+        Self {
+            experiment,
+            initial_state_hash,
+            schedule,
+            profiles: Accumulator::new(experiment.statistics.slices, experiment.scene.domain.size.y),
+            motion: Motion::new(experiment),
+            pairs: ImpactSeries::of_pairs(experiment, &schedule),
+            walls: ImpactSeries::of_walls(experiment, &schedule),
+            energy: EnergyBooks::default(),
+            momentum: MomentumBooks::new(&schedule),
+            stresses: Stresses::new(experiment, &schedule),
+            series: Series::new(experiment, &schedule),
+            paths: Paths::new(&schedule),
+            kinds: Kinds::new(experiment, &schedule),
+            rings: Rings::new(experiment),
+            mixing: Mixing::new(experiment, &schedule),
+        }
+    }
+
+    /// Standard observers of every run, followed by the others.
+    pub fn with<'b>(&'b mut self, others: &'b mut [&mut dyn Observer]) -> Vec<&'b mut dyn Observer> {
+        let Self { profiles, motion, pairs, walls, energy, momentum, .. } = self;
+        let Self { stresses, series, paths, kinds, rings, mixing, .. } = self;
+        let own: [&mut dyn Observer; 12] =
+            [profiles, motion, pairs, walls, energy, momentum, stresses, series, paths, kinds, rings, mixing];
+        own.into_iter().chain(others.iter_mut().map(|other| &mut **other as &mut dyn Observer)).collect()
+    }
+
+    /// Outcome of a run that is over or has failed.
+    pub fn outcome(self, simulation: &Simulation, failure: Option<Failure>, final_state_hash: u64) -> Outcome {
+        let steadiness =
+            self.motion.steadiness(self.experiment.run.average_from, self.kinds.series(&self.experiment.scene));
+        // interval k ends at sample k + 1: the first that lies wholly in the averaging period
+        let first = self.motion.first(steadiness.from);
+        Outcome {
+            experiment: self.experiment.clone(),
+            failure,
+            particles: simulation.count(),
+            initial_state_hash: self.initial_state_hash,
+            final_state_hash,
+            simulated_seconds: simulation.time,
+            windows: simulation.windows,
+            window: self.schedule.window,
+            sample_interval: self.schedule.interval(),
+            time_step: time_step(self.experiment, simulation, self.schedule.window),
+            profiles: self.profiles.table(steadiness.from),
+            kinds: self.kinds.averages(&self.experiment.scene, first, steadiness.from),
+            rings: self.rings.averages(&self.experiment.scene, steadiness.from),
+            pair_rate: self.pairs.rate(first),
+            wall_rate: self.walls.rate(first),
+            pair_restitution: self.pairs.restitution(),
+            wall_restitution: self.walls.restitution(),
+            pairs: self.pairs.since(steadiness.from, &simulation.record),
+            walls: self.walls.since(steadiness.from, &simulation.record),
+            temperature: self.motion.temperature(first),
+            averaged: Averaged {
+                pair_rate: self.pairs.batches(first, steadiness.from),
+                wall_rate: self.walls.batches(first, steadiness.from),
+                temperature: self.motion.batches(first),
+                replicas: None,
+            },
+            places_kept: self.mixing.remembered(steadiness.from),
+            steadiness,
+            energy_residual: self.energy.residual(),
+            energy_at_start: self.energy.at_start,
+            energy_at_end: self.energy.at_end,
+            balance: self.momentum.balance(first),
+            stress: self.stresses.averages(first),
+            series: self.series,
+            paths: self.paths,
+            counters: simulation.counters(),
+            timing: timing(simulation),
+            record: simulation.record.clone(),
+        }
+    }
+}
+
+/// Wall times of the parts of a run [s].
+fn timing(simulation: &Simulation) -> Timing {
+    let (spent, parts) = (simulation.spent, simulation.engine_spent());
+    Timing {
+        wall_seconds: spent.whole.as_secs_f64(),
+        engine: spent.engine.as_secs_f64(),
+        neighbours: parts.neighbours.as_secs_f64(),
+        flight: parts.flight.as_secs_f64(),
+        drag: spent.drag.as_secs_f64(),
+        statistics: spent.observers.as_secs_f64(),
+        threads: rayon::current_num_threads(),
+    }
+}
+
+/// [s] time step that resolves contacts, or interval at which collisions are looked for; `None` for events.
+fn time_step(experiment: &Experiment, simulation: &Simulation, window: f64) -> Option<f64> {
+    let steps = simulation.counters().steps;
+    match (experiment.model(), experiment.soft.stepping) {
+        (Model::Soft, SoftStepping::Uniform) | (Model::Hard, _) if steps > 0 => Some(simulation.time / steps as f64),
+        (Model::Soft | Model::Hybrid, _) => Some(soft_step(experiment, simulation.count()).min(window)),
+        (Model::Hard, _) => None,
+    }
+}

@@ -1,0 +1,259 @@
+//! `diptych sweep CASE`: the variants of a case at several values of its keys.
+//!
+//! Every run is known by the hash of its resolved case. Its result is stored under that name when the run is done, and
+//! stays when the sweep is over. So a sweep that is started again, also with other values, goes on with the missing
+//! runs. A run that several points have in common is done once (hard spheres do not depend on a stiffness).
+
+use super::replicas::{FROZEN, replicas};
+use crate::case::{Case, Checked, Diagnostic, SweepAxis, describe_variants, fingerprint};
+use crate::checkpoint::Store;
+use crate::cli::{Cli, Command, Sweep};
+use crate::experiment::Model;
+use crate::outcome::Outcome;
+use crate::output::numbers::counted;
+use crate::output::sweep::{OBSERVABLES, SweepRow, SweepRun, SweepStudy, point};
+use crate::output::{sweep_verdicts, write_sweep};
+use crate::runs::{CommandOrigin, CommandSettings, Executor, Ranks, ResumableRun, StudyError, mark, read, tell};
+use crate::statistics::Estimate;
+use clap::Parser;
+use std::collections::HashSet;
+use std::path::Path;
+
+/// Most rows of a sweep: a reader would not look at more one by one.
+const MOST: usize = 10_000;
+
+/// Runs the missing runs of a sweep and writes its folder.
+///
+/// # Errors
+/// Bad input before anything is computed; runs that stopped early after everything has been written.
+pub fn sweep(args: &Sweep, ranks: &Ranks) -> Result<(), StudyError> {
+    sweep_on(args, CommandOrigin::Typed, ranks)
+}
+
+/// Begins or resumes a sweep; runs that are over are not run again.
+pub(super) fn sweep_on(args: &Sweep, origin: CommandOrigin, ranks: &Ranks) -> Result<(), StudyError> {
+    let mut settings = CommandSettings {
+        in_turn: args.in_turn,
+        keeps_results: true,
+        ..CommandSettings::new(origin, "sweep", &args.case, &args.output, &args.effort)
+    };
+    if !settings.overwrite && is_begun(&settings.folder) {
+        settings.goes_on();
+    }
+    let (case, axes, plan) = ranks.agree(planned(args), |(.., plan)| mark(&plan.runs))?;
+    let SweepPlan { variants, mut rows, checked, runs, names, reference, .. } = plan;
+    if ranks.is_lead() && !settings.quiet {
+        tell_what_is_ignored(&case)?;
+    }
+    let Some(executor) = Executor::begin(&settings, &case, &checked, Ok(runs), ranks)? else { return Ok(()) };
+    let (mut missing, wanted) = (Vec::new(), executor.runs.len());
+    for (index, run) in executor.runs.iter().enumerate() {
+        match executor.checkpointer.result::<SweepRun>(&run.identity) {
+            Some(run) => give(&mut rows, &run),
+            None => missing.push(index),
+        }
+    }
+    let mut done = wanted - missing.len();
+    if done > 0 {
+        executor.say(format!("{done} of {} are there from an earlier start", counted(wanted, "run")));
+    }
+    let provenance = settings.provenance(&case, describe_variants(checked.iter().map(|(experiment, _)| experiment)));
+    let study = |rows: &[SweepRow]| -> Result<_, StudyError> {
+        let study = SweepStudy { provenance: &provenance, axes: &axes, variants: &variants, reference, rows };
+        Ok((write_sweep(&executor.folder, &study)?, sweep_verdicts(&study)))
+    };
+    executor.concurrently(&missing, |index, outcome| {
+        let identity = &executor.runs[index].identity;
+        let run = result(&identity.name, outcome)?;
+        executor.checkpointer.store_result(identity, &run)?;
+        done += 1;
+        let how = run.failure.as_ref().map_or(String::new(), |why| format!(", stopped: {why}"));
+        executor.say(format!("{done} of {wanted} runs: {}, {:.1} s{how}", names[index], run.wall_seconds));
+        give(&mut rows, &run);
+        // results so far are written so that the user can look at them, and stay if the sweep is stopped
+        if done < wanted {
+            study(&rows)?;
+        }
+        Ok(())
+    })?;
+    if done < wanted {
+        return Err(stopped(done, wanted));
+    }
+    let (report, sentences) = study(&rows)?;
+    executor.conclude(&sentences, &report);
+    failures(&rows, &variants, &axes)
+}
+
+/// True if a folder holds runs of a sweep.
+fn is_begun(folder: &Path) -> bool {
+    let command = Store::of(folder).command().ok().and_then(|command| Cli::try_parse_from(command.arguments).ok());
+    command.is_some_and(|cli| matches!(cli.command, Command::Sweep(_)))
+}
+
+/// The case, its axes and the plan of its runs.
+fn planned(args: &Sweep) -> Result<(Case, Vec<SweepAxis>, SweepPlan), StudyError> {
+    let mut case = read(&args.case, &args.input)?;
+    let axes = case.axes(&args.sweep)?;
+    let plan = SweepPlan::new(&case, &axes, args)?;
+    Ok((case, axes, plan))
+}
+
+/// Result of a run that is over. A scene too crowded to start is a result too.
+fn result(identity: &str, outcome: Result<Outcome, StudyError>) -> Result<SweepRun, StudyError> {
+    let mut run = SweepRun { identity: identity.to_owned(), ..SweepRun::default() };
+    let outcome = match outcome {
+        Err(StudyError::Input(why)) => {
+            run.failure = Some(why.trim_start_matches("error: ").to_owned());
+            return Ok(run);
+        }
+        outcome => outcome?,
+    };
+    run.wall_seconds = outcome.timing.wall_seconds;
+    run.failure = outcome.failure.as_ref().map(ToString::to_string);
+    if run.failure.is_none() {
+        // the scatter within one run tells of other runs only if the run is steady and mixes
+        let tells = outcome.steadiness.steady && outcome.places_kept.is_none_or(|kept| kept <= FROZEN);
+        let measured = OBSERVABLES.iter().filter_map(|one| {
+            let found = (one.of)(&outcome)?;
+            let found = if one.is_average && !tells { Estimate::without_error(found.value) } else { found };
+            Some((one.key.to_owned(), found))
+        });
+        run.measured = measured.collect();
+    }
+    Ok(run)
+}
+
+/// Tells the user which requests of a case are ignored in a sweep.
+fn tell_what_is_ignored(case: &Case) -> Result<(), Diagnostic> {
+    if case.trajectories()?.is_some() {
+        tell("warning: the runs of a sweep write no trajectories: `output.every` is for `run` and `compare`");
+    }
+    Ok(())
+}
+
+/// Error of a sweep that the user has stopped.
+fn stopped(done: usize, wanted: usize) -> StudyError {
+    StudyError::Stopped(format!(
+        "the sweep was stopped: {done} of {} are done; the same command goes on with what is missing",
+        counted(wanted, "run")
+    ))
+}
+
+/// Error of a sweep if some of its runs stopped early.
+fn failures(rows: &[SweepRow], variants: &[String], axes: &[SweepAxis]) -> Result<(), StudyError> {
+    let failed = rows.iter().filter_map(|row| {
+        let name = format!("\"{}\" at {}", variants[row.variant], point(axes, &row.at));
+        Some(format!("error: {name} stopped: {}", row.failure()?))
+    });
+    let failed: Vec<String> = failed.collect();
+    if failed.is_empty() { Ok(()) } else { Err(StudyError::Failed(failed.join("\n"))) }
+}
+
+/// Gives the result of a run to every row that it belongs to. Averages are taken in the order of the replicas, in
+/// whatever order they end.
+fn give(rows: &mut [SweepRow], run: &SweepRun) {
+    for row in rows {
+        let times = row.identities.iter().filter(|identity| **identity == run.identity).count();
+        row.runs.extend(std::iter::repeat_n(run, times).cloned());
+        row.runs.sort_by_key(|run| row.identities.iter().position(|identity| *identity == run.identity));
+    }
+}
+
+/// Plan of a sweep.
+#[derive(Default)]
+struct SweepPlan {
+    variants: Vec<String>,
+    rows: Vec<SweepRow>,
+    /// Variants of all points, with their warnings.
+    checked: Vec<Checked>,
+    /// The runs, each once.
+    runs: Vec<ResumableRun>,
+    /// Names of the runs in messages.
+    names: Vec<String>,
+    /// Identities of the runs.
+    known: HashSet<String>,
+    /// Reference variant with which the others are compared: the first hard one.
+    reference: Option<usize>,
+}
+
+impl SweepPlan {
+    fn new(case: &Case, axes: &[SweepAxis], args: &Sweep) -> Result<Self, StudyError> {
+        let points: usize = axes.iter().map(|axis| axis.typed.len()).product();
+        let mut plan = Self::default();
+        for index in 0..points.min(MOST + 1) {
+            let at = at(axes, index);
+            let variants = case.point(axes, &at, args.effort.seed)?;
+            if let Some(unknown) = args.only.iter().find(|name| variants.iter().all(|(one, _)| one.name != **name)) {
+                let names: Vec<&str> = variants.iter().map(|(one, _)| one.name.as_str()).collect();
+                return Err(StudyError::Input(format!(
+                    "error: no variant is called \"{unknown}\"\nhelp: there are {}",
+                    names.join(", ")
+                )));
+            }
+            let wanted = |name: &str| args.only.is_empty() || args.only.iter().any(|only| only == name);
+            for checked in variants.into_iter().filter(|(one, _)| wanted(&one.name)) {
+                plan.add(axes, &at, checked, args.repeats.replicas)?;
+            }
+        }
+        if plan.rows.len() > MOST {
+            return Err(StudyError::Input(format!(
+                "error: the sweep has more than {MOST} points\nhelp: give fewer values"
+            )));
+        }
+        Ok(plan)
+    }
+
+    /// Adds a variant at a point, once for each replica.
+    fn add(&mut self, axes: &[SweepAxis], at: &[usize], checked: Checked, count: u16) -> Result<(), StudyError> {
+        let experiment = &checked.0;
+        let variant = self.variants.iter().position(|name| *name == experiment.name).unwrap_or_else(|| {
+            self.variants.push(experiment.name.clone());
+            self.variants.len() - 1
+        });
+        if experiment.model() == Model::Hard {
+            self.reference.get_or_insert(variant);
+        }
+        let mut identities = Vec::new();
+        for replica in replicas(experiment, count)? {
+            let identity = fingerprint(&replica)
+                .map_err(|why| StudyError::Failed(format!("error: cannot describe the case: {why}")))?;
+            if self.known.insert(identity.clone()) {
+                self.names.push(format!("\"{}\" at {}", experiment.name, point(axes, at)));
+                self.runs.push(ResumableRun::known_by(&identity, replica));
+            }
+            identities.push(identity);
+        }
+        self.rows.push(SweepRow { at: at.to_vec(), variant, identities, runs: Vec::new() });
+        self.checked.push(checked);
+        Ok(())
+    }
+}
+
+/// Index of the value on each axis for the point of that index; the last axis changes fastest.
+fn at(axes: &[SweepAxis], mut index: usize) -> Vec<usize> {
+    let mut at: Vec<usize> = Vec::new();
+    for axis in axes.iter().rev() {
+        at.push(index % axis.typed.len());
+        index /= axis.typed.len();
+    }
+    at.reverse();
+    at
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn runs_of_a_row_stand_in_the_order_of_their_seeds() {
+        let run =
+            |identity: &str, wall_seconds| SweepRun { identity: identity.into(), wall_seconds, ..SweepRun::default() };
+        let identities = ["seed 1", "seed 2", "seed 3"].map(String::from).to_vec();
+        let mut rows = [SweepRow { at: vec![0], variant: 0, identities: identities.clone(), runs: Vec::new() }];
+        // the last ends first
+        for (seconds, identity) in [(1.0, "seed 3"), (2.0, "seed 1"), (3.0, "seed 2")] {
+            give(&mut rows, &run(identity, seconds));
+        }
+        assert!(rows[0].runs.iter().map(|run| &run.identity).eq(&identities), "{:?}", rows[0].runs);
+    }
+}

@@ -1,0 +1,257 @@
+//! Variants of a case, one after the other and each with its replicas: the list of their runs, and their results.
+
+use super::replicas::replicas;
+use super::trust_sheet::trust_sheet;
+use super::verify::verify_with_checkpoints;
+use crate::case::{Case, Checked};
+use crate::communicator::Communicator;
+use crate::experiment::{Experiment, Trajectories};
+use crate::observe::{Frames, Observer};
+use crate::outcome::Outcome;
+use crate::output::numbers::counted;
+use crate::output::{Folder, HalvedStep, Provenance, Study, TrustSheet, Verdict, figures, write_part, write_study};
+use crate::particles::Particles;
+use crate::placement::{Crowded, Start};
+use crate::runs::{
+    CommandSettings, Executor, Ranks, ResumableRun, StudyError, failures, mark_of_experiments, refuse_too_large, start,
+};
+use serde_json::Value;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
+use std::sync::Arc;
+
+/// Variants of a case that a command runs.
+pub struct Variants {
+    /// The case.
+    pub case: Case,
+    /// Experiment of each variant.
+    pub checked: Vec<Checked>,
+    /// Number of runs of each variant, with different seeds.
+    pub replicas: u16,
+    /// Trajectories that are written of the first run of each variant.
+    pub trajectories: Option<Trajectories>,
+    /// True to test each variant with half the step.
+    pub verify: bool,
+}
+
+impl Variants {
+    /// Experiments of the variants, each with the first of its seeds.
+    pub fn experiments(&self) -> impl Iterator<Item = &Experiment> + Clone {
+        self.checked.iter().map(|(experiment, _)| experiment)
+    }
+
+    /// Refuses idle processes in a shared run: more processes than particles, with no replicas for them to do.
+    ///
+    /// # Errors
+    /// There are idle processes.
+    pub fn refuse_idle(&self, ranks: &Ranks) -> Result<(), StudyError> {
+        let processes = ranks.count();
+        let particles = self.experiments().map(|experiment| experiment.count().max(1)).min().unwrap_or(1);
+        if self.replicas > 1 || processes <= particles {
+            return Ok(());
+        }
+        Err(StudyError::Input(format!(
+            "error: {processes} processes for {}: each needs particles of its own\n\
+             help: start at most {particles} of them (`mpirun -n`)",
+            counted(particles, "particle")
+        )))
+    }
+
+    /// A checksum of the variants, on which all processes have to agree before they make the starts.
+    pub fn mark(&self) -> u32 {
+        mark_of_experiments(self.experiments())
+    }
+
+    /// The runs, variant by variant: the first, which is a lone one, then its replicas.
+    fn runs(&self, ranks: &Ranks) -> Result<Vec<ResumableRun>, StudyError> {
+        let names = file_names(self.experiments().map(|experiment| experiment.name.as_str()));
+        let mut runs = Vec::new();
+        for ((experiment, name), first) in self.experiments().zip(names).zip(self.starts(ranks)?) {
+            let trajectory = self.trajectories.map(|asked| (name, asked));
+            runs.push(ResumableRun::new(experiment.clone(), first)?.lone(trajectory));
+            for other in replicas(experiment, self.replicas)?.into_iter().skip(1) {
+                let start = start(&other)?;
+                runs.push(ResumableRun::new(other, start.into())?);
+            }
+        }
+        Ok(runs)
+    }
+
+    /// Initial states of the variants. Where all processes share the runs, each process makes its part of a start.
+    fn starts(&self, ranks: &Ranks) -> Result<Vec<Start>, StudyError> {
+        if ranks.count() == 1 {
+            self.experiments().try_for_each(refuse_too_large)?;
+        }
+        let made: Result<Vec<Start>, Crowded> = if ranks.count() == 1 || self.replicas > 1 {
+            self.experiments().map(Start::whole).collect()
+        } else {
+            let part = |communicator: Arc<dyn Communicator>| {
+                self.experiments().map(|experiment| Start::part(experiment, &*communicator)).collect()
+            };
+            ranks.together(part).0
+        };
+        made.map_err(|crowded| StudyError::Input(format!("error: {crowded}")))
+    }
+}
+
+/// Results of the variants so far, and the folder to which they are written.
+pub struct VariantResults<'a> {
+    variants: &'a Variants,
+    executor: Executor<'a>,
+    provenance: Provenance,
+    parameters: Vec<Value>,
+    /// All replicas of each variant.
+    pub runs: Vec<Vec<Outcome>>,
+    sheets: Vec<TrustSheet>,
+    frames: Vec<Frames>,
+}
+
+/// VariantFindings of a document on the variants.
+#[derive(Default)]
+pub struct VariantFindings {
+    /// Outcome of each variant, the average over its replicas.
+    pub outcomes: Vec<Outcome>,
+    /// Variants against their references.
+    pub comparisons: Vec<Verdict>,
+    /// The answer in sentences, the shortest first.
+    pub verdicts: Vec<String>,
+    /// Settings of each variant, as typed in the case.
+    pub overrides: Vec<String>,
+    /// Limits of the reliability of the numbers, a sentence each.
+    pub notes: Vec<String>,
+}
+
+impl<'a> VariantResults<'a> {
+    /// Prepares the runs of the variants; `scene`: description of their scene. A helper process does its part of the
+    /// work in here, until the command is over, and gets `None`.
+    ///
+    /// # Errors
+    /// A scene too crowded to start, and the errors of [`Executor::begin`].
+    pub fn begin(
+        variants: &'a Variants,
+        settings: &CommandSettings,
+        scene: String,
+        ranks: &'a Ranks,
+    ) -> Result<Option<Self>, StudyError> {
+        let (case, checked) = (&variants.case, &variants.checked);
+        let executor = Executor::begin(settings, case, checked, variants.runs(ranks), ranks)?;
+        Ok(executor.map(|executor| Self {
+            variants,
+            executor,
+            provenance: settings.provenance(case, scene),
+            parameters: variants.experiments().map(|experiment| case.parameters(experiment)).collect(),
+            runs: Vec::new(),
+            sheets: Vec::new(),
+            frames: Vec::new(),
+        }))
+    }
+
+    /// The folder of results.
+    pub fn folder(&self) -> Rc<Folder> {
+        Rc::clone(&self.executor.folder)
+    }
+
+    /// Does the first run of the next variant, with observers besides the usual ones. Returns the final state, which
+    /// [`check`](Self::check) needs.
+    ///
+    /// # Errors
+    /// The stored state is not of this run.
+    pub fn run_first(&mut self, observers: Vec<&mut dyn Observer>) -> Result<Particles, StudyError> {
+        let Variants { checked, replicas, verify, .. } = self.variants;
+        let variant = self.runs.len();
+        let mut frames = Frames::new(&checked[variant].0, checked.len());
+        let observers = observers.into_iter().map(|observer| observer as &mut dyn Observer);
+        let observers = observers.chain([&mut frames as &mut dyn Observer]).collect();
+        self.executor.checkpointer.set_more(*verify || *replicas > 1 || variant + 1 < checked.len());
+        let (outcome, end) = self.executor.alone(variant * usize::from(*replicas), observers, *verify)?;
+        self.executor.checkpointer.set_more(false);
+        self.frames.push(frames);
+        self.runs.push(vec![outcome]);
+        Ok(end)
+    }
+
+    /// Makes the trust sheet of the first run of the last variant, which ended in that state.
+    ///
+    /// # Errors
+    /// The stored state of the test of half the step is not of it.
+    pub fn check(&mut self, end: &Particles) -> Result<(), StudyError> {
+        let Some(outcome) = self.runs.last().and_then(|runs| runs.first()) else { return Ok(()) };
+        let halved = if self.variants.verify {
+            verify_with_checkpoints(outcome, end, self.executor.quiet, &mut self.executor.checkpointer)?
+        } else {
+            HalvedStep::Unknown("not asked for: --verify does it, for about a fifth of the time of the run".into())
+        };
+        self.sheets.push(trust_sheet(outcome, halved));
+        Ok(())
+    }
+
+    /// Does these replicas of a variant concurrently, counted from its first run. False if the user has stopped the
+    /// variant; unfinished replicas are left out then.
+    ///
+    /// # Errors
+    /// The stored state of a replica is not of it.
+    pub fn run_replicas(&mut self, variant: usize, range: Range<usize>) -> Result<bool, StudyError> {
+        if !range.is_empty() && !self.executor.checkpointer.is_stopped() {
+            let name = &self.variants.checked[variant].0.name;
+            self.executor.say(format!("{name}: {} more of it, from the next seeds", counted(range.len(), "replica")));
+            let before = variant * usize::from(self.variants.replicas) + range.start;
+            let mut over: Vec<Option<Outcome>> = vec![None; range.len()];
+            self.executor.concurrently(&(before..before + range.len()).collect::<Vec<_>>(), |index, outcome| {
+                over[index - before] = Some(outcome?);
+                Ok(())
+            })?;
+            if over.iter().any(Option::is_none) {
+                self.executor.checkpointer.stop();
+            }
+            self.runs[variant].extend(over.into_iter().flatten());
+        }
+        Ok(!self.executor.checkpointer.is_stopped())
+    }
+
+    /// Error of a command that was stopped in a variant.
+    pub fn stopped(&self, variant: usize) -> StudyError {
+        self.executor.checkpointer.stop_error(&self.variants.checked[variant].0.name)
+    }
+
+    /// Writes the document on the results so far; with a summary if they are `whole`. Returns the path of the report.
+    ///
+    /// # Errors
+    /// A file cannot be written.
+    pub fn write(&self, findings: &VariantFindings, whole: bool) -> Result<PathBuf, StudyError> {
+        let study = Study {
+            provenance: &self.provenance,
+            outcomes: &findings.outcomes,
+            parameters: &self.parameters,
+            verdicts: &findings.verdicts,
+            comparisons: &findings.comparisons,
+            overrides: &findings.overrides,
+            notes: &findings.notes,
+            trust: &self.sheets,
+            frames: &self.frames,
+        };
+        let write = if whole { write_study } else { write_part };
+        self.executor.checkpointer.with_remedy(write(&self.executor.folder, &study))
+    }
+
+    /// Ends the command after all results were written, with these sentences.
+    ///
+    /// # Errors
+    /// The variants that failed; a stored state that cannot be removed.
+    pub fn finish(self, findings: &VariantFindings, sentences: &[String], report: &Path) -> Result<(), StudyError> {
+        self.executor.finish(sentences, report)?;
+        failures(&findings.outcomes)
+    }
+}
+
+/// Names of files for variants. They are the names of the variants, in letters that any system accepts, and all
+/// different.
+fn file_names<'a>(variants: impl Iterator<Item = &'a str>) -> Vec<String> {
+    let mut names: Vec<String> = Vec::new();
+    for variant in variants {
+        let name = figures::file_name(variant);
+        let taken = name.is_empty() || names.contains(&name);
+        names.push(if taken { format!("{name}variant-{}", names.len()) } else { name });
+    }
+    names
+}
