@@ -25,6 +25,7 @@ mod endless; // surfaces of triangles through periodic sides
 mod everyday; // long names, folders in use or emptied, damaged files, large scenes, bad cases read by programs
 mod examples; // the programs of examples/ run
 mod files; // files of other programs: each oddity and each two of them
+mod first_answer; // README, picture, pages and stored runs say one thing
 mod fluid; // gas profiles against other k-epsilon solvers, DNS and closed forms
 mod folder; // the folder of results: whose it is, and what is replaced in it
 mod fuzz; // damaged and made-up inputs to every reader
