@@ -24,7 +24,7 @@ use super::terminal::conclude;
 use crate::case::Case;
 use crate::cli::Limits;
 use crate::output::limits::{LimitsStudy, Map};
-use crate::output::{Folder, Provenance, write_limits};
+use crate::output::{Folder, Provenance, limits_answers, write_limits};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
@@ -166,8 +166,9 @@ pub fn limits(args: &Limits) -> Result<(), StudyError> {
     let study = LimitsStudy { provenance: &provenance, maps: &maps, wall_seconds: &wall_seconds, quick: args.quick };
     let report = write_limits(&folder, &study)?;
     if !args.output.quiet {
-        let lessons: Vec<String> = maps.iter().map(|map| format!("{}: {}", map.name, map.lesson)).collect();
-        conclude(&lessons, "Report", &report);
+        let lessons = maps.iter().map(|map| format!("{}: {}", map.name, map.lesson));
+        let said: Vec<String> = std::iter::once(limits_answers(&study)).chain(lessons).collect();
+        conclude(&said, "Report", &report);
     }
     Ok(())
 }
