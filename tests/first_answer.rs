@@ -2,7 +2,7 @@
 
 use crate::support::{diptych, words};
 use serde_json::Value;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 fn root() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR"))
@@ -114,6 +114,21 @@ fn missed_collisions_are_one_number() {
     }
 }
 
+/// docs/plan.md shows a plan as it is, but for the times of a machine.
+#[test]
+fn the_page_of_the_plan_shows_the_plan() {
+    let page = text("docs/plan.md");
+    let (_, block) = page.split_once("```text\ncases/glass-beads.toml").unwrap();
+    let output = diptych(&["plan", "cases/glass-beads.toml"]).current_dir(root()).output().unwrap();
+    assert!(output.status.success(), "{}", words(&output.stderr));
+    let plan = words(&output.stdout);
+    let shown: Vec<&str> = block.split("\nCost of").next().unwrap().lines().skip(1).collect();
+    assert!(shown.len() > 30);
+    for line in shown {
+        assert!(plan.lines().any(|told| told == line), "the plan does not say: {line}\nbut {plan}");
+    }
+}
+
 /// Half a minute on two cores by a release build, some minutes here.
 #[test]
 #[ignore = "runs the README's first command in full"]
@@ -123,7 +138,7 @@ fn a_fresh_run_says_the_same() {
     arguments.extend(["--quiet", "--out"].map(str::to_owned));
     arguments.push(folder.path().join("results").to_str().unwrap().to_owned());
     let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
-    let output = diptych(&arguments).current_dir(Path::new(env!("CARGO_MANIFEST_DIR"))).output().unwrap();
+    let output = diptych(&arguments).current_dir(root()).output().unwrap();
     assert!(output.status.success(), "{}", words(&output.stderr));
     let summary = std::fs::read_to_string(folder.path().join("results/summary.json")).unwrap();
     assert_eq!(sentences(&serde_json::from_str(&summary).unwrap()), sentences(&stored("first-answer")));

@@ -74,8 +74,8 @@ mod stress; // stress, contacts per particle, filling, and the densest starts
 mod sweep; // sweeps: killed and gone on with, grids and replicas, what is refused, points that stop
 mod terminal; // what is said may get lost, results may not
 mod trajectory; // frames for other programs: bits, surfaces, failures
-mod tutorial; // the commands of docs/tutorial.md, and its decision
 mod trust; // the trust sheet of a run, and the halved step
+mod tutorial; // the commands of docs/tutorial.md, and its decision
 mod untrusted; // texts, files and links of others: legible, within their folder, within the memory
 mod verdict; // equivalent, different or unresolved: how often wrongly, and on which scenes
 mod verdict_scenes; // what the verdict says of scenes that are frozen, relax, stop, or are sampled at other times
