@@ -152,9 +152,8 @@ fn motion(plan: &RunPrediction) -> Block {
                 entries.add("", short_run(run.wall_rate));
             }
         }
-        let island = plan
-            .largest_island
-            .map_or("without bound: one calendar for all".into(), |size| counted(size as usize, "particle"));
+        let island =
+            plan.largest_island.map_or("without bound: one calendar for all".into(), |size| counted(size, "particle"));
         entries.add("largest island in a window", island);
     }
     if let Some(share) = plan.time_in_contact {
