@@ -284,7 +284,7 @@ pub struct Compare {
     /// chances of wrong answers hold for all tests together.
     #[arg(long)]
     pub until_decided: bool,
-    /// Also gives the answer by the exit code: 0 all equivalent, 3 some different, 4 some not resolved and none
+    /// Also gives the answer by the exit code: 0 all equivalent, 3 some different, 4 some unresolved and none
     /// different.
     #[arg(long)]
     pub exit_code: bool,
@@ -434,8 +434,8 @@ pub struct Sensitivity {
     /// Prints the factors, their sizes, the number of runs and their approximate time, and runs nothing else.
     #[arg(long)]
     pub plan: bool,
-    /// Also gives the answer by the exit code: 0 nothing is beyond the margin, 3 something is, 4 something is not
-    /// resolved.
+    /// Also gives the answer by the exit code: 0 nothing is beyond the margin, 3 something is, 4 something is
+    /// unresolved.
     #[arg(long)]
     pub exit_code: bool,
     #[command(flatten)]

@@ -1,11 +1,25 @@
 //! Parses the command line, calls the study, maps errors to exit codes.
 
 use clap::Parser;
+use clap::error::ErrorKind;
 use diptych::cli::{Cli, Command};
 use diptych::legible;
 use diptych::statistics::Answer;
 use diptych::study::{self, Ranks, StudyError};
 use std::process::ExitCode;
+
+/// The answer to the name of the program alone.
+const FIRST_STEPS: &str = "\
+Diptych runs one particle scene with soft and with hard spheres, and tells whether the choice matters.
+
+  diptych cases               lists the built-in scenes, each with its question
+  diptych plan quick          predicts steps, rates and costs of one, and recommends a model
+  diptych compare quick       runs soft and hard spheres and compares them, in half a minute
+  diptych init beads-in-air   writes a scene to a file, as a start for one of your own
+  diptych check FILE          reads a scene and tells what it would run
+  diptych lab                 shows both models side by side in a browser
+
+`diptych help` lists all commands, `diptych COMMAND --help` the options of one.";
 
 fn main() -> ExitCode {
     let ranks = match Ranks::join() {
@@ -17,6 +31,13 @@ fn main() -> ExitCode {
     };
     match Cli::try_parse() {
         Ok(cli) => ExitCode::from(ranks.close(command(cli.command, &ranks), exit_code)),
+        Err(why) if why.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
+            let _ = ranks.agree(Err::<(), _>(StudyError::Input(why.to_string())), |()| 0);
+            if ranks.is_lead() {
+                study::tell(FIRST_STEPS);
+            }
+            ExitCode::from(why.exit_code() as u8)
+        }
         // clap reports help and the version as errors too
         Err(why) => {
             let _ = ranks.agree(Err::<(), _>(StudyError::Input(why.to_string())), |()| 0);

@@ -215,16 +215,54 @@ fn blocks<'a>(markdown: &'a str, language: &str) -> Vec<&'a str> {
     markdown.split(fence.as_str()).skip(1).filter_map(|rest| rest.split("\n```").next()).collect()
 }
 
+/// Path relative to the crate and text of the pages for readers, those of `docs/` with its folders.
 fn documents() -> Vec<(String, String)> {
-    let names = ["README.md", "CONTRIBUTING.md", "CHANGELOG.md", "models/README.md"];
-    let mut found: Vec<_> = names.iter().map(|name| ((*name).to_owned(), text(name))).collect();
-    for entry in std::fs::read_dir(root().join("docs")).unwrap() {
-        let path = entry.unwrap().path();
-        if path.extension().is_some_and(|extension| extension == "md") {
-            found.push((path.display().to_string(), std::fs::read_to_string(&path).unwrap()));
+    fn collect(folder: &Path, found: &mut Vec<PathBuf>) {
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                collect(&path, found);
+            } else if path.extension().is_some_and(|extension| extension == "md") {
+                found.push(path);
+            }
         }
     }
-    found
+    let names = ["README.md", "CONTRIBUTING.md", "CHANGELOG.md", "models/README.md", "python/README.md"];
+    let mut found: Vec<PathBuf> = names.iter().map(|name| root().join(name)).collect();
+    collect(&root().join("docs"), &mut found);
+    found.sort();
+    let name = |path: &Path| path.strip_prefix(root()).unwrap().to_string_lossy().replace('\\', "/");
+    found.iter().map(|path| (name(path), std::fs::read_to_string(path).unwrap())).collect()
+}
+
+/// Anchors of the headings of a page, as forges make them.
+fn anchors(markdown: &str) -> Vec<String> {
+    let headings =
+        markdown.lines().filter(|line| line.starts_with('#')).map(|line| line.trim_start_matches('#').trim());
+    let kept = |c: &char| c.is_alphanumeric() || ['-', '_', ' '].contains(c);
+    headings.map(|heading| heading.to_lowercase().chars().filter(kept).collect::<String>().replace(' ', "-")).collect()
+}
+
+#[test]
+fn links_between_pages_lead_somewhere() {
+    let mut wrong = Vec::new();
+    for (name, markdown) in documents() {
+        let folder = root().join(&name).parent().unwrap().to_owned();
+        for link in markdown.split("](").skip(1).filter_map(|rest| rest.split(')').next()) {
+            if link.contains("://") || link.contains(char::is_whitespace) {
+                continue;
+            }
+            let (path, anchor) = link.split_once('#').map_or((link, None), |(path, anchor)| (path, Some(anchor)));
+            let target = if path.is_empty() { root().join(&name) } else { folder.join(path) };
+            let is_known = |anchor: &str| {
+                std::fs::read_to_string(&target).is_ok_and(|page| anchors(&page).iter().any(|known| known == anchor))
+            };
+            if !target.exists() || anchor.is_some_and(|anchor| !is_known(anchor)) {
+                wrong.push(format!("{name}: {link}"));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
 #[test]
@@ -250,11 +288,11 @@ fn toml_in_documents_is_a_case_or_part_of_one() {
 fn documents_name_commands_and_files_that_exist() {
     Cli::command().debug_assert();
     let commands: Vec<String> = Cli::command().get_subcommands().map(|command| command.get_name().to_owned()).collect();
-    let readme = text("README.md");
+    let table = text("docs/commands.md");
     for command in &commands {
         let line = format!("| `diptych {command}");
-        let has_line = [" ", "`"].iter().any(|end| readme.contains(&format!("{line}{end}")));
-        assert!(has_line, "README has no line for {command}");
+        let has_line = [" ", "`"].iter().any(|end| table.contains(&format!("{line}{end}")));
+        assert!(has_line, "docs/commands.md has no line for {command}");
     }
     for (name, markdown) in documents() {
         for (place, _) in markdown.match_indices("`diptych ") {

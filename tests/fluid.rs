@@ -287,7 +287,7 @@ fn study_of_a_plain_profile() {
     assert!(fluid_study(&fluid, HEIGHT, &out.path().join("profile.csv")).is_err(), "a file is no directory");
 }
 
-/// The points of the direct simulation that docs/theory.md prints, in the units of the paper's channel: y = 20 mm y⁺/1000.512 and
+/// The points of the direct simulation that docs/validation.md prints, in the units of the paper's channel: y = 20 mm y⁺/1000.512 and
 /// U = 0.0500256 · 15.9075 m/s U⁺; the table must pass through them to its printed digits, and carry U_b to 0.02 %.
 #[test]
 fn the_simulated_gas_is_that_of_its_source() {
@@ -410,7 +410,7 @@ fn a_pipe_drags_by_the_place() {
     let profile = &experiment.scene.fluid.as_ref().unwrap().profile;
     for (place, x) in [0.02, 0.035].into_iter().enumerate() {
         let gas = profile.velocity_at(&Vector3::new(x, 0.02, 0.0));
-        // 1.67597 m/s carry the weight of these spheres (docs/theory.md, "Drag")
+        // 1.67597 m/s carry the weight of these spheres (docs/theory/gas.md, "Drag")
         close(simulation.particles.velocity[place].z, gas - 1.67597, 1e-4, "speed");
     }
 }

@@ -366,7 +366,7 @@ fn an_intruder_sinks_as_deep_as_among_soft_spheres() {
             simulation.particles.position[ball].y
         });
         assert!(momentum_residual(&simulation, momentum) < 1e-12);
-        // sliding friction is booked as if nothing else pushed the two, as a dashpot is (docs/theory.md)
+        // sliding friction is booked as if nothing else pushed the two, as a dashpot is (docs/theory/model.md)
         assert!(energy_residual(&simulation, energy).abs() < 0.05, "{}", energy_residual(&simulation, energy));
         heights
     };

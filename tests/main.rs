@@ -25,6 +25,7 @@ mod endless; // surfaces of triangles through periodic sides
 mod everyday; // long names, folders in use or emptied, damaged files, large scenes, bad cases read by programs
 mod examples; // the programs of examples/ run
 mod files; // files of other programs: each oddity and each two of them
+mod first_answer; // README, picture, pages and stored runs say one thing
 mod fluid; // gas profiles against other k-epsilon solvers, DNS and closed forms
 mod folder; // the folder of results: whose it is, and what is replaced in it
 mod fuzz; // damaged and made-up inputs to every reader
@@ -74,8 +75,9 @@ mod sweep; // sweeps: killed and gone on with, grids and replicas, what is refus
 mod terminal; // what is said may get lost, results may not
 mod trajectory; // frames for other programs: bits, surfaces, failures
 mod trust; // the trust sheet of a run, and the halved step
+mod tutorial; // the commands of docs/tutorial.md, and its decision
 mod untrusted; // texts, files and links of others: legible, within their folder, within the memory
-mod verdict; // equivalent, different or not resolved: how often wrongly, and on which scenes
+mod verdict; // equivalent, different or unresolved: how often wrongly, and on which scenes
 mod verdict_scenes; // what the verdict says of scenes that are frozen, relax, stop, or are sampled at other times
 mod vessels; // vessels smaller than the box: random starts, regions, slabs, and what islands cost in them
 mod words; // what reports and summaries say: true of what ran, and in words

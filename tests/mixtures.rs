@@ -383,7 +383,7 @@ fn elastic_mixtures_share_energy_and_meet_as_theory_says() {
 #[test]
 #[ignore = "minutes: long enough for the rarest pairs"]
 fn elastic_mixtures_for_long() {
-    // at a volume fraction of 0.1 both contact values are the same within 0.1 %; measured numbers are in docs/theory.md, "Mixtures"
+    // at a volume fraction of 0.1 both contact values are the same within 0.1 %; measured numbers are in docs/validation.md, "Collision rates in mixtures"
     let dilute = "domain.size=[\"10.747 mm\", \"10.747 mm\", \"10.747 mm\"]";
     for (model, duration) in [(Model::Hard, "run.duration=3 s"), (Model::Soft, "run.duration=0.6 s")] {
         equilibrium(&case(THREE_TO_ONE, model, &[duration, dilute]).unwrap(), bmcsl, 0.01);

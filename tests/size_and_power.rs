@@ -1,6 +1,6 @@
 //! How often the verdict is wrong: on pairs of equal runs of scenes of every kind, and on made-up averages that differ by a known size.
 //!
-//! `cargo test --release --test it -- --ignored --nocapture size_and_power` prints the tables of docs/theory.md.
+//! `cargo test --release --test it -- --ignored --nocapture size_and_power` prints the tables of docs/theory/statistics.md.
 
 use diptych::case::Case;
 use diptych::outcome::Outcome;
@@ -314,13 +314,13 @@ fn equivalence_at_the_margin_is_rare_wherever_the_difference_is() {
     sequential(100, &[0.0, 1.0]);
 }
 
-/// A longer run or more replicas, as a comparison that is not resolved advises.
+/// A longer run or more replicas, as an unresolved comparison advises.
 enum Advice {
     Longer,
     Replicas(usize),
 }
 
-/// Shares of 15 pairs that are not resolved and are after what was advised; and the mean of how many times as much that was.
+/// Shares of 15 pairs that are unresolved and are decided after what was advised; and the mean of how many times as much that was.
 fn advised(scene: &Scene, advice: &Advice, margin: f64) -> (usize, usize, f64) {
     let experiment = |seed: u64| {
         let sets: Vec<String> = scene.sets.iter().map(|set| (*set).to_owned()).collect();

@@ -107,7 +107,7 @@ fn equal_systems_are_seldom_called_different_and_a_shift_is_found() {
         wrong += false_findings * 300.0;
         let [mean, slice] = errors(&equal);
         for ((name, shape), unit) in SHAPES.into_iter().zip([mean, mean, slice]) {
-            // 6 standard errors, docs/theory.md has the sizes that are found in 80 % of cases
+            // 6 standard errors, docs/theory/statistics.md has the sizes that are found in 80 % of cases
             let power = share(&comparisons(50, relaxation, 6.0 * unit, shape), found);
             println!("relaxation {relaxation}: {false_findings:.3} false; {name} of 6 SE found in {power:.2}");
             assert!(power >= 0.7, "{name}: {power}");
@@ -145,7 +145,7 @@ fn holm_goes_from_the_smallest_chance_up() {
     assert!(holm(&[], 0.01).is_empty());
 }
 
-/// The table of docs/theory.md: smallest differences that are found in 80 % of cases.
+/// The table of docs/theory/statistics.md: smallest differences that are found in 80 % of cases.
 #[test]
 #[ignore = "a minute of synthetic runs: cargo test -- --ignored --nocapture power_of_the_verdict"]
 fn power_of_the_verdict() {
@@ -223,7 +223,7 @@ fn what_is_not_steady_is_judged_by_curves_and_needs_replicas() {
     let small = ["--set", "domain.size=[\"6 mm\", \"6 mm\", \"6 mm\"]"];
     let (code, first, _) = compared("tests/inputs/good/two_restitutions.toml", &small);
     assert_eq!(code, Some(4), "{first}");
-    assert!(first.contains("not resolved") && first.contains("not steady") && first.contains("--replicas"), "{first}");
+    assert!(first.contains("unresolved") && first.contains("not steady") && first.contains("--replicas"), "{first}");
     let (code, first, summary) =
         compared("tests/inputs/good/two_restitutions.toml", &[&small[..], &["--replicas", "4"]].concat());
     assert_eq!(code, Some(3), "{first}");

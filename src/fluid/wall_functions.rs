@@ -4,7 +4,7 @@ use super::half_channel::{Equation, HalfChannel, WallCondition};
 use super::k_epsilon::{C_1, C_2, C_MU, SIGMA_EPSILON, SIGMA_K};
 use super::table::VelocityTable;
 
-/// [-] von Kármán's constant κ. With E = 9.0 a common pair, B = ln(E)/κ = 5.36; pairs in use differ (`docs/theory.md`).
+/// [-] von Kármán's constant κ. With E = 9.0 a common pair, B = ln(E)/κ = 5.36; pairs in use differ (`docs/theory/gas.md`).
 pub(super) const KAPPA: f64 = 0.41;
 /// [-] E of U+ = ln(E y+)/κ on a smooth wall, the partner of κ = 0.41.
 const E: f64 = 9.0;

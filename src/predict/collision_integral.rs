@@ -143,7 +143,7 @@ mod tests {
         }
     }
 
-    /// 1 - Ω to first order is π sqrt(2π)/4 s (docs/theory.md, "Softness"); second order by halving.
+    /// 1 - Ω to first order is π sqrt(2π)/4 s (docs/theory/softness.md); second order by halving.
     #[test]
     fn first_order_in_the_softness() {
         let lost = |s: f64| (viscosity_integral(0.0) - viscosity_integral(s)) / s;

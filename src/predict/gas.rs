@@ -222,7 +222,7 @@ impl CentreVolume {
 /// [-] apparent decrease of the diameter of soft spheres of one species, over the diameter. It is the difference
 /// between the diameter and that of Barker and Henderson (1967, J. Chem. Phys. 47, 4714) at temperature T [m²/s²];
 /// for a linear spring sqrt(π m T/(2 k))/d. The cross-section is smaller by twice that. The effect on the collision
-/// rate depends on the density of the gas (docs/theory.md, "Softness").
+/// rate depends on the density of the gas (docs/theory/softness.md).
 pub fn softness(law: &ContactLaw, species: &Species, temperature: f64) -> f64 {
     // the stored energy does not depend on the restitution
     let surface = Surface { restitution: 1.0, friction: 0.0 };

@@ -135,7 +135,7 @@ pub fn recommend(
     };
     if let Some((least, why)) = &wanted {
         let needed = least.parameter();
-        let needed = format!("{:.3e} {}", needed.value, needed.unit);
+        let needed = format!("{} {}", plain(needed.value, 3), needed.unit);
         reasons.push(match given.map(|given| (given.parameter(), enough(&given, least))) {
             Some((given, true)) => format!("The case's {given} is enough: {needed} would do ({why})."),
             Some((given, false)) => format!("The case's {given} is too low: at least {needed} ({why})."),
@@ -216,9 +216,10 @@ fn shortest(contacts: &[ContactKind], law: Option<ContactLaw>) -> Option<f64> {
 fn why_hard(plan: &RunPrediction) -> String {
     match (plan.time_in_contact, plan.gas.as_ref()) {
         (Some(share), Some(gas)) => format!(
-            "Contacts are collisions of two: a particle is in contact for {:.2e} of the time at this stiffness, and flies {:.3e} m between collisions. \
+            "Contacts are collisions of two: a particle is in contact for {} % of the time at this stiffness, and flies {} mm between collisions. \
              Hard spheres leave out what nobody sees, and need neither stiffness nor time step.",
-            share, gas.mean_free_path
+            plain(100.0 * share, 2),
+            plain(1e3 * gas.mean_free_path, 3)
         ),
         _ => "A few bodies that meet two at a time and do not come to rest within the run: each collision is an instant with a known outcome.".into(),
     }
@@ -295,9 +296,13 @@ fn steps(
     // where no number of steps is enough (a restitution of 0), the largest is used, without a promise
     let chosen = STEPS.into_iter().find(|&steps| error(steps) <= plan.target_error).unwrap_or(STEPS[STEPS.len() - 1]);
     if error(chosen).is_finite() {
+        let over = match remembered.round() {
+            1.0 => "one impact".to_owned(),
+            many => format!("the {many} impacts whose effect a particle keeps"),
+        };
+        let change = plain(100.0 * error(chosen), 2);
         reasons.push(format!(
-            "{chosen} steps per contact: the realised restitution then changes the kinetic energy by {:.1e} over the {remembered:.0} impacts whose effect a particle keeps.",
-            error(chosen)
+            "{chosen} steps per contact: the realised restitution then changes the kinetic energy by {change} % over {over}."
         ));
     }
     chosen
@@ -309,8 +314,11 @@ fn doubts(plan: &RunPrediction) -> Vec<String> {
     for effect in plan.effects.iter().filter(|effect| !effect.modelled && !effect.negligible()) {
         list.push(match effect.number {
             Some(number) => format!(
-                "{} is not in the model and is not small here: {:.2e} against {:.2e} ({}).",
-                effect.name, number, effect.threshold, effect.measure
+                "{} is not in the model and is not small here: {} against {} ({}).",
+                effect.name,
+                plain(number, 2),
+                plain(effect.threshold, 2),
+                effect.measure
             ),
             None => format!("{} is not in the model, and nothing here says how large it is.", effect.name),
         });
@@ -339,6 +347,11 @@ pub fn round_up(value: f64) -> f64 {
     let power = 10f64.powf(value.log10().floor());
     let digits = [1.0, 2.0, 5.0, 10.0].into_iter().find(|digit| digit * power >= value * (1.0 - 1e-12));
     digits.unwrap_or(10.0) * power
+}
+
+/// A number with so many significant digits, without a power of ten.
+fn plain(value: f64, digits: usize) -> String {
+    format!("{value:.*e}", digits.saturating_sub(1)).parse().unwrap_or(value).to_string()
 }
 
 fn percent(share: f64) -> String {

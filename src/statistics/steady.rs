@@ -6,7 +6,7 @@ use serde::Serialize;
 /// Number of samples per batch in the marginal standard error rule; batches reduce the influence of chance.
 const BATCH: usize = 5;
 /// Number of standard errors beyond which a difference is called drift [-]. A dozen series are judged, with errors from
-/// about ten degrees of freedom. Measured on 400 steady channels and gases: docs/theory.md, "Steady or not".
+/// about ten degrees of freedom. Measured on 400 steady channels and gases: docs/theory/statistics.md, "Steady or not".
 pub const LARGEST_DRIFT: f64 = 4.0;
 /// Drift beyond which a start at the limit is not accepted [-]: chance seldom puts the start there, and both together
 /// are rarer still.

@@ -72,7 +72,7 @@ average_from = "0 s"
 slices = 4
 "#;
 
-/// Every engine accounts for its energy: hard spheres to rounding, soft ones to the error of their steps, which is linear in uniform ones (docs/theory.md, "Energy and momentum").
+/// Every engine accounts for its energy: hard spheres to rounding, soft ones to the error of their steps, which is linear in uniform ones (docs/theory/model.md, "Energy and momentum").
 #[test]
 fn energy_of_four_kinds_between_moving_walls_closes() {
     let residual = |model: Model, sets: &[&str]| {

@@ -143,7 +143,7 @@ def turned(impact, depth):
 
 
 def omega(kappa):
-    """The collision integral of a linear spring over that of hard spheres (docs/theory.md, "Softness")."""
+    """The collision integral of a linear spring over that of hard spheres (docs/theory/softness.md)."""
     softness, total = kappa * math.sqrt(math.pi / 2), 0.0
     for i in range(40):
         gamma = (i + 0.5) / 10

@@ -184,7 +184,7 @@ function draw(now) {
 }
 
 function judged(verdict) {
-  const words = { equivalent: "Equivalent so far", different: "Different", unresolved: "Not resolved yet" };
+  const words = { equivalent: "Equivalent so far", different: "Different", unresolved: "Unresolved so far" };
   const box = at("verdict").querySelector("p");
   box.textContent = `${words[verdict.answer] ?? verdict.answer}. ${verdict.sentence} Averages are taken from ${si(verdict.from, "s")} on.`;
   state.profiles?.draw(verdict.profiles);

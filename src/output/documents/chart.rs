@@ -1,7 +1,7 @@
 //! The document of a chart of work against precision.
 
 use crate::experiment::Model;
-use crate::output::document::{Block, Document, Table, TextRow, columns, known};
+use crate::output::document::{Block, Document, Table, TextRow, columns, known, text};
 use crate::output::numbers::{UNKNOWN, count, percent, quantity, significant, with_error};
 use crate::output::{
     ChartPoint, ChartQuantity, ChartSlope, ChartStudy, CostMeasure, Folder, OutputError, cheapest, csv, figures,
@@ -38,6 +38,31 @@ pub fn write_chart(folder: &Folder, study: &ChartStudy) -> Result<PathBuf, Outpu
         "slopes": study.slopes,
     });
     document.write(folder, numbers)
+}
+
+/// The answers of a chart as a table for a terminal: the cheapest soft and hard method within 1 % and 0.1 % of each
+/// quantity, with the operations of one run.
+pub fn chart_answers(study: &ChartStudy) -> String {
+    let rows = study.quantities.iter().enumerate().flat_map(|(index, quantity)| {
+        [(0.01, "1 %"), (0.001, "0.1 %")].map(|(target, words)| -> TextRow {
+            let of = |model: Model| match cheapest(
+                (study.methods, study.points),
+                index,
+                target,
+                CostMeasure::Work,
+                &[model],
+            ) {
+                _ if quantity.floor > target => format!("chance moves one run by {}", percent(quantity.floor, 1.0)),
+                Some(point) => format!("{}: {}", study.knob(point), count(point.work.round() as u64)),
+                None => "none for certain".into(),
+            };
+            (false, vec![quantity.name.to_owned(), words.to_owned(), of(Model::Soft), of(Model::Hard)])
+        })
+    });
+    text(&[Block::table(
+        "quantity | within | cheapest soft method: operations | cheapest hard method: operations",
+        rows,
+    )])
 }
 
 /// Explanation of the diagrams, given once for all of them.
@@ -120,7 +145,7 @@ impl ChartStudy<'_> {
         let (target, words) = figures::WITHIN;
         let floor = self.quantities[index].floor;
         if floor > target {
-            return format!("Nobody wins within {words}: chance alone moves one run by {}.", percent(floor, 1.0));
+            return format!("No method wins within {words}: chance alone moves one run by {}.", percent(floor, 1.0));
         }
         let of = |models: &[Model]| cheapest((self.methods, self.points), index, target, CostMeasure::Work, models);
         let (soft, hard) = (of(&[Model::Soft]), of(&[Model::Hard]));

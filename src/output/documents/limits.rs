@@ -1,6 +1,6 @@
 //! The document of a study of limits.
 
-use crate::output::document::{Block, Document};
+use crate::output::document::{Block, Document, TextRow, text};
 use crate::output::files::{MAPS, write_summary};
 use crate::output::limits::{LimitsStudy, Map};
 use crate::output::numbers::{count, quantity};
@@ -54,6 +54,15 @@ pub fn write_limits(folder: &Folder, study: &LimitsStudy) -> Result<PathBuf, Out
     });
     write_summary(folder, &summary)?;
     Ok(page)
+}
+
+/// The maps as a table for a terminal: the points of each by their outcome.
+pub fn limits_answers(study: &LimitsStudy) -> String {
+    let rows = study.maps.iter().map(|map| -> TextRow {
+        let outcomes = map.outcomes().into_iter().map(|(name, number)| format!("{} {name}", count(number)));
+        (false, vec![map.name.to_owned(), count(map.rows.len() as u64), outcomes.collect::<Vec<_>>().join(", ")])
+    });
+    text(&[Block::table("map | points | outcomes", rows)])
 }
 
 impl LimitsStudy<'_> {

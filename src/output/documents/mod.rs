@@ -15,9 +15,9 @@ mod trust;
 mod verdict;
 mod work;
 
-pub use chart::write_chart;
+pub use chart::{chart_answers, write_chart};
 pub use impact::write_impact;
-pub use limits::write_limits;
+pub use limits::{limits_answers, write_limits};
 pub use plan::{PlanDocument, plan_json, plan_text};
 pub use run::{write_part, write_study};
 pub use sensitivity::{write_sensitivity, write_sensitivity_part};

@@ -97,6 +97,15 @@ pub fn plan_text(document: &PlanDocument) -> String {
     text(&blocks)
 }
 
+/// Rows of a table of contacts that fit on a screen.
+const MOST_ROWS: usize = 12;
+
+/// A remark on the rows that a table leaves out; none if it has all.
+fn left_out(rows: usize) -> Option<Block> {
+    let more = rows.checked_sub(MOST_ROWS).filter(|more| *more > 0)?;
+    Some(Block::Note(format!("and {} more, all with --json", counted(more, "row"))))
+}
+
 /// A list of terms that grows term by term.
 #[derive(Default)]
 struct Entries(Vec<(String, String)>);
@@ -143,9 +152,8 @@ fn motion(plan: &RunPrediction) -> Block {
                 entries.add("", short_run(run.wall_rate));
             }
         }
-        let island = plan
-            .largest_island
-            .map_or("without bound: one calendar for all".into(), |size| format!("{size} particles"));
+        let island =
+            plan.largest_island.map_or("without bound: one calendar for all".into(), |size| counted(size, "particle"));
         entries.add("largest island in a window", island);
     }
     if let Some(share) = plan.time_in_contact {
@@ -172,7 +180,7 @@ fn contacts(plan: &RunPrediction) -> Vec<Block> {
     }
     // a stiffness common to all contacts stands in the heading
     let own = plan.contacts.iter().any(|row| row.contact.bodies.stiffness_ratio != 1.0);
-    let rows = plan.contacts.iter().map(|row| -> TextRow {
+    let rows = plan.contacts.iter().take(MOST_ROWS).map(|row| -> TextRow {
         let stiffness = own.then(|| format!("{} N/m", significant(row.stiffness, 4)));
         let mut cells: Vec<String> = std::iter::once(row.contact.name.clone()).chain(stiffness).collect();
         cells.extend([
@@ -188,8 +196,9 @@ fn contacts(plan: &RunPrediction) -> Vec<Block> {
         ]);
         (false, cells)
     });
-    let limits = plan.step_limits.iter().map(|limit| (limit.name.clone(), quantity(limit.longest, "s", 3)));
-    vec![
+    let limits =
+        plan.step_limits.iter().take(MOST_ROWS).map(|limit| (limit.name.clone(), quantity(limit.longest, "s", 3)));
+    let mut blocks = vec![
         Block::Heading(format!("Contacts at {}; {}", plan.contact_law, plan.integrator)),
         Block::table(
             &format!(
@@ -198,16 +207,18 @@ fn contacts(plan: &RunPrediction) -> Vec<Block> {
             ),
             rows,
         ),
-        Block::heading("Limits on the soft time step; the first binds"),
-        Block::Entries(limits.collect()),
-    ]
+    ];
+    blocks.extend(left_out(plan.contacts.len()));
+    blocks.extend([Block::heading("Limits on the soft time step; the first binds"), Block::Entries(limits.collect())]);
+    blocks.extend(left_out(plan.step_limits.len()));
+    blocks
 }
 
 fn flow(plan: &RunPrediction) -> Vec<Block> {
     if plan.flow.is_empty() {
         return Vec::new();
     }
-    let rows = plan.flow.iter().map(|row| -> TextRow {
+    let rows = plan.flow.iter().take(MOST_ROWS).map(|row| -> TextRow {
         let cells = vec![
             row.species.clone(),
             quantity(row.stokes_time, "s", 3),
@@ -221,7 +232,10 @@ fn flow(plan: &RunPrediction) -> Vec<Block> {
     });
     let head =
         " | Stokes time | terminal slip | τ at that slip | St, bulk velocity | St, friction velocity | mass loading";
-    vec![Block::heading("Particles in the gas"), Block::table(head, rows)]
+    [Block::heading("Particles in the gas"), Block::table(head, rows)]
+        .into_iter()
+        .chain(left_out(plan.flow.len()))
+        .collect()
 }
 
 fn effects(plan: &RunPrediction) -> Vec<Block> {
@@ -266,7 +280,7 @@ fn costs(plan: &RunPrediction, threads: usize) -> Vec<Block> {
     let causes = plan.costs.iter().filter_map(|cost| cost.failure.as_ref()).map(Block::note);
     let bed = plan.costs.iter().any(|cost| cost.failure.is_none() && cost.wall_seconds.is_none()).then(|| {
         let share = percent(plan.share_at_rest(), 1.0);
-        let words = "The windows timed are of the start, when particles fly; in a bed islands hold everybody, and local stepping costs";
+        let words = "The windows timed are of the start, when particles fly; in a bed islands hold all particles, and local stepping costs";
         Block::Note(format!("Particles lie for {share} of the run. {words} more than uniform stepping."))
     });
     [Block::Heading(title), table].into_iter().chain(causes).chain(bed).collect()

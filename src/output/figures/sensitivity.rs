@@ -28,7 +28,7 @@ pub fn sensitivity(study: &SensitivityStudy) -> Vec<Figure> {
         mark: 1.0,
     });
     let caption = "Shift of each observable by each factor, in margins (dashed line: the margin), the factor that matters most on top. Bars: one standard error; they end at the left frame where zero lies \
-                   within. Pale: not resolved. Points on the left frame: no shift that could be drawn. Signs stand in the table below.";
+                   within. Pale: unresolved. Points on the left frame: no shift that could be drawn. Signs stand in the table below.";
     vec![Figure::new("sensitivity", caption, picture)]
 }
 

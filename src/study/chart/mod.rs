@@ -21,7 +21,7 @@ use crate::case::{Case, describe};
 use crate::cli::Chart;
 use crate::experiment::Experiment;
 use crate::output::numbers::{quantity, significant};
-use crate::output::{ChartMethod, ChartPoint, ChartQuantity, ChartStudy, write_chart};
+use crate::output::{ChartMethod, ChartPoint, ChartQuantity, ChartStudy, chart_answers, write_chart};
 use crate::runs::{StudyError, conclude, folder, provenance, read, start, tell};
 
 /// Results of a chart, before they are written.
@@ -69,7 +69,10 @@ pub fn chart(args: &Chart) -> Result<(), StudyError> {
     };
     let report = write_chart(&folder, &study)?;
     if !quiet {
-        conclude(&verdicts, "Report", &report);
+        // each quantity has its sentence in the report
+        let failures = verdicts.iter().skip(results.quantities.len()).cloned();
+        let said: Vec<String> = std::iter::once(chart_answers(&study)).chain(failures).collect();
+        conclude(&said, "Report", &report);
     }
     Ok(())
 }

@@ -65,7 +65,7 @@ fn nothing(why: &str) -> Finding {
         answer: Answer::Unresolved,
         basis: Basis::Nothing,
         sentence: format!(
-            "not resolved: {why}, and the runs have no instant in common at which something could be compared."
+            "unresolved: {why}, and the runs have no instant in common at which something could be compared."
         ),
         reason: "Nothing could be compared.".into(),
         comparison: None,
@@ -201,7 +201,7 @@ fn single(variant: &Outcome, reference: &Outcome, times: &[f64], why: &str) -> F
         (_, Some((share, time, curve))) => (
             Answer::Unresolved,
             format!(
-                "not resolved: {why}, and of one run each nothing is known of the error of a curve over time; they are apart by {} at most ({advice}).",
+                "unresolved: {why}, and of one run each nothing is known of the error of a curve over time; they are apart by {} at most ({advice}).",
                 named(share, curve, time)
             ),
         ),

@@ -1,4 +1,4 @@
-//! Comparison of every variant with its reference: equivalent, different, or not resolved.
+//! Comparison of every variant with its reference: equivalent, different, or unresolved.
 //!
 //! Few bodies are compared by the path of each, as long as paths can be predicted. Beyond that time, and for many
 //! bodies, two steady runs are compared by their averages. Unsteady runs have no averages: they are compared by curves
@@ -32,7 +32,7 @@ const TELLING: f64 = 0.1;
 const CLOSE: f64 = 1.1;
 
 /// [-] volume fraction up to which soft spheres collide as often as hard ones, except for about 5 % of their softness
-/// (docs/theory.md, "Softness").
+/// (docs/theory/softness.md).
 const DILUTE: f64 = 0.03;
 
 /// Compares every variant that has a reference other than itself, in a single look. `others` are the replicas of each
@@ -129,7 +129,7 @@ fn stopped(runs: &[ReplicaRuns; 2], found: Finding) -> Finding {
     }
     let name = &stopped.experiment.name;
     let sentence =
-        format!("not resolved: \"{name}\" stopped before its end; what there is of both is {}", found.sentence);
+        format!("unresolved: \"{name}\" stopped before its end; what there is of both is {}", found.sentence);
     Finding { answer: Answer::Unresolved, sentence, ..found }
 }
 
@@ -162,7 +162,7 @@ fn one_of_many(both: [&Outcome; 2], kept: f64) -> Finding {
         answer: Answer::Unresolved,
         basis: Basis::Nothing,
         sentence: format!(
-            "not resolved: {} of the particles are in the same layer at the end as at the start of averaging, so that one run says nothing of others ({advice}).",
+            "unresolved: {} of the particles are in the same layer at the end as at the start of averaging, so that one run says nothing of others ({advice}).",
             percent(kept)
         ),
         reason: "What does not mix is told from other runs by the scatter between replicas alone.".into(),
@@ -217,7 +217,7 @@ fn longer(run: &Outcome, stretch: f64) -> String {
     let from = run.profiles.from;
     let mut experiment = run.experiment.clone();
     experiment.run.duration = from + stretch * (run.simulated_seconds - from);
-    let longer = format!("{} of each", quantity(experiment.run.duration, "s", 2));
+    let longer = format!("{} simulated of each", quantity(experiment.run.duration, "s", 2));
     if Schedule::new(&experiment).interval() <= CLOSE * run.sample_interval {
         return longer;
     }

@@ -68,7 +68,7 @@ pub fn judge(variant: &Outcome, reference: &Outcome, margin: f64) -> Finding {
     let unresolved = |sentence: String| Finding {
         answer: Answer::Unresolved,
         basis: Basis::Paths,
-        sentence: format!("not resolved: {sentence}"),
+        sentence: format!("unresolved: {sentence}"),
         reason: reason.clone(),
         comparison: None,
     };

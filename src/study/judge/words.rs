@@ -114,12 +114,12 @@ fn size(one: &Judged, across: &str) -> String {
 
 fn unresolved(comparison: &Comparison, across: &str, needed: &impl Fn(f64) -> String) -> String {
     if comparison.judged.is_empty() {
-        return "not resolved: nothing that could be compared has error bars.".into();
+        return "unresolved: nothing that could be compared has error bars.".into();
     }
     let open = || comparison.judged.iter().filter(|one| one.answer == Answer::Unresolved);
     let Some(worst) = open().max_by(|a, b| a.stretch.total_cmp(&b.stretch)) else {
         let names: Vec<String> = comparison.unknown.iter().map(|name| in_prose(name)).collect();
-        return format!("not resolved: there are no error bars for {}.", names.join(", "));
+        return format!("unresolved: there are no error bars for {}.", names.join(", "));
     };
     let limit = margin(comparison.margin);
     // all observables have to be shown equivalent; what these runs just fail to show needs more than a little
@@ -139,7 +139,7 @@ fn unresolved(comparison: &Comparison, across: &str, needed: &impl Fn(f64) -> St
     };
     let blindest = comparison.judged.iter().max_by(|a, b| a.detectable.total_cmp(&b.detectable)).unwrap_or(worst);
     format!(
-        "not resolved: no difference is seen beyond the margin, and the smallest smooth one that these runs could see is {} of {} (in {}); one of up to {} of {} may be left {} (in {}).{smooth} {advice}",
+        "unresolved: no difference is seen beyond the margin, and the smallest smooth one that these runs could see is {} of {} (in {}); one of up to {} of {} may be left {} (in {}).{smooth} {advice}",
         percent(blindest.detectable),
         blindest.tested.scale_is,
         in_prose(&blindest.tested.name),

@@ -52,7 +52,7 @@ pub fn heating(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let lesson = paper.map_or(String::new(), |row| {
         format!(
             "At N_c = 7.735, the paper’s step, an elastic gas gains {} % of its temperature per collision that a particle suffers \
-             ({:.2} % from the linear map), so that it doubles in {:.0}; the gain falls with the fourth power of the step.",
+             ({:.2} % from the linear map), so that it doubles in {:.0}; the gain falls with the third power of the step.",
             with_error(Estimate::new(percent(row, 1), percent(row, 2))),
             percent(row, 3),
             2.0f64.ln() / row.values[1]

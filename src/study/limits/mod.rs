@@ -22,7 +22,7 @@ mod tunnelling;
 use crate::case::Case;
 use crate::cli::Limits;
 use crate::output::limits::{LimitsStudy, Map};
-use crate::output::{Folder, Provenance, write_limits};
+use crate::output::{Folder, Provenance, limits_answers, write_limits};
 use crate::runs::{StudyError, command_line, conclude, use_threads};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -165,8 +165,9 @@ pub fn limits(args: &Limits) -> Result<(), StudyError> {
     let study = LimitsStudy { provenance: &provenance, maps: &maps, wall_seconds: &wall_seconds, quick: args.quick };
     let report = write_limits(&folder, &study)?;
     if !args.output.quiet {
-        let lessons: Vec<String> = maps.iter().map(|map| format!("{}: {}", map.name, map.lesson)).collect();
-        conclude(&lessons, "Report", &report);
+        let lessons = maps.iter().map(|map| format!("{}: {}", map.name, map.lesson));
+        let said: Vec<String> = std::iter::once(limits_answers(&study)).chain(lessons).collect();
+        conclude(&said, "Report", &report);
     }
     Ok(())
 }

@@ -25,7 +25,7 @@ const TANGENTIAL_ERROR: f64 = 0.07;
 const PAPER_WALL_FRICTION: f64 = 0.325;
 /// [-] standard error of a measured friction: cellulose acetate 0.25 ± 0.02 (Foerster et al. 1994).
 const FRICTION_ERROR: f64 = 0.02;
-/// [-] steps per contact of the paper's cases B to D: their printed step and stiffness (docs/theory.md, "Corrections").
+/// [-] steps per contact of the paper's cases B to D: their printed step and stiffness (docs/paper.md, "The audit").
 const PAPER_STEPS: f64 = 7.7;
 /// [-] θ of stepped hard spheres: a third of the usual 0.3, at which fast ones pass through walls (docs/limits.md).
 const THETA: f64 = 0.1;
@@ -125,7 +125,7 @@ fn stiffness(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<PlannedFa
     }
     let change = format!("{} → ∞", stiff(Some(law)));
     let usual = format!(
-        "extrapolated from {}, that over {} and over {}: what softness does goes with the depth of the overlaps (docs/theory.md)",
+        "extrapolated from {}, that over {} and over {}: what softness does goes with the depth of the overlaps (docs/theory/softness.md)",
         stiff(Some(law)),
         plain(ratio),
         plain(ratio * ratio)

@@ -33,7 +33,8 @@ pub fn sentences(factors: &[Factor], waiting: &[String], margin: f64) -> Vec<Str
             }
         }
         None if equivalent.is_empty() => {
-            sentences.push(format!("Nothing is resolved at a margin of {within}: longer runs or replicas are needed."));
+            sentences
+                .push(format!("Everything is unresolved at a margin of {within}: longer runs or replicas are needed."));
         }
         None if unresolved.is_empty() => {
             sentences.push(format!("Nothing matters: no factor shifts anything beyond the margin of {within}."));
@@ -43,7 +44,7 @@ pub fn sentences(factors: &[Factor], waiting: &[String], margin: f64) -> Vec<Str
     if !equivalent.is_empty() {
         sentences.push(format!("Below the margin: {}.", list(&equivalent, &|shift| size(shift))));
     }
-    sentences.extend(not_resolved(&unresolved, &within));
+    sentences.extend(open(&unresolved, &within));
     sentences.extend(factors.iter().find(|factor| factor.name == CHANCE).and_then(chance));
     let stopped = factors.iter().filter_map(|factor| {
         Some(format!("{} ({}) says nothing: {}.", capital(&factor.title), factor.change, factor.stopped.as_ref()?))
@@ -94,7 +95,7 @@ fn list(factors: &[&Factor], say: &dyn Fn(&Shift) -> String) -> String {
     factors.iter().map(one).collect::<Vec<_>>().join(", ")
 }
 
-fn not_resolved(factors: &[&Factor], within: &str) -> Option<String> {
+fn open(factors: &[&Factor], within: &str) -> Option<String> {
     if factors.is_empty() {
         return None;
     }
@@ -114,7 +115,7 @@ fn not_resolved(factors: &[&Factor], within: &str) -> Option<String> {
     let same = factors[0].remarks.first().filter(|why| factors.iter().all(|other| other.remarks.first() == Some(why)));
     if let Some(why) = same {
         let names: Vec<&str> = factors.iter().map(|factor| factor.title.as_str()).collect();
-        return Some(format!("Not resolved: {}: {why}.", names.join(", ")));
+        return Some(format!("Unresolved: {}: {why}.", names.join(", ")));
     }
     let stretch = factors.iter().flat_map(|factor| &factor.shifts).filter(|shift| shift.answer == Answer::Unresolved);
     let stretch = stretch.filter_map(|shift| shift.stretch).reduce(f64::max).filter(|stretch| stretch.is_finite());
@@ -122,7 +123,7 @@ fn not_resolved(factors: &[&Factor], within: &str) -> Option<String> {
         let times = significant(stretch.max(2.0).ceil(), 2);
         format!(" About {times} times as long runs or as many replicas would show whether they are below {within}.")
     });
-    Some(format!("Not resolved: {}.{advice}", factors.iter().map(one).collect::<Vec<_>>().join(", ")))
+    Some(format!("Unresolved: {}.{advice}", factors.iter().map(one).collect::<Vec<_>>().join(", ")))
 }
 
 /// Sentence on the size of shifts by chance alone.
