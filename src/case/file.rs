@@ -34,7 +34,6 @@ use super::quantity::{
     Acceleration, Density, KinematicViscosity, Length, Pressure, Ratio, Speed, Spin, Stiffness, Time,
 };
 use super::time_or_word::{AverageFromFile, WindowFile};
-use crate::drag::Drag;
 use crate::experiment::{Integrator, Model, SoftStepping, TrajectoryFormat};
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -57,7 +56,7 @@ pub struct CaseFile {
     /// this table there is no gas.
     pub fluid: Option<Located<FluidFile>>,
     /// The drag law. Without this table the gas exerts no force.
-    pub drag: Option<Located<Drag>>,
+    pub drag: Option<Located<DragFile>>,
     /// One kind of particles. Exactly one of `count`, `volume_fraction`, `file` and `at` sets how many particles there
     /// are.
     #[schemars(extend("x-required" = "always"))]
@@ -146,6 +145,16 @@ pub struct FluidFile {
     /// Velocity of the gas along z, usually as a function of y. Give exactly one of the tables below.
     #[schemars(extend("x-required" = "always"))]
     pub profile: Option<Located<ProfileFile>>,
+}
+
+/// `[drag.*]`.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum DragFile {
+    /// Schiller and Naumann (1935), the paper's.
+    SchillerNaumann {},
+    /// Creeping flow: the analytic yardstick.
+    Stokes {},
 }
 
 /// `[fluid.profile.*]`.

@@ -17,7 +17,7 @@ pub use kick::Kick;
 pub use schiller_naumann::SchillerNaumann;
 pub use stokes::Stokes;
 
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -121,20 +121,13 @@ pub trait DragLaw: std::fmt::Debug + Send + Sync {
 }
 
 /// The drag law of a gas: one that a case can name, or one that the calling program provides.
-#[derive(Clone, Debug, Deserialize)]
-#[cfg_attr(feature = "case", derive(schemars::JsonSchema))]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Debug)]
 pub enum Drag {
     /// Schiller and Naumann (1935), the paper's.
-    #[serde(deserialize_with = "without_parameters")]
-    #[cfg_attr(feature = "case", schemars(with = "Empty"))]
     SchillerNaumann(SchillerNaumann),
     /// Creeping flow: the analytic yardstick.
-    #[serde(deserialize_with = "without_parameters")]
-    #[cfg_attr(feature = "case", schemars(with = "Empty"))]
     Stokes(Stokes),
     /// A law of the calling program; a case cannot name it.
-    #[serde(skip)]
     Other(Arc<dyn DragLaw>),
 }
 
@@ -167,15 +160,4 @@ impl Serialize for Drag {
         }
         BTreeMap::from([(name, parameters.into_iter().collect::<BTreeMap<_, _>>())]).serialize(serializer)
     }
-}
-
-/// The table of a law that has no parameters.
-#[derive(Deserialize)]
-#[cfg_attr(feature = "case", derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields)]
-struct Empty {}
-
-/// Reads the empty table of a law that has no parameters.
-fn without_parameters<'de, D: Deserializer<'de>, L: Default>(deserializer: D) -> Result<L, D::Error> {
-    Empty::deserialize(deserializer).map(|Empty {}| L::default())
 }

@@ -3,9 +3,10 @@
 use super::{Resolver, short, vector};
 use crate::case::de::Located;
 use crate::case::diagnostic::Diagnostic;
-use crate::case::file::{CaseFile, FluidFile, ProfileFile, TurbulenceFile};
+use crate::case::file::{CaseFile, DragFile, FluidFile, ProfileFile, TurbulenceFile};
 use crate::case::quantity::Ratio;
 use crate::domain::Domain;
+use crate::drag::{Drag, SchillerNaumann, Stokes};
 use crate::fluid::TurbulenceModel;
 use crate::fluid::{Fluid, Profile};
 use crate::scene::{Scene, Species, Surface};
@@ -126,7 +127,10 @@ impl Resolver {
         let nu = self.in_range(viscosity, slip)?;
         let profile = self.profile(fluid, domain, nu, species)?;
         let drag = match &file.drag {
-            Some(drag) => Some(drag.value.clone()),
+            Some(drag) => Some(match drag.value {
+                DragFile::SchillerNaumann {} => Drag::SchillerNaumann(SchillerNaumann),
+                DragFile::Stokes {} => Drag::Stokes(Stokes),
+            }),
             None => {
                 self.warn(
                     &fluid.origin,

@@ -5,7 +5,6 @@
 
 use super::plan::{PlannedFactor, SensitivityPlan};
 use crate::contact_law::ContactLaw;
-use crate::drag::Drag;
 use crate::experiment::{Amount, Experiment, HardStepping, Integrator, Model, TimeStep};
 use crate::fluid::Profile;
 use crate::output::numbers::quantity;
@@ -362,23 +361,23 @@ fn gas(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<PlannedFactor, 
 fn drag(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<PlannedFactor, String> {
     let fluid = plan.reference().scene.fluid.as_ref();
     let law = fluid.and_then(|fluid| fluid.drag.as_ref()).ok_or("no gas acts on the particles")?;
-    let usual = match law {
-        Drag::SchillerNaumann(_) => "stokes",
-        Drag::Stokes(_) => "schiller_naumann",
-        Drag::Other(_) => return Err("its law is the caller's own".into()),
-    };
-    let to = size.unwrap_or(usual);
-    if !["stokes", "schiller_naumann"].contains(&to) {
-        return Err(format!("`{to}` is no drag law: stokes or schiller_naumann"));
-    }
-    let words = |name: &str| if name == "stokes" { "Stokes" } else { "Schiller-Naumann" };
-    let before = if usual == "stokes" { "schiller_naumann" } else { "stokes" };
+    let before = law.law().name();
+    let to = size.unwrap_or(if before == "stokes" { "schiller_naumann" } else { "stokes" });
     if to == before {
         return Err("it has that law already".into());
     }
-    let run = plan.add(&format!("drag: {}", words(to)), &[format!("drag.{to}={{}}")], None, None)?;
-    let change = format!("{} → {}", words(before), words(to));
+    let run = plan.add(&format!("drag: {}", title(to)), &[format!("drag.{to}={{}}")], None, None)?;
+    let change = format!("{} → {}", title(before), title(to));
     Ok(PlannedFactor::against(plan.first(), run, change, why(size, "the other law of this program")))
+}
+
+/// Name of a law of a case as a title: `schiller_naumann` is Schiller-Naumann.
+fn title(name: &str) -> String {
+    let capital = |word: &str| {
+        let mut rest = word.chars();
+        rest.next().map_or(String::new(), |first| first.to_uppercase().chain(rest).collect())
+    };
+    name.split('_').map(capital).collect::<Vec<_>>().join("-")
 }
 
 fn shorter_box(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<PlannedFactor, String> {
