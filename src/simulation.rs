@@ -140,7 +140,8 @@ impl Simulation {
         Self { refused, bound, unseen, ..Self::with_totals(experiment.scene.clone(), particles, totals, engine) }
     }
 
-    /// A simulation as in [`new`](Self::new), with an engine of the calling program.
+    /// A simulation as in [`new`](Self::new), with an engine of the calling program. If processes share it, the lead moves
+    /// all particles.
     pub fn with_engine(scene: Scene, particles: Particles, engine: Box<dyn Engine>) -> Self {
         let totals = SimulationTotals::of(&Sample::from(&particles));
         Self::with_totals(scene, particles, totals, SimulationEngine::Single(engine))

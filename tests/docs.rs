@@ -200,6 +200,15 @@ fn engines_do_not_know_each_other_and_one_file_knows_each_foreign_library() {
     }
 }
 
+/// Engines, islands and uniform steps are written as if a process were alone.
+#[test]
+fn one_folder_of_the_engines_knows_other_processes() {
+    let is_elsewhere = |path: &str| path.starts_with("src/engine/") && !path.starts_with("src/engine/distributed/");
+    for (path, text) in sources().into_iter().filter(|(path, _)| is_elsewhere(path)) {
+        assert!(!code(&text).to_lowercase().contains("communicator"), "{path} names the communicator");
+    }
+}
+
 /// Results cannot depend on a clock that is not read: physics is lent one, for the times that reports show.
 #[test]
 fn only_studies_and_the_clock_read_the_time() {

@@ -122,42 +122,8 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
         // the first part
         let least = if self.width > 0.0 { SEEN } else { SEEN_AT_FIRST };
         self.width = self.width.max(least * flight);
-        let (domain, size) = (&work.scene.domain, self.communicator.size());
-        let block = self.block(domain);
-        let mut places: Vec<Vec<u32>> = vec![Vec::new(); size];
-        let mut mine = Vec::with_capacity(work.particles.len());
-        // a particle so deep inside does not leave, and no other process needs it
-        let deep = (self.width + flight) * (1.0 + 1e-9);
-        for place in 0..work.particles.len() {
-            if self.blocks.is_deep(&work.particles.position[place], &block, deep) {
-                mine.push(true);
-                continue;
-            }
-            let owner = self.blocks.owner(&work.particles.position[place]);
-            mine.push(owner == self.communicator.rank());
-            let middle = BoundingSphere::of(work.particles, place, domain, frame, part).middle;
-            let mut to = |rank: usize| {
-                if places[rank].last() != Some(&(place as u32)) {
-                    places[rank].push(place as u32);
-                }
-            };
-            self.for_each_borrower(&middle, (&block, domain), &mut to);
-            if owner != self.communicator.rank() {
-                to(owner);
-            }
-        }
-        let cargo = |places: &Vec<u32>| {
-            if places.is_empty() {
-                return Vec::new();
-            }
-            let goes = |place: &u32| places.binary_search(place).is_ok();
-            let home = work.lasting.iter().filter(|carried| S::places(carried).iter().flatten().any(goes));
-            let mut lasting = ids_of::<S>(work.particles, home);
-            let abroad = self.abroad.iter().filter(|abroad| goes(&abroad.own));
-            lasting.extend(abroad.map(|abroad| abroad.carried));
-            pack(work.particles, places, &lasting)
-        };
-        let outgoing = places.iter().map(cargo).collect();
+        let (mut mine, places) = self.sort_out(work, (frame, part), flight);
+        let outgoing = places.iter().map(|places| self.cargo::<S>(work, places)).collect();
         let (count, before) = (work.particles.len(), (work.lasting.clone(), self.abroad.clone()));
         let leavers = (0u32..).zip(&mine).filter(|(_, mine)| !**mine);
         let mut strangers: FxHashMap<u32, u32> =
@@ -184,8 +150,52 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
             }
         }
         strangers.retain(|_, place| !mine[*place as usize]);
-        let region = Region::around(domain, block, self.width);
+        let domain = &work.scene.domain;
+        let region = Region::around(domain, self.block(domain), self.width);
         LocalParticles { mine, count, lasting: before, strangers, complete: agrees, region }
+    }
+
+    /// Flags by index, true for own particles, and for each process the indices of the particles that go there: those
+    /// that it owns, and those that it borrows.
+    fn sort_out(&self, work: &Work<C>, (frame, part): (Vector3<f64>, f64), flight: f64) -> (Vec<bool>, Vec<Vec<u32>>) {
+        let domain = &work.scene.domain;
+        let block = self.block(domain);
+        let mut places: Vec<Vec<u32>> = vec![Vec::new(); self.communicator.size()];
+        let mut mine = Vec::with_capacity(work.particles.len());
+        // a particle so deep inside does not leave, and no other process needs it
+        let deep = (self.width + flight) * (1.0 + 1e-9);
+        for place in 0..work.particles.len() {
+            if self.blocks.is_deep(&work.particles.position[place], &block, deep) {
+                mine.push(true);
+                continue;
+            }
+            let owner = self.blocks.owner(&work.particles.position[place]);
+            mine.push(owner == self.communicator.rank());
+            let middle = BoundingSphere::of(work.particles, place, domain, frame, part).middle;
+            let mut to = |rank: usize| {
+                if places[rank].last() != Some(&(place as u32)) {
+                    places[rank].push(place as u32);
+                }
+            };
+            self.for_each_borrower(&middle, (&block, domain), &mut to);
+            if owner != self.communicator.rank() {
+                to(owner);
+            }
+        }
+        (mine, places)
+    }
+
+    /// Packs particles, given by index, with all carried state that involves them.
+    fn cargo<S: Solve<Carried = C>>(&self, work: &Work<C>, places: &[u32]) -> Vec<u8> {
+        if places.is_empty() {
+            return Vec::new();
+        }
+        let goes = |place: &u32| places.binary_search(place).is_ok();
+        let home = work.lasting.iter().filter(|carried| S::places(carried).iter().flatten().any(goes));
+        let mut lasting = ids_of::<S>(work.particles, home);
+        let abroad = self.abroad.iter().filter(|abroad| goes(&abroad.own));
+        lasting.extend(abroad.map(|abroad| abroad.carried));
+        pack(work.particles, places, &lasting)
     }
 
     /// Sends particles that have left the block to their owners, and borrows all within `width` [m] of it. Returns

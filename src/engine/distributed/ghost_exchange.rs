@@ -1,7 +1,6 @@
 //! Exchange with the processes that take part in the same uniform steps, if there are any.
 
-use crate::communicator::Communicator;
-use crate::engine::soft::SoftSolver;
+use crate::engine::soft::{ContactSums, SoftSolver};
 use crate::engine::{Failure, not_a_number};
 use crate::particles::Particles;
 use crate::scene::Scene;
@@ -9,10 +8,16 @@ use crate::scene::Scene;
 /// Operations of uniform steps that need other processes. By default they are those of a single process, which has all
 /// particles.
 pub trait GhostExchange {
-    /// Connection to the other processes; `None` without other processes.
-    fn communicator(&self) -> Option<&dyn Communicator> {
-        None
+    /// True if this process is the lead, or the only one.
+    fn is_lead(&self) -> bool {
+        true
     }
+
+    /// Replaces each value by the largest of all processes.
+    fn largest(&self, _values: &mut [f64]) {}
+
+    /// Adds up the sums over contacts of all processes.
+    fn gather(&self, _sums: &mut ContactSums) {}
 
     /// Returns the result of all processes together: a failure if any process has one.
     fn agree(&self, result: Result<(), Failure>) -> Result<(), Failure> {

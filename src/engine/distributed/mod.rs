@@ -1,7 +1,7 @@
 //! Several processes that share one run: each moves the particles of a domain of its own.
 //!
 //! Engines, islands and uniform steps are written as if a process were alone. They call what is here where processes
-//! have to agree or to exchange particles: [`Processes`] for islands, [`GhostExchange`] for uniform steps. For a single
+//! have to agree or to exchange particles: `Processes` for islands, `GhostExchange` for uniform steps. For a single
 //! process neither does anything.
 
 mod agreement;
@@ -16,11 +16,11 @@ mod processes;
 mod staying;
 mod verlet;
 
-pub use agreement::PartDecision;
-pub use domains::{Domains, LocalParticles};
-pub use ghost_exchange::{GhostExchange, SingleProcess};
-pub use processes::Processes;
-pub use verlet::SharedSteps;
+pub(in crate::engine) use agreement::PartDecision;
+pub(in crate::engine) use domains::Domains;
+pub(in crate::engine) use ghost_exchange::{GhostExchange, SingleProcess};
+pub(in crate::engine) use processes::Processes;
+pub(in crate::engine) use verlet::SharedSteps;
 
 use super::driver::{Lasting, Solver, Work};
 use super::{Engine, Failure, Overlap, Window};

@@ -13,7 +13,9 @@ use super::ghost_exchange::GhostExchange;
 use super::halo::{Halo, list_of_all, take_kicks, to_bytes};
 use crate::communicator::Communicator;
 use crate::engine::driver::Work;
-use crate::engine::soft::{Alike, Contact, Contacts, ForceBuffer, SoftSolver, StepRecord, first_named, kick_all};
+use crate::engine::soft::{
+    Alike, Contact, ContactSums, Contacts, ForceBuffer, SoftSolver, StepRecord, first_named, kick_all,
+};
 use crate::engine::{Failure, Window, not_a_number};
 use crate::experiment::Integrator;
 use crate::neighbours::NeighbourList;
@@ -140,8 +142,16 @@ fn own_of(solver: &SoftSolver, particles: &Particles) -> Particles {
 }
 
 impl GhostExchange for OtherProcesses<'_> {
-    fn communicator(&self) -> Option<&dyn Communicator> {
-        Some(&*self.communicator)
+    fn is_lead(&self) -> bool {
+        self.communicator.is_lead()
+    }
+
+    fn largest(&self, values: &mut [f64]) {
+        self.communicator.largest(values);
+    }
+
+    fn gather(&self, sums: &mut ContactSums) {
+        sums.gather(|sums| self.communicator.total(sums));
     }
 
     fn agree(&self, result: Result<(), Failure>) -> Result<(), Failure> {

@@ -1,6 +1,6 @@
 //! Islands solved one after the other by one thread, with their results close together in memory.
 
-use super::cluster::{IslandFinder, Landing, Trajectories, fill};
+use super::cluster::{IslandFinder, Landing, MemberTrajectories, fill};
 use super::island::Island;
 use super::search::Label;
 use super::{IslandCounters, Solve};
@@ -101,8 +101,8 @@ pub struct Batch<C> {
     /// State carried beyond the window, by index of the particle in the store.
     pub carried: Vec<C>,
     pub impacts: Vec<(Between, Impact)>,
-    /// Trajectories of the particles in `states`, if the engine reports velocity changes.
-    pub trajectories: Trajectories,
+    /// MemberTrajectories of the particles in `states`, if the engine reports velocity changes.
+    pub trajectories: MemberTrajectories,
 }
 
 impl<C> Batch<C> {

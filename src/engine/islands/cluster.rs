@@ -15,7 +15,7 @@ pub use finder::{IslandFinder, IslandLimits};
 pub use reach::Reach;
 use reach::{motion, two_largest};
 pub use traced::TracedIslands;
-pub use trajectories::{Trajectories, VelocityChange};
+pub use trajectories::{MemberTrajectories, VelocityChange};
 
 use super::LARGEST_ISLAND;
 use super::batch::IslandResult;

@@ -2,7 +2,6 @@
 //! or thread adds them.
 
 use super::contact::{ContactForce, Rates};
-use crate::communicator::Communicator;
 use crate::encounter::Couple;
 use crate::exact::{ExactSum, add_rows, condense, none, values};
 use crate::record::{AT_WALLS, Ledger, OF_PAIRS, SOME};
@@ -91,10 +90,10 @@ impl ContactSums {
         }
     }
 
-    /// Adds up the sums of all processes.
-    pub fn gather(&mut self, others: &dyn Communicator) {
-        others.total(&mut self.of_pairs.each_mut());
-        others.total(&mut self.at_walls.each_mut());
+    /// Adds up the sums of all processes by `total`.
+    pub fn gather(&mut self, total: impl Fn(&mut [&mut ExactSum])) {
+        total(&mut self.of_pairs.each_mut());
+        total(&mut self.at_walls.each_mut());
         self.is_empty = false;
     }
 

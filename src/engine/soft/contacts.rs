@@ -4,10 +4,10 @@ use super::block::{BlockScratch, ContactBlock, ForceEvaluation, first_named};
 use super::contact::{Alike, Contact, ContactState, Rates, TouchingPair};
 use super::contact_sums::ContactSums;
 use super::force_buffer::ForceBuffer;
-use crate::communicator::Communicator;
 use crate::contact_law::ContactLaw;
 use crate::encounter::{Couple, FrameTime};
 use crate::engine::Failure;
+use crate::engine::distributed::GhostExchange;
 use crate::neighbours::{NeighbourList, Pair};
 use crate::particles::{CHUNK, Particles};
 use crate::record::{Between, Impact, Log, Record};
@@ -341,7 +341,7 @@ impl Contacts {
     }
 
     /// Adds powers and forces of the last evaluation to the sums, once all processes agree that these forces act.
-    pub fn count(&mut self, at: EvaluationTime, others: Option<&dyn Communicator>) {
+    pub fn count(&mut self, at: EvaluationTime, ghosts: &dyn GhostExchange) {
         let mut due = ContactSums::default();
         for ContactBlock { sums, .. } in &self.blocks {
             self.total.add(&sums.rows, at.weight);
@@ -349,17 +349,17 @@ impl Contacts {
                 due.add(&sums.rows, 1.0);
             }
         }
-        if let (Some(others), true) = (others, at.leaves_half) {
-            due.gather(others);
+        if at.leaves_half {
+            ghosts.gather(&mut due);
         }
         self.rates = due.rates();
     }
 
     /// Books the sums over steps of `dt` [s] since the last call. With several processes only the lead books.
-    pub fn book(&mut self, dt: f64, book: &mut StepRecord, others: Option<&dyn Communicator>) {
+    pub fn book(&mut self, dt: f64, book: &mut StepRecord, ghosts: &dyn GhostExchange) {
         let mut total = std::mem::take(&mut self.total);
-        others.iter().for_each(|others| total.gather(*others));
-        if others.is_none_or(|others| others.is_lead()) {
+        ghosts.gather(&mut total);
+        if ghosts.is_lead() {
             total.book(dt, &mut book.log.ledger);
         }
     }

@@ -3,6 +3,7 @@
 use super::contacts::{EvaluationTime, StepRecord};
 use super::{SoftSolver, Window, instant};
 use crate::engine::Failure;
+use crate::engine::distributed::SingleProcess;
 use crate::engine::motion::drift;
 use crate::neighbours::along_walls;
 use crate::particles::Particles;
@@ -26,7 +27,7 @@ impl SoftSolver {
             self.list.clock.tell(window.start + elapsed);
             let mut at = EvaluationTime { weight: 0.5, travel_is_exact: false, ..instant(window, elapsed, dt) };
             self.evaluate(particles, scene, at, book)?;
-            self.contacts.count(at, None);
+            self.contacts.count(at, &SingleProcess);
             if self.may_pass(scene, elapsed, dt) {
                 self.refuse_to_pass(particles, scene, window, elapsed, dt)?;
             }
@@ -43,7 +44,7 @@ impl SoftSolver {
                 ..instant(window, elapsed + dt, dt)
             };
             self.evaluate(particles, scene, at, book)?;
-            self.contacts.count(at, None);
+            self.contacts.count(at, &SingleProcess);
             // corrector: the mean of both stages
             for push in self.before.iter().flat_map(|pushes| &pushes.list) {
                 let mut take_back = |place: u32, force: Vector3<f64>| {

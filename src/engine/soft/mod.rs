@@ -30,6 +30,7 @@ use crate::scene::Scene;
 use backoff::{Backoff, Rival};
 pub(in crate::engine) use block::first_named;
 pub(in crate::engine) use contact::{Alike, Contact, TouchingPair};
+pub(in crate::engine) use contact_sums::ContactSums;
 use contacts::Due;
 use contacts::{ContactSearch, EvaluationTime};
 pub(in crate::engine) use contacts::{Contacts, StepRecord};
@@ -212,12 +213,12 @@ impl SoftSolver {
                 ..instant(window, 0.0, dt)
             };
             ghosts.agree(self.evaluate(particles, scene, at, book))?;
-            self.contacts.count(at, ghosts.communicator());
+            self.contacts.count(at, ghosts);
             self.has_forces = true;
         }
         self.kick(particles, 0.5 * dt);
         ghosts.after_kick(self, particles, Ok(()))?;
-        if ghosts.communicator().is_none_or(|all| all.is_lead()) {
+        if ghosts.is_lead() {
             self.contacts.settle(0.5 * dt, window.duration, scene, book.log);
         } else {
             self.contacts.forget();
@@ -264,7 +265,7 @@ impl SoftSolver {
                 self.kick(particles, at.weight * dt);
             }
             ghosts.after_kick(self, particles, forces)?;
-            self.contacts.count(at, ghosts.communicator());
+            self.contacts.count(at, ghosts);
         }
         Ok(())
     }
@@ -282,7 +283,7 @@ impl SoftSolver {
         let radii: &[f64] = if has_thin_walls { &particles.radius } else { &[] };
         let smallest = radii.iter().fold(f64::INFINITY, |a: f64, &r| a.min(r));
         let mut largest = [particles.largest_speed(self.list.frame()), -smallest];
-        ghosts.communicator().into_iter().for_each(|all| all.largest(&mut largest));
+        ghosts.largest(&mut largest);
         self.speed.all = largest[0];
         self.smallest = has_thin_walls.then_some(-largest[1]);
         if !self.speed.all.is_finite() {
@@ -316,7 +317,7 @@ impl SoftSolver {
             }
             Integrator::Rk2 => self.heun(particles, scene, window, steps as u64, book),
         };
-        self.contacts.book(dt, book, ghosts.communicator());
+        self.contacts.book(dt, book, ghosts);
         let reached = result.as_ref().map_or_else(|why| why.time() - window.start, |()| window.duration);
         accelerate(particles, scene.gravity * reached);
         result?;

@@ -2,7 +2,7 @@
 //! ([`BoundedIslands`](super::BoundedIslands)), or by the trajectories of islands that are solved
 //! ([`TracedIslands`](super::TracedIslands)).
 
-use super::trajectories::{Trajectories, VelocityChange};
+use super::trajectories::{MemberTrajectories, VelocityChange};
 use super::{Clusters, Member};
 use crate::engine::islands::batch::Retry;
 use crate::engine::islands::choice::PartCosts;
@@ -43,15 +43,15 @@ pub trait IslandFinder<'a>: DerefMut<Target = Clusters<'a>> + Sync + Sized {
     fn list_pairs(&self, member: (usize, &Member), island: (&[u32], usize), pairs: &mut Vec<Pair>);
 
     /// Room for the trajectories of `members` particles.
-    fn trajectories(_members: usize) -> Trajectories {
-        Trajectories::default()
+    fn trajectories(_members: usize) -> MemberTrajectories {
+        MemberTrajectories::default()
     }
 
     /// Takes the trajectories out of an island that has been solved.
-    fn trace<C>(&self, _island: &mut Island<C>, _trajectories: &mut Trajectories) {}
+    fn trace<C>(&self, _island: &mut Island<C>, _trajectories: &mut MemberTrajectories) {}
 
     /// Stores the trajectories of the members of an island, given by their range in a list.
-    fn follow(&mut self, _which: usize, _ways: Range<usize>, _trajectories: &Trajectories) {}
+    fn follow(&mut self, _which: usize, _ways: Range<usize>, _trajectories: &MemberTrajectories) {}
 
     /// Changes the islands that are to be solved again after a round, and unites those that may meet. Returns the number
     /// of islands solved in vain, among those whose leading particle is chosen by `mine`. Returns `None` if an island

@@ -6,7 +6,7 @@
 //! within islands. The trajectories are then those of the whole system, because an initial state has only one solution.
 //! Earlier attempts leave no trace, so the order in which islands are united does not matter.
 
-use super::trajectories::{ParticleTrajectory, PiecewiseTrajectory, Segment, Trajectories, VelocityChange};
+use super::trajectories::{MemberTrajectories, ParticleTrajectory, PiecewiseTrajectory, Segment, VelocityChange};
 use super::{BATCH, Clusters, IslandFinder, IslandLimits, Member};
 use crate::engine::islands::batch::Retry;
 use crate::engine::islands::choice::{PartCosts, TRACED};
@@ -97,12 +97,12 @@ impl<'a> IslandFinder<'a> for TracedIslands<'a> {
         pairs.extend((a + 1..places.len()).map(|b| Pair { i: a as u32, j: b as u32 }));
     }
 
-    fn trajectories(members: usize) -> Trajectories {
-        Trajectories { ways: Vec::with_capacity(members), turns: Vec::with_capacity(2 * members) }
+    fn trajectories(members: usize) -> MemberTrajectories {
+        MemberTrajectories { ways: Vec::with_capacity(members), turns: Vec::with_capacity(2 * members) }
     }
 
-    fn trace<C>(&self, island: &mut Island<C>, trajectories: &mut Trajectories) {
-        let Trajectories { ways, turns } = trajectories;
+    fn trace<C>(&self, island: &mut Island<C>, trajectories: &mut MemberTrajectories) {
+        let MemberTrajectories { ways, turns } = trajectories;
         // a stable sort: the velocity changes of one particle stay in the order of time
         island.turns.sort_by_key(|(local, _)| *local);
         let mut rest = island.turns.as_slice();
@@ -115,7 +115,12 @@ impl<'a> IslandFinder<'a> for TracedIslands<'a> {
         }
     }
 
-    fn follow(&mut self, which: usize, ways: Range<usize>, Trajectories { ways: all, turns }: &Trajectories) {
+    fn follow(
+        &mut self,
+        which: usize,
+        ways: Range<usize>,
+        MemberTrajectories { ways: all, turns }: &MemberTrajectories,
+    ) {
         for (number, way) in all[ways].iter().enumerate() {
             let first = self.turns.len();
             self.turns.extend_from_slice(&turns[way.turns.clone()]);

@@ -1,4 +1,4 @@
-//! Trajectories of particles that fly straight between velocity changes.
+//! MemberTrajectories of particles that fly straight between velocity changes.
 
 use crate::engine::islands::search::BoundingSphere;
 use nalgebra::Vector3;
@@ -46,9 +46,9 @@ pub struct Segment {
     pub velocity: Vector3<f64>,
 }
 
-/// Trajectories of hot particles, with their velocity changes.
+/// MemberTrajectories of hot particles, with their velocity changes.
 #[derive(Default)]
-pub struct Trajectories {
+pub struct MemberTrajectories {
     /// The trajectories.
     pub ways: Vec<PiecewiseTrajectory>,
     /// Velocity changes of those trajectories.
