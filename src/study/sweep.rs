@@ -5,7 +5,7 @@
 //! runs. A run that several points have in common is done once (hard spheres do not depend on a stiffness).
 
 use super::replicas::{FROZEN, replicas};
-use crate::case::{Case, Checked, Diagnostic, SweepAxis, describe_variants, fingerprint};
+use crate::case::{Case, Checked, SweepAxis, describe_variants, fingerprint};
 use crate::checkpoint::Store;
 use crate::cli::{Cli, Command, Sweep};
 use crate::experiment::Model;
@@ -43,9 +43,9 @@ pub(super) fn sweep_on(args: &Sweep, origin: CommandOrigin, ranks: &Ranks) -> Re
         settings.goes_on();
     }
     let (case, axes, plan) = ranks.agree(planned(args), |(.., plan)| mark(&plan.runs))?;
-    let SweepPlan { variants, mut rows, checked, runs, names, reference, .. } = plan;
-    if ranks.is_lead() && !settings.quiet {
-        tell_what_is_ignored(&case)?;
+    let SweepPlan { variants, mut rows, checked, runs, names, reference, has_trajectories, .. } = plan;
+    if has_trajectories && ranks.is_lead() && !settings.quiet {
+        tell("warning: the runs of a sweep write no trajectories: `output.every` is for `run` and `compare`");
     }
     let Some(executor) = Executor::begin::<SweepRun>(&settings, &case, &checked, Ok(runs), ranks)? else {
         return Ok(());
@@ -95,7 +95,7 @@ fn is_begun(folder: &Path) -> bool {
 fn planned(args: &Sweep) -> Result<(Case, Vec<SweepAxis>, SweepPlan), StudyError> {
     let mut case = read(&args.case, &args.input)?;
     let axes = case.axes(&args.sweep)?;
-    let plan = SweepPlan::new(&case, &axes, args)?;
+    let plan = SweepPlan { has_trajectories: case.trajectories()?.is_some(), ..SweepPlan::new(&case, &axes, args)? };
     Ok((case, axes, plan))
 }
 
@@ -132,14 +132,6 @@ impl RunResult for SweepRun {
     fn from_bytes(bytes: &[u8]) -> Option<Self> {
         postcard::from_bytes(bytes).ok()
     }
-}
-
-/// Tells the user which requests of a case are ignored in a sweep.
-fn tell_what_is_ignored(case: &Case) -> Result<(), Diagnostic> {
-    if case.trajectories()?.is_some() {
-        tell("warning: the runs of a sweep write no trajectories: `output.every` is for `run` and `compare`");
-    }
-    Ok(())
 }
 
 /// Error of a sweep that the user has stopped.
@@ -185,6 +177,8 @@ struct SweepPlan {
     known: HashSet<String>,
     /// Reference variant with which the others are compared: the first hard one.
     reference: Option<usize>,
+    /// True if the case asks for trajectories, which a sweep does not write.
+    has_trajectories: bool,
 }
 
 impl SweepPlan {
