@@ -180,8 +180,8 @@ impl Store {
     }
 
     /// The result of a run, if that is what is stored in place of its end.
-    pub fn result<T: DeserializeOwned>(&self, run: &RunIdentity) -> Option<T> {
-        let (of, result) = self.read::<(RunIdentity, T)>(&done(run)).ok()?;
+    pub fn result(&self, run: &RunIdentity) -> Option<Vec<u8>> {
+        let (of, result) = self.read::<(RunIdentity, Vec<u8>)>(&done(run)).ok()?;
         (of == *run).then_some(result)
     }
 

@@ -11,8 +11,6 @@ use crate::cli::CheckpointEvery;
 use crate::engine::Failure;
 use crate::output::{Folder, OutputError, numbers};
 use crate::stored::StoreError;
-use serde::Serialize;
-use serde::de::DeserializeOwned;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
@@ -114,7 +112,7 @@ impl Checkpointer {
             more: true,
             quiet: true,
             resumed: !matches!(settings.origin, CommandOrigin::Typed),
-            ends: Ends::Caught(Vec::new()),
+            ends: if settings.keeps_results { Ends::Replaced } else { Ends::Caught(Vec::new()) },
             ..Self::with(Signals::listen()?, every.map(|_| Store::of(&settings.folder)), every)
         })
     }
@@ -334,7 +332,7 @@ impl Checkpointer {
     }
 
     /// Stored result of a run that is over, in a command that goes on and stores results.
-    pub fn result<T: DeserializeOwned>(&self, run: &RunIdentity) -> Option<T> {
+    pub fn result(&self, run: &RunIdentity) -> Option<Vec<u8>> {
         self.store.as_ref().filter(|_| self.resumed)?.result(run)
     }
 
@@ -342,8 +340,8 @@ impl Checkpointer {
     ///
     /// # Errors
     /// It cannot be written.
-    pub fn store_result<T: Serialize>(&self, run: &RunIdentity, result: &T) -> Result<(), OutputError> {
-        self.store.as_ref().map_or(Ok(()), |store| store.for_run(run).finish(run, result))
+    pub fn store_result(&self, run: &RunIdentity, result: &[u8]) -> Result<(), OutputError> {
+        self.store.as_ref().map_or(Ok(()), |store| store.for_run(run).finish(run, &result))
     }
 
     /// Leaves a command whose run cannot be written. Once it can be, the command goes on from the stored state.

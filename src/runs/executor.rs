@@ -18,8 +18,38 @@ use crate::outcome::Outcome;
 use crate::output::{Folder, OutputError, Trajectory};
 use crate::particles::Particles;
 use std::fmt::Display;
+use std::marker::PhantomData;
 use std::path::Path;
 use std::rc::Rc;
+
+/// Result that a command makes of a run.
+pub trait RunResult: Send + Sized {
+    /// Result of a run that is over, or that could not begin.
+    ///
+    /// # Errors
+    /// The run could not begin, if that is no result.
+    fn of(run: &ResumableRun, outcome: Result<Outcome, StudyError>) -> Result<Self, StudyError>;
+
+    /// The result as bytes, which are sent to another process in place of the end of the run; `None` to send the end.
+    fn to_bytes(&self) -> Option<Vec<u8>>;
+
+    /// The result that another process has sent; `None` if it has sent the end of the run.
+    fn from_bytes(bytes: &[u8]) -> Option<Self>;
+}
+
+impl RunResult for Outcome {
+    fn of(_: &ResumableRun, outcome: Result<Outcome, StudyError>) -> Result<Self, StudyError> {
+        outcome
+    }
+
+    fn to_bytes(&self) -> Option<Vec<u8>> {
+        None
+    }
+
+    fn from_bytes(_: &[u8]) -> Option<Self> {
+        None
+    }
+}
 
 /// Executor of the runs of a command, in the lead process.
 pub struct Executor<'a> {
@@ -38,11 +68,12 @@ pub struct Executor<'a> {
 
 impl<'a> Executor<'a> {
     /// Opens the folder for the results of `runs` and looks up what is stored of them. All processes make the same list
-    /// of runs. A helper process does its part of the work in here, until the command is over, and gets `None`.
+    /// of runs. A helper process does its part of the work in here, until the command is over, and gets `None`; `R` is the
+    /// result of [concurrent](Self::concurrently) runs.
     ///
     /// # Errors
     /// The list cannot be made, or another process has another one; the folder or a thread is refused by the system.
-    pub fn begin(
+    pub fn begin<R: RunResult>(
         settings: &CommandSettings,
         case: &Case,
         checked: &[Checked],
@@ -54,8 +85,13 @@ impl<'a> Executor<'a> {
         let shown = |quiet| Progress::new(runs.iter().map(|run| &run.experiment), quiet);
         if !ranks.is_lead() {
             let (checkpointer, folder) = (Checkpointer::of_helper(settings)?, Folder::of_another(&settings.folder));
-            let list =
-                ResumableRuns { runs: &runs, folder: &folder, checkpointer: &checkpointer, progress: &shown(true) };
+            let list = ResumableRuns::<R> {
+                runs: &runs,
+                folder: &folder,
+                checkpointer: &checkpointer,
+                progress: &shown(true),
+                result: PhantomData,
+            };
             return help(&list, threads, ranks, checkpointer.signals()).map(|()| None);
         }
         let folder = settings.open_folder()?;
@@ -117,20 +153,32 @@ impl<'a> Executor<'a> {
         })
     }
 
+    /// Stored result of a run that was over at an earlier start of the command.
+    pub fn stored<R: RunResult>(&self, index: usize) -> Option<R> {
+        R::from_bytes(&self.checkpointer.result(&self.runs[index].identity)?)
+    }
+
     /// Does the runs at these indices concurrently, as many as there are threads, and in all processes. Results do not
-    /// depend on the number of threads or processes. Each outcome is handed to `finished` with the index of its run, in
-    /// the order in which runs end; it is an error if a scene is too crowded to start. Where the user stops the command, unfinished runs are stored and left out.
+    /// depend on the number of threads or processes. Each is handed to `finished` with the index of its run, in the
+    /// order in which runs end. Where the user stops the command, unfinished runs are stored and left out.
     ///
     /// # Errors
-    /// The first error of `finished`; no thread can be started.
-    pub fn concurrently(
+    /// The first error of `finished`; a run could not begin, or its stored state is not of it; a result cannot be stored;
+    /// no thread can be started.
+    pub fn concurrently<R: RunResult>(
         &self,
         indices: &[usize],
-        finished: impl FnMut(usize, Result<Outcome, StudyError>) -> Result<(), StudyError>,
+        mut finished: impl FnMut(usize, R) -> Result<(), StudyError>,
     ) -> Result<(), StudyError> {
         let Self { folder, checkpointer, runs, progress, .. } = self;
-        let list = ResumableRuns { runs, folder, checkpointer, progress };
-        distribute(&list, indices, self.threads, self.ranks, finished)
+        let list = ResumableRuns::<R> { runs, folder, checkpointer, progress, result: PhantomData };
+        distribute(&list, indices, self.threads, self.ranks, |index, result: Result<R, StudyError>| {
+            let result = result?;
+            if let Some(bytes) = result.to_bytes() {
+                checkpointer.store_result(&runs[index].identity, &bytes)?;
+            }
+            finished(index, result)
+        })
     }
 
     /// Ends the command after all results were written: removes the stored states and prints the last sentences.
@@ -151,38 +199,41 @@ impl<'a> Executor<'a> {
 }
 
 /// Runs of a command as a list for several processes.
-struct ResumableRuns<'a> {
+struct ResumableRuns<'a, R> {
     runs: &'a [ResumableRun],
     folder: &'a Folder,
     checkpointer: &'a Checkpointer,
     progress: &'a Progress,
+    result: PhantomData<fn() -> R>,
 }
 
-impl ResumableRuns<'_> {
+impl<R: RunResult> ResumableRuns<'_, R> {
     /// Does one run with that checkpointer; `None` if it was stopped.
-    fn run_with(&self, index: usize, own: &mut Checkpointer) -> Result<Option<Outcome>, StudyError> {
+    fn run_with(&self, index: usize, own: &mut Checkpointer) -> Result<Option<R>, StudyError> {
         if own.is_stopping() {
             return Ok(None);
         }
-        let (outcome, _) = execute_with_checkpoints(&self.runs[index], &mut [&mut self.progress.watch(index)], own)?;
-        Ok((!own.is_stopped()).then_some(outcome))
+        let run = &self.runs[index];
+        let over = execute_with_checkpoints(run, &mut [&mut self.progress.watch(index)], own);
+        if own.is_stopped() { Ok(None) } else { R::of(run, over.map(|(outcome, _)| outcome)).map(Some) }
     }
 }
 
-impl RunList for ResumableRuns<'_> {
-    type Answer = Outcome;
+impl<R: RunResult> RunList for ResumableRuns<'_, R> {
+    type Answer = R;
 
     fn count(&self) -> usize {
         self.runs.iter().filter(|run| !run.is_lone).count()
     }
 
-    fn run(&self, index: usize) -> Result<Option<Outcome>, StudyError> {
+    fn run(&self, index: usize) -> Result<Option<R>, StudyError> {
         self.run_with(index, &mut self.checkpointer.for_run(&self.runs[index].identity))
     }
 
     fn run_for_another(&self, index: usize) -> Result<Option<Vec<u8>>, StudyError> {
         let mut own = self.checkpointer.for_run(&self.runs[index].identity);
-        Ok(self.run_with(index, &mut own)?.map(|_| own.into_end()))
+        let result = self.run_with(index, &mut own)?;
+        Ok(result.map(|result| result.to_bytes().unwrap_or_else(|| own.into_end())))
     }
 
     fn follow(&self, index: usize, ranks: &Ranks) {
@@ -195,12 +246,17 @@ impl RunList for ResumableRuns<'_> {
         });
     }
 
-    fn answer_of_another(&self, index: usize, bytes: &[u8]) -> Result<Outcome, StudyError> {
+    fn answer_of_another(&self, index: usize, bytes: &[u8]) -> Result<R, StudyError> {
+        if let Some(result) = R::from_bytes(bytes) {
+            self.progress.ended_elsewhere(index);
+            return Ok(result);
+        }
         // the outcome follows from the stored end, as for a run that was over when a command is resumed
         let run = &self.runs[index];
         let mut own = self.checkpointer.for_run(&run.identity);
         own.receive(&run.identity, bytes)?;
-        Ok(execute_with_checkpoints(run, &mut [&mut self.progress.watch(index)], &mut own)?.0)
+        let over = execute_with_checkpoints(run, &mut [&mut self.progress.watch(index)], &mut own);
+        R::of(run, over.map(|(outcome, _)| outcome))
     }
 
     fn is_elsewhere(&self, index: usize, time: f64) {

@@ -22,7 +22,7 @@ pub use error::StudyError;
 pub(crate) use error::{failures, failures_of};
 pub use execute::execute;
 pub(crate) use execute::execute_with_checkpoints;
-pub(crate) use executor::Executor;
+pub(crate) use executor::{Executor, RunResult};
 pub(crate) use progress::{INTERVAL, Progress, span};
 pub use ranks::Ranks;
 pub(crate) use resumable::{ResumableRun, mark, mark_of_experiments, refuse_too_large, start};

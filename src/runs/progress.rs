@@ -165,6 +165,13 @@ impl Progress {
         }
     }
 
+    /// Notes that the run at this index is over in another process.
+    pub fn ended_elsewhere(&self, run: usize) {
+        let mut board = lock(&self.board);
+        let duration = board.runs[run].duration;
+        board.end(run, duration);
+    }
+
     /// Indices of the runs that are under way, and the time [s] that each has reached.
     pub fn under_way(&self) -> Vec<(usize, f64)> {
         let board = lock(&self.board);

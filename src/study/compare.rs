@@ -42,7 +42,7 @@ pub(super) fn compare_on(args: &Compare, origin: CommandOrigin, ranks: &Ranks) -
     let mut comparison = VariantComparison { variants: &variants, looks, margin: args.margin, results };
     for variant in 0..count {
         let end = comparison.results.run_first(Vec::new())?;
-        comparison.results.check(&end)?;
+        comparison.results.check(end)?;
         comparison.run_replicas(variant, 1)?;
         if variant + 1 < count {
             comparison.write_part(1)?;

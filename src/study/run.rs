@@ -42,7 +42,7 @@ pub(super) fn run_on(args: &Run, origin: CommandOrigin, ranks: &Ranks) -> Result
     let asked = file.into_iter().chain(moments.as_mut().map(|moments| moments as &mut dyn Observer));
     let end = results.run_first(asked.collect())?;
     state_file.map_or(Ok(()), StateFile::written)?;
-    results.check(&end)?;
+    results.check(end)?;
     let is_whole = results.run_replicas(0, 1..usize::from(variants.replicas))?;
     let mut runs = results.runs.swap_remove(0);
     let outcomes = vec![pool(runs.remove(0), runs).0];

@@ -5,7 +5,7 @@
 //! runs. A run that several points have in common is done once (hard spheres do not depend on a stiffness).
 
 use super::replicas::{FROZEN, replicas};
-use crate::case::{Case, Checked, Diagnostic, SweepAxis, describe_variants, fingerprint};
+use crate::case::{Case, Checked, SweepAxis, describe_variants, fingerprint};
 use crate::checkpoint::Store;
 use crate::cli::{Cli, Command, Sweep};
 use crate::experiment::Model;
@@ -13,7 +13,9 @@ use crate::outcome::Outcome;
 use crate::output::numbers::counted;
 use crate::output::sweep::{OBSERVABLES, SweepRow, SweepRun, SweepStudy, point};
 use crate::output::{sweep_verdicts, write_sweep};
-use crate::runs::{CommandOrigin, CommandSettings, Executor, Ranks, ResumableRun, StudyError, mark, read, tell};
+use crate::runs::{
+    CommandOrigin, CommandSettings, Executor, Ranks, ResumableRun, RunResult, StudyError, mark, read, tell,
+};
 use crate::statistics::Estimate;
 use clap::Parser;
 use std::collections::HashSet;
@@ -41,14 +43,16 @@ pub(super) fn sweep_on(args: &Sweep, origin: CommandOrigin, ranks: &Ranks) -> Re
         settings.goes_on();
     }
     let (case, axes, plan) = ranks.agree(planned(args), |(.., plan)| mark(&plan.runs))?;
-    let SweepPlan { variants, mut rows, checked, runs, names, reference, .. } = plan;
-    if ranks.is_lead() && !settings.quiet {
-        tell_what_is_ignored(&case)?;
+    let SweepPlan { variants, mut rows, checked, runs, names, reference, has_trajectories, .. } = plan;
+    if has_trajectories && ranks.is_lead() && !settings.quiet {
+        tell("warning: the runs of a sweep write no trajectories: `output.every` is for `run` and `compare`");
     }
-    let Some(executor) = Executor::begin(&settings, &case, &checked, Ok(runs), ranks)? else { return Ok(()) };
+    let Some(executor) = Executor::begin::<SweepRun>(&settings, &case, &checked, Ok(runs), ranks)? else {
+        return Ok(());
+    };
     let (mut missing, wanted) = (Vec::new(), executor.runs.len());
-    for (index, run) in executor.runs.iter().enumerate() {
-        match executor.checkpointer.result::<SweepRun>(&run.identity) {
+    for index in 0..wanted {
+        match executor.stored(index) {
             Some(run) => give(&mut rows, &run),
             None => missing.push(index),
         }
@@ -62,10 +66,7 @@ pub(super) fn sweep_on(args: &Sweep, origin: CommandOrigin, ranks: &Ranks) -> Re
         let study = SweepStudy { provenance: &provenance, axes: &axes, variants: &variants, reference, rows };
         Ok((write_sweep(&executor.folder, &study)?, sweep_verdicts(&study)))
     };
-    executor.concurrently(&missing, |index, outcome| {
-        let identity = &executor.runs[index].identity;
-        let run = result(&identity.name, outcome)?;
-        executor.checkpointer.store_result(identity, &run)?;
+    executor.concurrently(&missing, |index, run: SweepRun| {
         done += 1;
         let how = run.failure.as_ref().map_or(String::new(), |why| format!(", stopped: {why}"));
         executor.say(format!("{done} of {wanted} runs: {}, {:.1} s{how}", names[index], run.wall_seconds));
@@ -94,41 +95,43 @@ fn is_begun(folder: &Path) -> bool {
 fn planned(args: &Sweep) -> Result<(Case, Vec<SweepAxis>, SweepPlan), StudyError> {
     let mut case = read(&args.case, &args.input)?;
     let axes = case.axes(&args.sweep)?;
-    let plan = SweepPlan::new(&case, &axes, args)?;
+    let plan = SweepPlan { has_trajectories: case.trajectories()?.is_some(), ..SweepPlan::new(&case, &axes, args)? };
     Ok((case, axes, plan))
 }
 
-/// Result of a run that is over. A scene too crowded to start is a result too.
-fn result(identity: &str, outcome: Result<Outcome, StudyError>) -> Result<SweepRun, StudyError> {
-    let mut run = SweepRun { identity: identity.to_owned(), ..SweepRun::default() };
-    let outcome = match outcome {
-        Err(StudyError::Input(why)) => {
-            run.failure = Some(why.trim_start_matches("error: ").to_owned());
-            return Ok(run);
+impl RunResult for SweepRun {
+    /// Measured values of a run. A scene too crowded to start is a result too.
+    fn of(run: &ResumableRun, outcome: Result<Outcome, StudyError>) -> Result<Self, StudyError> {
+        let mut result = Self { identity: run.identity.name.clone(), ..Self::default() };
+        let outcome = match outcome {
+            Err(StudyError::Input(why)) => {
+                result.failure = Some(why.trim_start_matches("error: ").to_owned());
+                return Ok(result);
+            }
+            outcome => outcome?,
+        };
+        result.wall_seconds = outcome.timing.wall_seconds;
+        result.failure = outcome.failure.as_ref().map(ToString::to_string);
+        if result.failure.is_none() {
+            // the scatter within one run tells of other runs only if the run is steady and mixes
+            let tells = outcome.steadiness.steady && outcome.places_kept.is_none_or(|kept| kept <= FROZEN);
+            let measured = OBSERVABLES.iter().filter_map(|one| {
+                let found = (one.of)(&outcome)?;
+                let found = if one.is_average && !tells { Estimate::without_error(found.value) } else { found };
+                Some((one.key.to_owned(), found))
+            });
+            result.measured = measured.collect();
         }
-        outcome => outcome?,
-    };
-    run.wall_seconds = outcome.timing.wall_seconds;
-    run.failure = outcome.failure.as_ref().map(ToString::to_string);
-    if run.failure.is_none() {
-        // the scatter within one run tells of other runs only if the run is steady and mixes
-        let tells = outcome.steadiness.steady && outcome.places_kept.is_none_or(|kept| kept <= FROZEN);
-        let measured = OBSERVABLES.iter().filter_map(|one| {
-            let found = (one.of)(&outcome)?;
-            let found = if one.is_average && !tells { Estimate::without_error(found.value) } else { found };
-            Some((one.key.to_owned(), found))
-        });
-        run.measured = measured.collect();
+        Ok(result)
     }
-    Ok(run)
-}
 
-/// Tells the user which requests of a case are ignored in a sweep.
-fn tell_what_is_ignored(case: &Case) -> Result<(), Diagnostic> {
-    if case.trajectories()?.is_some() {
-        tell("warning: the runs of a sweep write no trajectories: `output.every` is for `run` and `compare`");
+    fn to_bytes(&self) -> Option<Vec<u8>> {
+        postcard::to_stdvec(self).ok()
     }
-    Ok(())
+
+    fn from_bytes(bytes: &[u8]) -> Option<Self> {
+        postcard::from_bytes(bytes).ok()
+    }
 }
 
 /// Error of a sweep that the user has stopped.
@@ -174,6 +177,8 @@ struct SweepPlan {
     known: HashSet<String>,
     /// Reference variant with which the others are compared: the first hard one.
     reference: Option<usize>,
+    /// True if the case asks for trajectories, which a sweep does not write.
+    has_trajectories: bool,
 }
 
 impl SweepPlan {

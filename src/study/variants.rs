@@ -107,7 +107,7 @@ pub struct VariantResults<'a> {
     frames: Vec<Frames>,
 }
 
-/// VariantFindings of a document on the variants.
+/// Findings of a document on the variants.
 #[derive(Default)]
 pub struct VariantFindings {
     /// Outcome of each variant, the average over its replicas.
@@ -135,7 +135,7 @@ impl<'a> VariantResults<'a> {
         ranks: &'a Ranks,
     ) -> Result<Option<Self>, StudyError> {
         let (case, checked) = (&variants.case, &variants.checked);
-        let executor = Executor::begin(settings, case, checked, variants.runs(ranks), ranks)?;
+        let executor = Executor::begin::<Outcome>(settings, case, checked, variants.runs(ranks), ranks)?;
         Ok(executor.map(|executor| Self {
             variants,
             executor,
@@ -175,10 +175,10 @@ impl<'a> VariantResults<'a> {
     ///
     /// # Errors
     /// The stored state of the test of half the step is not of it.
-    pub fn check(&mut self, end: &Particles) -> Result<(), StudyError> {
+    pub fn check(&mut self, end: Particles) -> Result<(), StudyError> {
         let Some(outcome) = self.runs.last().and_then(|runs| runs.first()) else { return Ok(()) };
         let halved = if self.variants.verify {
-            verify_with_checkpoints(outcome, end, self.executor.quiet, &mut self.executor.checkpointer)?
+            verify_with_checkpoints(outcome, &end, self.executor.quiet, &mut self.executor.checkpointer)?
         } else {
             HalvedStep::Unknown("not asked for: --verify does it, for about a fifth of the time of the run".into())
         };
@@ -198,7 +198,7 @@ impl<'a> VariantResults<'a> {
             let before = variant * usize::from(self.variants.replicas) + range.start;
             let mut over: Vec<Option<Outcome>> = vec![None; range.len()];
             self.executor.concurrently(&(before..before + range.len()).collect::<Vec<_>>(), |index, outcome| {
-                over[index - before] = Some(outcome?);
+                over[index - before] = Some(outcome);
                 Ok(())
             })?;
             if over.iter().any(Option::is_none) {

@@ -55,7 +55,7 @@ pub(super) fn sensitivity_on(
         let said = ranks.is_lead().then(|| outlook::text(&plan, threads));
         return said.transpose()?.map_or(Ok(()), |text| answer(&text)).map(|()| None);
     }
-    let Some(mut executor) = Executor::begin(&settings, &case, &[checked], runs(&plan), ranks)? else {
+    let Some(mut executor) = Executor::begin::<Outcome>(&settings, &case, &[checked], runs(&plan), ranks)? else {
         return Ok(None);
     };
     if !settings.quiet {
@@ -97,7 +97,7 @@ fn run_all(executor: &Executor, table: &mut SensitivityTable) -> Result<(), Stud
     let all: Vec<usize> = (0..replicas * table.plan.runs.len()).collect();
     let mut written = Instant::now();
     executor.concurrently(&all, |index, outcome| {
-        table.outcomes[index / replicas][index % replicas] = Some(outcome?);
+        table.outcomes[index / replicas][index % replicas] = Some(outcome);
         // the results so far are written so that the user can look at them
         if written.elapsed() >= INTERVAL && !table.is_whole() {
             executor.checkpointer.with_remedy(table.write(&executor.folder))?;
