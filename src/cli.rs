@@ -365,7 +365,7 @@ pub struct Chart {
 /// `diptych limits`.
 #[derive(Clone, Debug, Args)]
 pub struct Limits {
-    /// Uses coarser grids and shorter runs: some ten seconds on one core.
+    /// Uses coarser grids and shorter runs: about a minute on one core.
     #[arg(long)]
     pub quick: bool,
     /// Draws one map only, by its name; may be repeated [default: all].
