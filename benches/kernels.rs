@@ -67,7 +67,7 @@ fn spheres(gas: &Fluid) -> [Sphere; 2] {
 }
 
 /// Time until another core has seen a word and has answered, a thousand times. Two cores that share a cache answer
-/// sooner, and make two threads faster (docs/architecture.md, "Islands"). On a virtual machine it may change from minute
+/// sooner, and make two threads faster (docs/design/islands.md). On a virtual machine it may change from minute
 /// to minute.
 #[divan::bench]
 fn thousand_words_to_another_core_and_back(bencher: Bencher) {

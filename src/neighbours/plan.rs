@@ -72,7 +72,7 @@ impl ListSettings {
 /// may move relative to the frame between two uses of the list. Costs are in pair checks per particle. The weights
 /// were measured once and do not depend on the machine, so that results do not either.
 fn cheapest_skin((count, mean_radius): (usize, f64), domain: &Domain, travel: f64) -> f64 {
-    /// Cost of building, in pair checks per particle (docs/architecture.md, "Skin").
+    /// Cost of building, in pair checks per particle (docs/design/neighbours.md, "Skin").
     const BUILD: f64 = 60.0;
     let count = count.max(1) as f64;
     let diameter = 2.0 * mean_radius;

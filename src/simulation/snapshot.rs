@@ -11,7 +11,7 @@ use crate::stored::{StoreError, Stored};
 use serde::{Deserialize, Serialize};
 
 /// All data that last between two windows, as one value. A simulation of the same experiment continues from it with
-/// bits identical to those of the first. `docs/architecture.md` lists the contents.
+/// bits identical to those of the first. `docs/design/runs.md` lists the contents.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Snapshot {
     /// The particles, in the order of the store; empty where the state is in parts.

@@ -2,7 +2,7 @@
 //!
 //! A window is made of dozens of pieces of work of some tenths of a millisecond. A thread that shares work here does
 //! pieces itself, and then waits for the others actively. rayon's loops put a waiting thread to sleep, and to wake it
-//! takes long on a virtual machine (docs/architecture.md, "Islands"). The result does not depend on the thread that
+//! takes long on a virtual machine (docs/design/islands.md). The result does not depend on the thread that
 //! does a piece, so it is equal for any number of threads.
 
 mod spinning;

@@ -2,7 +2,7 @@
 //!
 //! rayon soon puts a thread to sleep that has nothing to do, and to wake it takes long on a virtual machine. Two
 //! threads were 1.4 times as fast as one in a dense gas, and 1.66 times when the others kept looking for work instead
-//! (docs/architecture.md, "Islands"). Results do not depend on it.
+//! (docs/design/islands.md). Results do not depend on it.
 
 use super::IdleThread;
 use rayon::{Scope, Yield};

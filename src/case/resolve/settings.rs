@@ -24,7 +24,7 @@ const GOOD_STEPS: f64 = 15.0;
 pub(super) const SPRINGS: std::ops::RangeInclusive<f64> = 1e-9..=1e20;
 /// [-] default N_c.
 const DEFAULT_STEPS: f64 = 20.0;
-/// [-] default θ (docs/architecture.md, "Hybrid").
+/// [-] default θ (docs/design/hybrid.md).
 const CLEARANCE: f64 = 2.0;
 
 impl Resolver {

@@ -64,7 +64,7 @@ pub struct PartLimits {
 }
 
 /// Costs of a part, in ns on one core, and the density limit for islands. They were measured once
-/// (docs/architecture.md, "Islands"). They only serve to choose, not to predict the run time.
+/// (docs/design/islands.md). They only serve to choose, not to predict the run time.
 pub struct PartCosts {
     /// [ns] flight, cells and ranges of cells, per particle.
     search: f64,
