@@ -207,7 +207,7 @@ pub(crate) fn model_in_words(experiment: &Experiment) -> String {
             let times = experiment.hybrid.clearance;
             let law = experiment.law().map_or("no contact law".to_string(), |law| law.to_string());
             format!(
-                "Model hybrid: an instant where two touch and nobody else comes within {times} contact times; elsewhere soft \
+                "Model hybrid: an instant where two touch and no other particle comes within {times} contact times; elsewhere soft \
                  contacts, {law}, {}.",
                 step_in_words(experiment)
             )

@@ -134,7 +134,7 @@ impl LabParameter {
             Self::Approach => "Both come at this speed, so that they meet at twice of it.",
             Self::Theta => "How far a typical sphere flies in one step of stepped hard spheres.",
             Self::Clearance => {
-                "A touch of hybrid spheres is an instant if nobody else can come within so many contact times."
+                "A touch of hybrid spheres is an instant if no other particle can come within so many contact times."
             }
             Self::Seed => "Another number makes another random start.",
         }

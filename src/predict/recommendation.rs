@@ -217,7 +217,7 @@ fn why_hard(plan: &RunPrediction) -> String {
     match (plan.time_in_contact, plan.gas.as_ref()) {
         (Some(share), Some(gas)) => format!(
             "Contacts are collisions of two: a particle is in contact for {} % of the time at this stiffness, and flies {} mm between collisions. \
-             Hard spheres leave out what nobody sees, and need neither stiffness nor time step.",
+             Hard spheres leave out only what does not show, and need neither stiffness nor time step.",
             plain(100.0 * share, 2),
             plain(1e3 * gas.mean_free_path, 3)
         ),

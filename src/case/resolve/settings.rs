@@ -227,7 +227,7 @@ impl Resolver {
         let Some(typed) = file.hybrid.as_ref().and_then(|hybrid| hybrid.value.clearance.as_ref()) else {
             return Ok(settings);
         };
-        let help = "a touch is an instant if nobody else can come within so many contact times";
+        let help = "a touch is an instant if no other particle can come within so many contact times";
         match self.in_range(typed, help) {
             Ok(clearance) => settings.clearance = clearance,
             Err(error) if self.model != Model::Hybrid => self.warnings.push(error.into_warning()),

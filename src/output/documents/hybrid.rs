@@ -37,7 +37,7 @@ pub(super) fn blocks(outcomes: &[Outcome]) -> Vec<Block> {
         ))
     }));
     blocks.push(Block::note(
-        "A touch is an instant if nobody else can come before an isolated contact would be over; what that contact would have been \
+        "A touch is an instant if no other particle can come before an isolated contact would be over; what that contact would have been \
          is what it left out. Counted over the whole run; contacts in progress at its end are not in the table.",
     ));
     blocks
