@@ -350,7 +350,7 @@ pub struct SoftFile {
 #[serde(deny_unknown_fields)]
 pub struct SpringFile {
     /// Stiffness of the spring, k_n. `diptych plan` reports how stiff it has to be.
-    #[schemars(example = &"3000 N/m", extend("x-required" = "by the soft and the hybrid model", "x-range" = "1e-9 ..= 1e20 N/m"))]
+    #[schemars(example = &"3000 N/m", extend("x-required" = "always", "x-range" = "1e-9 ..= 1e20 N/m"))]
     pub stiffness: Option<Located<Stiffness>>,
 }
 

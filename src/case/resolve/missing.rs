@@ -2,7 +2,7 @@
 
 use crate::case::diagnostic::Diagnostic;
 use crate::case::file::{CaseFile, ParticlesFile};
-use crate::case::rules::{MissingKey, missing};
+use crate::case::rules::{MissingKey, alternatives, missing};
 use crate::case::source::{Origin, Sources};
 use crate::case::tree::CaseNode;
 use crate::experiment::Model;
@@ -35,12 +35,10 @@ pub fn refuse_missing<'a>(
         need(is_there, &format!("{}.half_height", cylinder.path), Some(&cylinder.origin));
     }
     if model.is_some_and(Model::has_contacts) {
-        let soft = file.soft.as_ref();
-        let spring = soft.and_then(|soft| soft.value.linear_spring_dashpot.as_ref());
-        let is_there = soft.is_some_and(|soft| soft.value.hertz.is_some())
-            || spring.is_some_and(|spring| spring.value.stiffness.is_some());
-        let table = spring.map(|spring| &spring.origin).or(soft.map(|soft| &soft.origin));
-        need(is_there, "soft.linear_spring_dashpot.stiffness", table);
+        let laws = alternatives("soft", "linear_spring_dashpot");
+        let soft = tree.get("soft");
+        let is_there = soft.is_some_and(|soft| laws.iter().any(|law| soft.get(law).is_some()));
+        need(is_there, "soft.linear_spring_dashpot.stiffness", soft.map(|soft| &soft.origin));
     }
     need(model.is_some(), "run.model", file.run.as_ref().map(|run| &run.origin));
     into_error(&keys, sources)
