@@ -1,6 +1,6 @@
 //! Runs of a command: settings and a list of runs go in, outcomes come out.
 //!
-//! [`Executor`] does the runs, alone or concurrently, by threads of this process and by other processes. Stored
+//! `Executor` does the runs, alone or concurrently, by threads of this process and by other processes. Stored
 //! runs go on from their states. Commands make the list, and make a document of the outcomes.
 
 mod checkpointer;
