@@ -119,13 +119,13 @@ fn a_sweep_that_is_stopped_says_so_and_goes_on() {
     let values = format!("{STIFFNESS}=1 kN/m,2 kN/m,3 kN/m");
     let arguments = ["--sweep", &values, "--in-turn", "--only", "soft"];
     // long enough that the second run, which begins after the report on the first, is under way a little later
-    let long = ["--set", "run.duration=8 s", "--set", "run.average_from=1 s"];
+    let long = ["--set", "run.duration=60 s", "--set", "run.average_from=1 s"];
     let mut command = diptych(&[&["sweep", BASE], &long[..], &arguments].concat());
     let child = command.arg("--out").arg(&folder).stderr(std::process::Stdio::piped()).spawn().unwrap();
     while !folder.join("report.html").exists() {
         std::thread::sleep(std::time::Duration::from_millis(1));
     }
-    std::thread::sleep(std::time::Duration::from_millis(400));
+    std::thread::sleep(std::time::Duration::from_millis(150));
     assert!(std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
     let output = child.wait_with_output().unwrap();
     let told = words(&output.stderr);

@@ -328,7 +328,7 @@ impl Geometry for Mesh {
     }
 
     fn bounds(&self) -> Option<[Vector3<f64>; 2]> {
-        (self.sides != Sides::Inside).then(|| self.bounds)
+        (self.sides != Sides::Inside).then_some(self.bounds)
     }
 
     fn extent(&self) -> Option<[Vector3<f64>; 2]> {
@@ -336,7 +336,7 @@ impl Geometry for Mesh {
     }
 
     fn room_corners(&self) -> Option<[Vector3<f64>; 2]> {
-        (self.sides == Sides::Inside).then(|| self.bounds)
+        (self.sides == Sides::Inside).then_some(self.bounds)
     }
 
     fn holds_along(&self, _axis: usize) -> bool {
