@@ -6,7 +6,7 @@
 //! These types are the only list of keys. serde reads a case into them. schemars makes from them the reference of
 //! `diptych keys`, the page `docs/keys.md` and the schema for editors. The comment of a field becomes the description
 //! of the key. Attributes of the field add an example and, where needed, `default` (or `x-default` in words) and rules,
-//! which the reader of a case applies ([`rules`](super::rules)):
+//! which the reader of a case applies (`case/rules.rs`):
 //! - `x-range`: the range of a number, in the words of the message about a number out of range;
 //! - `x-required`: when the key is required: `always`, `or` with the keys that would do as well, or other words, which
 //!   the code that resolves the key applies;

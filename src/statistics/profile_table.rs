@@ -13,7 +13,7 @@ use serde::Serialize;
 pub struct SliceRow {
     /// [m] centre of the slice.
     pub y: f64,
-    /// Averages in the order of [`SLICE_COLUMNS`](super::SLICE_COLUMNS), in their SI units. The number density is by
+    /// Averages in the order of [`SLICE_COLUMNS`], in their SI units. The number density is by
     /// particle centres, over the mean of the whole domain. The slices at walls are not corrected for the strip of one
     /// radius that no centre can enter (20.3 % of a 1 mm slice for spheres of 406 um). Moments are about the mean over
     /// slice and time.
