@@ -153,7 +153,7 @@ pub struct FluidFile {
 pub enum DragFile {
     /// Schiller and Naumann (1935), the paper's.
     SchillerNaumann {},
-    /// Creeping flow: the analytic yardstick.
+    /// Stokes drag of creeping flow, whose solution is known in closed form.
     Stokes {},
 }
 

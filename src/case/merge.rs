@@ -33,10 +33,11 @@ impl CaseNode {
         }
     }
 
-    /// Sets the value of the key at `path` and creates the tables on the way.
+    /// Sets the value of the key at `path`, and creates missing tables.
     ///
     /// # Errors
-    /// In words, if the path leads through something that is not a table, or to an element that a list has not.
+    /// A message, if the path passes through something that is not a table, or names an element of a list that does not
+    /// exist.
     pub fn set(&mut self, path: &[KeyPart], value: CaseNode, key_origin: &Origin) -> Result<(), String> {
         self.set_at(path, value, key_origin, "", "")
     }

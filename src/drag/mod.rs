@@ -125,7 +125,7 @@ pub trait DragLaw: std::fmt::Debug + Send + Sync {
 pub enum Drag {
     /// Schiller and Naumann (1935), the paper's.
     SchillerNaumann(SchillerNaumann),
-    /// Creeping flow: the analytic yardstick.
+    /// Stokes drag of creeping flow, whose solution is known in closed form.
     Stokes(Stokes),
     /// A law of the calling program; a case cannot name it.
     Other(Arc<dyn DragLaw>),

@@ -257,7 +257,7 @@ pub enum Failure {
         time: f64,
         /// Id of the particle.
         particle: u32,
-        /// The particle or wall that it keeps meeting.
+        /// The particle or wall with which `particle` keeps colliding.
         partner: Partner,
         /// Impacts of that particle within the window.
         impacts: u64,

@@ -165,8 +165,8 @@ mod tests {
         }
     }
 
-    /// At the wall U⁺ = y⁺ (the correction is of third order), far out the logarithm: the difference, 1/(κ² y⁺), is
-    /// 0.006 at 1000.
+    /// Near the wall U⁺ = y⁺ - 0.017 y⁺². Far out the profile exceeds the logarithmic law by 1/(κ² y⁺), which is 0.006 at
+    /// y⁺ = 1000.
     #[test]
     fn both_limits() {
         let constants = LogConstants::default();

@@ -89,8 +89,8 @@ impl ImpactSeries {
         self.samples.windows(2).map(|pair| pair[1].since(&pair[0]))
     }
 
-    /// Impacts since averaging began at `from` [s], or at the first mark after that time; none if averaging has not
-    /// begun.
+    /// Impacts since the first mark (possible start of averaging) at or after `from` [s], or since the last mark if all
+    /// marks are earlier; none without marks.
     pub fn since(&self, from: f64, record: &Record) -> Impacts {
         let begun = self.marks.iter().find(|(time, _)| *time >= from * (1.0 - 1e-9)).or(self.marks.last());
         begun.map_or_else(Impacts::default, |(_, before)| self.of(record).since(before))

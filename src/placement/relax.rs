@@ -66,8 +66,8 @@ pub fn relax(particles: &mut Particles, is_free: &[bool], room: &FreeRoom) -> us
     settle(particles, is_free, room, MARGIN)
 }
 
-/// Moves free particles as [`relax`], for spheres that are enlarged by the fraction `margin`; half of it may remain
-/// as an overlap.
+/// Moves free particles as [`relax`], for radii that are enlarged by the fraction `margin`. Overlaps of up to half of
+/// this enlargement may remain.
 fn settle(particles: &mut Particles, is_free: &[bool], room: &FreeRoom, margin: f64) -> usize {
     let scene = &room.scene;
     let (mut list, mut slots) = (NeighbourList::default(), Vec::new());

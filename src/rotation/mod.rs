@@ -1,9 +1,13 @@
 //! Rotation of spheres: the tangential law of contacts that last, and the rule of instantaneous impacts that belongs to
 //! it.
 //!
-//! Conventions (docs/rotation.md): the normal n points from the other body to particle i; the slip is s = u_t - (l_i
-//! ω_i + l_j ω_j) × n with the lever arms l; the tangential force on particle i is -F, and the torque on either
-//! particle is l n × F. Only parameters and closed rules stand here: engines apply them.
+//! Conventions (docs/rotation.md):
+//! - the normal n points from the other body to particle i;
+//! - the slip is s = u_t - (l_i ω_i + l_j ω_j) × n, with the tangential relative velocity u_t of the centres and the
+//!   lever arms l;
+//! - the tangential force on particle i is -F, and the torque on either particle is l n × F.
+//!
+//! This module holds only parameters and formulas; the engines apply them.
 
 mod impact;
 mod rebound;

@@ -67,12 +67,12 @@ pub struct Executor<'a> {
 }
 
 impl<'a> Executor<'a> {
-    /// Opens the folder for the results of `runs` and looks up what is stored of them. All processes make the same list
-    /// of runs. A helper process does its part of the work in here, until the command is over, and gets `None`; `R` is the
-    /// result of [concurrent](Self::concurrently) runs.
+    /// Opens the folder for the results of `runs` and looks up their stored results. All processes must pass the same
+    /// list of runs. A helper process works inside this call until the command ends; the call then returns `None`. `R` is
+    /// the result of [concurrent](Self::concurrently) runs.
     ///
     /// # Errors
-    /// The list cannot be made, or another process has another one; the folder or a thread is refused by the system.
+    /// The list could not be made or differs between processes; the system refused the folder or a thread.
     pub fn begin<R: RunResult>(
         settings: &CommandSettings,
         case: &Case,

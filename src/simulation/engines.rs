@@ -34,7 +34,7 @@ impl SimulationEngine {
         }
     }
 
-    /// True if each process has only the particles of a domain of its own.
+    /// True if the particles are divided: each process holds only those of its block.
     pub fn is_cut(&self) -> bool {
         self.distributed().is_some_and(Distributed::is_cut)
     }

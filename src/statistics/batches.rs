@@ -306,7 +306,7 @@ impl Contrast {
         if inverse.is_finite() { (1.0 / inverse).max(1.0) } else { self.freedoms.iter().sum() }
     }
 
-    /// Degrees of freedom of one component.
+    /// Degrees of freedom of the estimated variance of one component, for Student's t.
     pub fn freedom_of(&self, component: usize) -> f64 {
         let mut direction = DVector::zeros(self.difference.len());
         direction[component] = 1.0;

@@ -10,7 +10,7 @@ use serde::Serialize;
 use std::f64::consts::PI;
 use std::fmt;
 
-/// One side, seen from inside.
+/// One side of a hollow body, as the particles inside touch it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 enum InnerSide {

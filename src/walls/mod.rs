@@ -99,8 +99,8 @@ pub trait Geometry: std::fmt::Debug + Send + Sync {
         false
     }
 
-    /// [-] largest |n - n'| by which the normal of one contact can jump while a sphere slides along; 0 where the
-    /// normal turns continuously.
+    /// [-] largest jump |n - n'| of the unit normal of a contact, from n to n', while a sphere slides along the wall; 0
+    /// if the normal turns continuously.
     fn seam(&self) -> f64 {
         0.0
     }

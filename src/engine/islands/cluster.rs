@@ -71,7 +71,7 @@ pub struct Cluster {
     pub(in crate::engine) floor: f64,
     /// Time of the first touch [s]: until then all members fly straight.
     pub(in crate::engine) first: f64,
-    /// True if the island is a crowd however small it is, because it holds many contacts in progress.
+    /// True if the island is stepped uniformly, as a crowd, whatever its size: it holds many contacts in progress.
     pub(in crate::engine) lasts: bool,
     pub(in crate::engine) alive: bool,
     /// Location of the result.

@@ -32,7 +32,7 @@ pub struct Island<C> {
     pub turns: Vec<(u32, VelocityChange)>,
     /// Impulses or contact steps.
     pub events: u64,
-    /// Impulses of an engine that also has contacts.
+    /// Number of impulses of the hybrid engine, which counts its contact steps apart.
     pub impulses: u64,
     /// Uniform steps of a crowd.
     pub crowd_steps: u64,

@@ -328,7 +328,7 @@ impl AxisRange {
         (low - half, high + half)
     }
 
-    /// The whole decades that contain both ends; at least one.
+    /// The range widened to powers of ten, at least one decade.
     fn decades(self) -> (f64, f64) {
         let (low, high) = (self.0.log10().floor(), self.1.log10().ceil());
         (10f64.powf(low), 10f64.powf(high.max(low + 1.0)))

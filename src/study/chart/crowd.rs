@@ -63,7 +63,8 @@ impl Crowd {
         Err(StudyError::Failed(format!("error: no reference: neither model runs through this scene{why}")))
     }
 
-    /// The start of the first seed and a run from each start, or the first failure.
+    /// Particles at the start of the first seed, and the outcome of one run per seed. The inner error is the first
+    /// failure of an engine.
     fn references(
         way: &Experiment,
         method: &str,

@@ -189,7 +189,8 @@ impl Mesh {
         TrianglePoint { distance: away, direction: out, behind, face: number, place }
     }
 
-    /// True if all of the surface around the point is further away.
+    /// True if the point is a local minimum of the distance: all of the surface next to it is further from the centre of
+    /// the sphere.
     fn is_least(&self, spot: &TrianglePoint) -> bool {
         let (surface, face) = (&self.surface, &self.surface.faces[spot.face as usize]);
         match spot.place {

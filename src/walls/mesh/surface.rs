@@ -95,7 +95,8 @@ pub struct Face {
     pub normal: Vector3<f64>,
     /// [-] unit vectors across each edge, into the triangle.
     pub inward: [Vector3<f64>; 3],
-    /// For each edge, the range of directions into the neighbours in [`TriangleSurface::ways`].
+    /// For each edge, the index range in [`TriangleSurface::ways`] of the unit vectors that point across the edge into the
+    /// neighbouring triangles.
     pub beyond: [Range<u32>; 3],
     /// [-] pseudo-normal of each edge: the sum of the normals that meet there.
     pub at_edge: [Vector3<f64>; 3],

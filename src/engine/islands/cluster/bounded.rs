@@ -251,8 +251,8 @@ impl BoundedIslands<'_> {
         Surroundings::Bystanders(bystanders)
     }
 
-    /// Unites islands with those of their bystanders that are hot now: members from number `known` on. Returns a member
-    /// of each island that has changed.
+    /// Unites each island with its bystanders that have become members, which are numbered from `known` on. Returns one
+    /// member of each changed island.
     fn unite_with_bystanders(&mut self, known: usize) -> Vec<u32> {
         let mut changed = Vec::new();
         if self.members.len() == known {

@@ -174,7 +174,7 @@ impl Clusters<'_> {
         *alive && hot.iter().any(|&member| chosen(self.members[member as usize].place))
     }
 
-    /// Index of the member of an island with the smallest id. The process that has this particle counts the events of
+    /// Index in the store of that member of island `which` whose id is smallest. The process that has this particle counts the events of
     /// the island.
     pub fn leader(&self, which: usize) -> Option<u32> {
         self.list[which].hot.first().map(|&member| self.members[member as usize].place)
