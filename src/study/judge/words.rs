@@ -79,8 +79,10 @@ fn equivalent(comparison: &Comparison, across: &str) -> String {
 }
 
 fn different(detected: &[&Judged], across: &str, limit: f64) -> String {
-    let beyond: Vec<&&Judged> = detected.iter().filter(|one| one.answer == Answer::Different).collect();
-    let Some((first, rest)) = beyond.split_first() else { return "different.".into() };
+    let mut different: Vec<&&Judged> = detected.iter().filter(|one| one.answer == Answer::Different).collect();
+    // what is certainly beyond the margin comes first, however clear smaller differences are
+    different.sort_by_key(|one| !one.beyond);
+    let Some((first, rest)) = different.split_first() else { return "different.".into() };
     let named: Vec<String> = rest.iter().take(NAMED - 1).map(|one| size(one, across)).collect();
     let more = rest.len().saturating_sub(named.len());
     let where_it_lies = if first.beyond { "beyond" } else { "perhaps within" };
