@@ -283,10 +283,11 @@ def one_run_is_killed(place):
             process.send_signal(signal.SIGTERM)
         out, said = process.communicate(timeout=60)
         assert process.returncode != 0 and not (folder / "summary.json").exists(), said
-        # whether the program or Open MPI is the first to ask for memory that is not there is chance; each ends the process in its own way
+        # the program, Open MPI or the growing stack (a segmentation fault) is the first to ask for memory that is not there, by chance;
+        # each ends the process in its own way
         words = {
             "killed": [["process rank 2"], ["signal 9"]],
-            "out of memory": [["process rank 1", "],1]"], ["memory allocation of", "out of dynamic memory"]],
+            "out of memory": [["process rank 1", "],1]"], ["memory allocation of", "out of dynamic memory", "signal 11"]],
         }.get(how, [])
         assert all(any(one in out + said for one in either) for either in words), (words, out, said)
         count = 1 if how == "out of memory" else 2
