@@ -298,6 +298,17 @@ fn paths_are_compared_in_velocity_and_place_where_nothing_touches() {
     assert!(first.contains("do not start from the same state"), "{first}");
 }
 
+/// A ball that slides on a floor touches it at every instant: it was left out as if in an impact, and any two such runs
+/// were "equivalent".
+#[test]
+fn paths_of_bodies_that_touch_all_the_time_are_compared() {
+    let (code, first, summary) = compared("cases/rotation/slide-to-roll.toml", &[]);
+    assert_eq!(code, Some(3), "{first}");
+    let answers: Vec<&str> =
+        summary["comparisons"].as_array().unwrap().iter().filter_map(|one| one["verdict"].as_str()).collect();
+    assert_eq!(answers, ["equivalent", "different"], "{first}");
+}
+
 #[test]
 fn paths_that_cannot_be_foretold_are_not_compared() {
     const GAS: &str = "cases/cooling-gas.toml";

@@ -6,11 +6,13 @@
 
 use super::Finding;
 use super::words::{self, percent};
+use crate::experiment::Experiment;
 use crate::observe::PathSample;
 use crate::outcome::Outcome;
 use crate::output::Basis;
 use crate::output::numbers::{quantity, significant};
 use crate::placement::initial_state;
+use crate::predict::contact::at_fastest_impacts;
 use crate::runs::execute;
 use crate::statistics::Answer;
 use nalgebra::Vector3;
@@ -102,7 +104,9 @@ pub fn judge(variant: &Outcome, reference: &Outcome, margin: f64) -> Finding {
     }
     let until =
         if chaotic { ", the last instant before a disturbance of 10⁻⁶ has grown a thousandfold" } else { "" };
-    let apart = Widest::of(&before, &instants(reference), reference, margin * time);
+    let Some(apart) = Widest::of(&before, [variant, reference], margin * time) else {
+        return unresolved("at every common instant all particles are in the course of an impact.".into());
+    };
     let diameter = reference.experiment.scene.species.first().map_or(1.0, |species| species.diameter);
     let (velocity, place) = (apart.velocity, apart.place);
     let shares = [velocity.size / speed, place.size / (speed * time)];
@@ -146,31 +150,94 @@ struct Widest {
     place: Apart,
 }
 
+/// Instants at which particles of a run are in the course of an impact.
+struct ImpactSpans<'a> {
+    instants: Vec<Instant<'a>>,
+    /// For each instant, true for the particles in an impact.
+    during: Vec<Vec<bool>>,
+}
+
+impl<'a> ImpactSpans<'a> {
+    /// Instants of a run at which a particle touches something, at most `longest` [s] after it began to or before it
+    /// ceases to.
+    fn of(run: &'a Outcome, longest: f64) -> Self {
+        let instants = instants(run);
+        let mut during: Vec<Vec<bool>> = instants.iter().map(|instant| vec![false; instant.len()]).collect();
+        for k in 0..instants.first().map_or(0, |instant| instant.len()) {
+            let touches = |at: &usize| instants[*at].get(k).is_some_and(|point| point.overlap > 0.0);
+            let mut at = 0;
+            while at < instants.len() {
+                let end = (at..instants.len()).find(|at| !touches(at)).unwrap_or(instants.len());
+                // contacts of the start have not begun, and those of the end do not cease
+                let began = if at == 0 { f64::NEG_INFINITY } else { instants[at][0].time };
+                let ceases = instants.get(end).map_or(f64::INFINITY, |instant| instant[0].time);
+                for (instant, row) in instants[at..end].iter().zip(&mut during[at..end]) {
+                    let time = instant[0].time;
+                    row[k] = time - began <= longest || ceases - time <= longest;
+                }
+                at = end.max(at + 1);
+            }
+        }
+        Self { instants, during }
+    }
+
+    /// Indices of the instants from one time to another [s].
+    fn between(&self, from: f64, to: f64) -> std::ops::Range<usize> {
+        let first = self.instants.partition_point(|instant| instant[0].time < from);
+        first..first.max(self.instants.partition_point(|instant| instant[0].time <= to))
+    }
+
+    /// Index of the instant at a time [s] that the run has.
+    fn at(&self, time: f64) -> usize {
+        self.instants.partition_point(|instant| instant[0].time < time).min(self.instants.len() - 1)
+    }
+}
+
 impl Widest {
-    /// Largest differences over the pairs `before`; `all` are the instants of the reference. A velocity may be that of
-    /// the reference up to `late` [s] earlier or later, as after a delayed impact. Particles that touch something are
-    /// left out: during a contact they differ because of the contact itself, not because of its result.
-    fn of(before: &[&[Instant; 2]], all: &[Instant], reference: &Outcome, late: f64) -> Self {
+    /// Largest differences of the `variant` from the `reference` over the pairs `before` of their common instants; `None`
+    /// if every particle is in an impact at all of them.
+    ///
+    /// A velocity may be that of the reference up to `late` [s] earlier or later, as after a delayed impact. Particles
+    /// in the course of an impact are left out, since they differ because of the contact and not because of its result.
+    /// A particle is in an impact shortly after it has begun to touch, and shortly before it ceases to.
+    fn of(before: &[&[Instant; 2]], [variant, reference]: [&Outcome; 2], late: f64) -> Option<Self> {
+        /// [-] longest time of an impact over the contact time of the fastest ones. Slow impacts of Hertz's law last
+        /// longer, by the fifth root of the speed.
+        const SLOW: f64 = 3.0;
         let domain = &reference.experiment.scene.domain;
+        let longest = SLOW * impact_time(&variant.experiment).max(impact_time(&reference.experiment));
+        let [ours, theirs] = [variant, reference].map(|run| ImpactSpans::of(run, longest));
         let mut widest = Self { velocity: Apart::default(), place: Apart::default() };
+        let mut compared = false;
         for [one, other] in before {
             let time = one[0].time;
-            let first = all.partition_point(|instant| instant[0].time < time - late);
-            let near = all[first..].iter().take_while(|instant| instant[0].time <= time + late).chain([other]);
+            let (here, there) = (ours.at(time), theirs.at(other[0].time));
+            let near = theirs.between(time - late, time + late).chain([there]);
             for (k, (p, q)) in one.iter().zip(*other).enumerate() {
-                if p.overlap == 0.0 && q.overlap == 0.0 {
+                if ours.during[here][k] {
+                    continue;
+                }
+                if !theirs.during[there][k] {
                     let size = domain.separation(&p.position, &q.position).norm();
                     widest.place = widest.place.or(Apart { size, id: p.id, time });
                 }
-                let others = near.clone().filter_map(|instant| instant.get(k));
-                let sizes = others.filter(|q| q.overlap == 0.0).map(|q| (p.velocity - q.velocity).norm());
-                if let (true, Some(size)) = (p.overlap == 0.0, sizes.reduce(f64::min)) {
+                let others = near.clone().filter(|at| theirs.during[*at].get(k) == Some(&false));
+                let sizes = others.map(|at| (p.velocity - theirs.instants[at][k].velocity).norm());
+                if let Some(size) = sizes.reduce(f64::min) {
+                    compared = true;
                     widest.velocity = widest.velocity.or(Apart { size, id: p.id, time });
                 }
             }
         }
-        widest
+        compared.then_some(widest)
     }
+}
+
+/// [s] longest contact time of the fastest impacts; 0 of hard spheres, and where contacts do not end.
+fn impact_time(experiment: &Experiment) -> f64 {
+    let Some(law) = experiment.law() else { return 0.0 };
+    let times = at_fastest_impacts(experiment).into_iter().map(|kind| kind.contact_time(&law));
+    times.filter(|time| time.is_finite()).fold(0.0, f64::max)
 }
 
 impl Apart {
