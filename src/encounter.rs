@@ -293,6 +293,17 @@ impl Couple {
         }
     }
 
+    /// [rad/s] spin of particle i relative to the other body.
+    #[inline(always)]
+    pub fn relative_spin(&self, particles: &Particles) -> Vector3<f64> {
+        let spins = particles.spins();
+        match self.other {
+            _ if spins.is_empty() => Vector3::zeros(),
+            Other::Particle(j) => spins[self.i as usize] - spins[j as usize],
+            Other::Wall(_) => spins[self.i as usize],
+        }
+    }
+
     /// [m] the smaller diameter, the unit in which overlaps are given.
     pub fn diameter(&self, particles: &Particles) -> f64 {
         let radius = particles.radius[self.i as usize];

@@ -9,7 +9,7 @@ pub use start_region::StartRegion;
 use crate::domain::Domain;
 use crate::fluid::Fluid;
 use crate::particles::Particles;
-use crate::rotation::{Rotation, SOLID_SPHERE, tangential_mass};
+use crate::rotation::{ImpactKind, Rotation, SOLID_SPHERE, tangential_mass};
 use crate::walls::Wall;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -242,26 +242,34 @@ impl Scene {
         }
     }
 
-    /// Restitution e and M_t/M [-] of the impacts that can happen, each once; where sizes are spread, of mean spheres.
-    pub fn oblique_impacts(&self) -> Vec<(f64, f64)> {
-        let body = |species: u16| {
-            let species = &self.species[usize::from(species)];
+    /// Kinds of impacts that can happen, each once; where sizes are spread, of mean spheres. `shear_ratio` gives the
+    /// ratio of Mindlin's stiffness of two bodies with these elasticities to Hertz's elastic constant [-].
+    pub fn impact_kinds(&self, shear_ratio: impl Fn([Option<Elasticity>; 2]) -> f64) -> Vec<ImpactKind> {
+        let species = |species: u16| &self.species[usize::from(species)];
+        let body = |of: u16| {
+            let species = species(of);
             let (mass, radius) = (species.mass(), 0.5 * species.diameter);
             (mass, radius, species.inertia_factor * mass * radius * radius)
         };
         let ratio = |bodies: &[(f64, f64, f64)]| {
             tangential_mass(bodies.iter().copied()) * bodies.iter().map(|(mass, ..)| 1.0 / mass).sum::<f64>()
         };
-        let pairs = self.meetings().map(|(one, other, meeting)| (meeting, ratio(&[body(one), body(other)])));
-        let walls = self.meetings_at_walls().map(|(one, _, meeting)| (meeting, ratio(&[body(one)])));
-        let mut impacts: Vec<(f64, f64)> = Vec::new();
-        for (meeting, ratio) in pairs.chain(walls) {
-            let restitution = meeting.surface.restitution;
-            if !impacts.iter().any(|(e, of)| *e == restitution && (of - ratio).abs() <= 1e-9 * ratio) {
-                impacts.push((restitution, ratio));
+        let pairs = self.meetings().map(|(one, other, meeting)| {
+            let shear_ratio = shear_ratio([species(one).elasticity, species(other).elasticity]);
+            let mass_ratio = ratio(&[body(one), body(other)]);
+            ImpactKind { restitution: meeting.surface.restitution, mass_ratio, shear_ratio }
+        });
+        let walls = self.meetings_at_walls().map(|(one, wall, meeting)| {
+            let shear_ratio = shear_ratio([species(one).elasticity, self.walls[wall as usize].elasticity]);
+            ImpactKind { restitution: meeting.surface.restitution, mass_ratio: ratio(&[body(one)]), shear_ratio }
+        });
+        let mut kinds: Vec<ImpactKind> = Vec::new();
+        for kind in pairs.chain(walls) {
+            if !kinds.iter().any(|other| other.is_like(&kind)) {
+                kinds.push(kind);
             }
         }
-        impacts
+        kinds
     }
 
     /// Contact properties of particles of a species with a species or a wall.

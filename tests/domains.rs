@@ -49,7 +49,7 @@ fn scene(count: usize, volume_fraction: f64) -> (Scene, Particles) {
 fn rough((mut scene, mut particles): (Scene, Particles)) -> (Scene, Particles) {
     let law = LinearTangential::Ratios { stiffness: 0.8, dashpot: 0.3 };
     let impact = ImpactRule::Walton { tangential_restitution: 0.4 };
-    scene.rotation = Some(Rotation { tangential: TangentialLaw::Linear(law), impact });
+    scene.rotation = Some(Rotation::new(TangentialLaw::Linear(law), impact));
     scene.let_rotate(&mut particles);
     // spins of some 1000 rad/s along the velocities of others
     let other: Vec<_> = particles.velocity.iter().rev().map(|velocity| velocity * 2000.0).collect();

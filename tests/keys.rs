@@ -169,7 +169,7 @@ fn every_example_is_read_and_every_key_explained() {
 
 /// True if [`FULL`] has no such table, so that all required keys of it have to be set.
 fn is_new(table: &str) -> bool {
-    ["particles.sizes", "fluid.profile", "soft.tangential", "hard.friction"]
+    ["particles.sizes", "fluid.profile", "soft.tangential", "soft.rolling", "hard.friction"]
         .iter()
         .any(|outer| table.starts_with(outer))
 }
@@ -198,7 +198,8 @@ fn ranges_are_those_that_messages_name() {
                 _ => number.to_string(),
             };
             let path = tree::child_place(&place(&table.name), &key.name);
-            let law = if table.name.ends_with("hertz") { HERTZ } else { SPRING };
+            let hertzian = table.name.ends_with("hertz") || table.name.ends_with("mindlin");
+            let law = if hertzian { HERTZ } else { SPRING };
             let model = match table.name.as_str() {
                 "hard" => Model::Hard,
                 "hybrid" => Model::Hybrid,
@@ -214,7 +215,10 @@ fn ranges_are_those_that_messages_name() {
                 other.example.as_ref().map(|example| format!("{}={example}", tree::child_place(&outer, &other.name)))
             };
             let others = others.filter_map(set).filter(|_| is_new(&table.name));
-            let sets: Vec<String> = others.chain([format!("{path}={value}")]).collect();
+            // twisting shares the stiffness of a tangential spring
+            let spring =
+                (table.name == "soft.twisting").then(|| "soft.tangential.linear.stiffness_ratio=0.3".to_owned());
+            let sets: Vec<String> = others.chain(spring).chain([format!("{path}={value}")]).collect();
             let told = told(&format!("{FULL}{law}"), &sets, Some(model));
             assert!(told.contains(&format!("allowed: {range}\n")), "{path} = {value}, {range}: {told}");
             seen += 1;

@@ -254,6 +254,7 @@ fn an_impact_study_leaves_paths_summary_pictures_and_page() {
         [("output-impact", &bounces[..]), ("output-impact-hard", &bounces[..1]), ("output-impact-none", &[])]
     {
         let study = ImpactStudy {
+            oblique: None,
             provenance: &provenance,
             bounces,
             requested_restitution: 1.0,

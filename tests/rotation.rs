@@ -1,6 +1,8 @@
 //! Spheres that rotate: reference values computed independently (oracle, RA to RE), balances, and the same bits everywhere.
 
+mod mindlin;
 mod pairs;
+mod rolling;
 
 use crate::support::*;
 use diptych::contact_law::{Bodies, ContactLaw, damping_ratio};
@@ -11,7 +13,9 @@ use diptych::engine::soft::Soft;
 use diptych::experiment::{Experiment, Integrator, Model, SoftStepping};
 use diptych::particles::Particles;
 use diptych::placement::initial_state;
-use diptych::rotation::{ImpactRule, LinearTangential, ObliqueImpact, ReboundTable, Rotation, TangentialLaw};
+use diptych::rotation::{
+    ImpactRule, LinearTangential, ObliqueImpact, ReboundTable, RollingLaw, Rotation, TangentialLaw, TwistingLaw,
+};
 use diptych::scene::{Scene, Species};
 use diptych::simulation::Simulation;
 use nalgebra::Vector3;
@@ -47,7 +51,7 @@ impl Surfaces {
 
     fn of_spring(&self) -> ImpactRule {
         let (damping_ratio, mass) = (damping_ratio(self.restitution), 2.0 / 7.0);
-        let impact = ObliqueImpact { damping_ratio, stiffness: self.stiffness, dashpot: self.dashpot, mass };
+        let impact = ObliqueImpact::linear(damping_ratio, self.stiffness, self.dashpot, mass);
         ImpactRule::OfSpring(Arc::new([ReboundTable::new(self.restitution, impact)]))
     }
 
@@ -70,7 +74,7 @@ fn thrown(surfaces: &Surfaces, impact: ImpactRule, (angle, spin): (f64, f64)) ->
     let of = surface(surfaces.restitution, surfaces.friction);
     let mut scene = empty([0.1; 3], [true, false, true], ball(), of);
     scene.walls = vec![plane([0.0; 3], [0.0, 1.0, 0.0], of)];
-    scene.rotation = Some(Rotation { tangential: surfaces.tangential(), impact });
+    scene.rotation = Some(Rotation::new(surfaces.tangential(), impact));
     let (sin, cos) = f64::to_radians(angle).sin_cos();
     let mut particles = placed(&scene, &[([0.05, RADIUS + 1e-6, 0.05], [SPEED * sin, -SPEED * cos, 0.0])]);
     scene.let_rotate(&mut particles);
@@ -198,7 +202,7 @@ fn a_ball_dropped_with_spin_bounces_as_it_must() {
         scene.walls = vec![plane([0.0; 3], [0.0, 1.0, 0.0], of)];
         scene.gravity = Vector3::new(0.0, -9.81, 0.0);
         let impact = ImpactRule::Walton { tangential_restitution: beta };
-        scene.rotation = Some(Rotation { tangential: TangentialLaw::Coulomb, impact });
+        scene.rotation = Some(Rotation::new(TangentialLaw::Coulomb, impact));
         let height = u * u / (2.0 * 9.81);
         let mut particles = placed(&scene, &[([0.5, RADIUS + height, 0.5], [v0, 0.0, 0.0])]);
         scene.let_rotate(&mut particles);
@@ -231,7 +235,7 @@ fn a_soft_ball_rolls_down_an_incline() {
         let (sin, cos) = f64::to_radians(10.0).sin_cos();
         scene.gravity = Vector3::new(9.81 * sin, -9.81 * cos, 0.0);
         let tangential = TangentialLaw::Linear(LinearTangential::Ratios { stiffness: 2.0 / 7.0, dashpot: 0.0 });
-        scene.rotation = Some(Rotation { tangential, impact: ImpactRule::COULOMB });
+        scene.rotation = Some(Rotation::new(tangential, ImpactRule::COULOMB));
         let stiffness = 3.5e3;
         let sunk = species.mass() * 9.81 * cos / stiffness;
         let mut particles = placed(&scene, &[([0.5, 0.5e-3 - sunk, 0.5], [0.0; 3])]);
@@ -261,7 +265,7 @@ fn without_friction_rotation_changes_nothing() {
         let scene = empty([3e-3; 3], [true; 3], small(), surface(0.9, 0.0));
         let plain = experiment(scene, 60, [0.0; 3], 0.5, model, 3);
         let mut rotating = plain.clone();
-        rotating.scene.rotation = Some(Rotation { tangential: W3.tangential(), impact: W3.of_spring() });
+        rotating.scene.rotation = Some(Rotation::new(W3.tangential(), W3.of_spring()));
         rotating.start[0].spin_fluctuation = 1000.0;
         let (mut smooth, mut spun) = (
             Simulation::new(&plain, initial_state(&plain).unwrap()),
@@ -294,7 +298,7 @@ fn rough_gas(model: Model, rotation: Rotation, restitution: f64, friction: f64, 
 #[test]
 fn a_rough_gas_cools_as_the_reference() {
     let impact = ImpactRule::Walton { tangential_restitution: 0.4 };
-    let gas = rough_gas(Model::Hard, Rotation { tangential: TangentialLaw::Coulomb, impact }, 0.9, 1e9, 3000);
+    let gas = rough_gas(Model::Hard, Rotation::new(TangentialLaw::Coulomb, impact), 0.9, 1e9, 3000);
     let mut simulation = Simulation::new(&gas, initial_state(&gas).unwrap());
     let mut window = 1e-5;
     for (tau, expected) in [(1.0, [0.86357, 0.81901]), (2.0, [0.74055, 0.67666]), (5.0, [0.45934, 0.38795])] {
@@ -330,7 +334,11 @@ fn rough_scenes_have_the_same_bits_from_a_snapshot_and_on_any_threads() {
             plane([0.0, 3e-3, 0.0], [0.0, -1.0, 0.0], surface(0.9, 0.3)),
         ];
         let mut rough = experiment(scene, 80, [0.0; 3], 0.5, model, 4);
-        rough.scene.rotation = Some(Rotation { tangential: W3.tangential(), impact: W3.walton() });
+        // so that spheres settle on the floor, and roll and twist there
+        rough.scene.gravity = Vector3::new(40.0, -800.0, 0.0);
+        let rolling = Some(RollingLaw::Spring { friction: 0.1, stiffness: None, damping: 0.3 });
+        let twisting = Some(TwistingLaw { damping: 0.1 });
+        rough.scene.rotation = Some(Rotation { rolling, twisting, ..Rotation::new(W3.tangential(), W3.walton()) });
         rough.start[0].spin_fluctuation = 2000.0;
         rough.soft.stepping = stepping;
         let run = |threads: usize| {

@@ -24,7 +24,7 @@ mod walls;
 
 pub use contact::{ContactFile, PairFile};
 pub use region::{BlockRegionFile, CylinderRegionFile, RegionFile};
-pub use rotation::{ImpactRuleFile, TangentialFile};
+pub use rotation::{HistoryFile, ImpactRuleFile, RollingFile, TangentialFile, TwistingFile};
 pub use sizes::{ByFile, SizesFile};
 pub use walls::{BoxFile, ConeFile, CuboidFile, CylinderFile, MeshFile, PlaneFile, SphereFile, WallFile};
 
@@ -343,6 +343,10 @@ pub struct SoftFile {
     pub integrator: Option<Located<Integrator>>,
     /// Tangential law of spheres that rotate: exactly one of the tables below. Giving one lets spheres rotate.
     pub tangential: Option<Located<TangentialFile>>,
+    /// Rolling resistance of contacts that last: exactly one of the tables below. Giving one lets spheres rotate.
+    pub rolling: Option<Located<RollingFile>>,
+    /// Twisting resistance of contacts that last. It needs a tangential spring.
+    pub twisting: Option<Located<TwistingFile>>,
 }
 
 /// `[soft.linear_spring_dashpot]`.

@@ -49,6 +49,12 @@ fn soft(experiment: &Experiment) -> Value {
     });
     if let Some(rotation) = &experiment.scene.rotation {
         value["tangential"] = json!(rotation.tangential);
+        if let Some(rolling) = rotation.rolling {
+            value["rolling"] = json!(rolling);
+        }
+        if let Some(twisting) = rotation.twisting {
+            value["twisting"] = json!(twisting);
+        }
     }
     if let Some(law) = &soft.law {
         let values = law.parameters();

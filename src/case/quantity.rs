@@ -32,6 +32,8 @@ pub type Time = Quantity<0, 0, 1>;
 pub type Speed = Quantity<1, 0, -1>;
 /// [rad/s].
 pub type Spin = Quantity<0, 0, -1>;
+/// [s/m].
+pub type Slowness = Quantity<-1, 0, 1>;
 /// [m/s²].
 pub type Acceleration = Quantity<1, 0, -2>;
 /// [kg/m³].
@@ -54,6 +56,7 @@ const DIMENSIONS: &[(Exponents, &str, &str, &str)] = &[
     ([3, 0, 0], "a volume", "m^3", "\"1 mm^3\""),
     ([0, 0, -1], "a rate", "1/s", "\"50 Hz\""),
     ([1, 0, -1], "a velocity", "m/s", "\"12 m/s\""),
+    ([-1, 0, 1], "a time per length", "s/m", "\"0.1 s/m\""),
     ([1, 0, -2], "an acceleration", "m/s^2", "\"9.81 m/s^2\""),
     ([-3, 1, 0], "a density", "kg/m^3", "\"1038 kg/m^3\""),
     ([2, 0, -1], "a kinematic viscosity", "m^2/s", "\"1.515e-5 m^2/s\""),

@@ -9,7 +9,7 @@ const MAGIC: &[u8] = b"diptych checkpoint\n";
 
 /// Version of the layout. Raise it whenever a stored type or the arithmetic changes: the bytes do not describe their
 /// own meaning.
-const LAYOUT: u32 = 26;
+const LAYOUT: u32 = 27;
 
 /// Length of the checksum in bytes.
 const CHECKSUM: usize = size_of::<u32>();

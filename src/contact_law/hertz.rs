@@ -84,6 +84,17 @@ impl Law for Hertz {
         Spring { effective_mass, restitution, stiffness, dashpot }
     }
 
+    /// Returns 8 G* sqrt(R), 1/G* = (2-ν_p)/G_p + (2-ν_q)/G_q with the shear moduli G = E/(2(1+ν)) (Mindlin 1949, J.
+    /// Appl. Mech. 16, 259; Johnson 1985, Eq. 7.43).
+    fn shear_stiffness(&self, bodies: &Bodies) -> f64 {
+        let compliance = |own: Option<Elasticity>| {
+            let Elasticity { youngs_modulus, poissons_ratio } = own.unwrap_or(self.elasticity);
+            2.0 * (2.0 - poissons_ratio) * (1.0 + poissons_ratio) / youngs_modulus
+        };
+        let modulus = 1.0 / (compliance(bodies.elasticity[0]) + compliance(bodies.elasticity[1]));
+        8.0 * modulus * bodies.effective_radius.sqrt() * bodies.stiffness_ratio
+    }
+
     fn exponent(&self) -> f64 {
         1.5
     }

@@ -21,6 +21,7 @@ pub use hertz::Hertz;
 pub use linear_spring_dashpot::LinearSpringDashpot;
 
 use crate::rotation::NormalSpring;
+use crate::scene::Elasticity;
 use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
@@ -85,6 +86,12 @@ pub trait Law: std::fmt::Debug + Send + Sync {
     /// Name of the law in a sentence.
     fn title(&self) -> &'static str {
         self.parameters().first().map_or("contact law", |parameter| parameter.law)
+    }
+
+    /// [N/m^1.5] tangential stiffness of two elastic spheres that do not slip, over the root of the overlap; 0 of a law
+    /// without elastic constants.
+    fn shear_stiffness(&self, _bodies: &Bodies) -> f64 {
+        0.0
     }
 
     /// [-] n, if the elastic force is about proportional to the overlap to the power n. Estimates of the stiffness that
@@ -266,10 +273,21 @@ impl ContactLaw {
         self.parameters().first().copied().unwrap_or(none)
     }
 
-    /// Normal contact as a tangential law needs it; only a linear law has such constants.
-    pub fn normal_spring(&self, spring: &Spring) -> NormalSpring {
+    /// Normal contact of two bodies as a tangential law needs it.
+    pub fn normal_spring(&self, bodies: &Bodies, spring: &Spring) -> NormalSpring {
         let Spring { stiffness, dashpot, .. } = *spring;
-        NormalSpring { stiffness, dashpot, contact_time: self.contact_time(spring, 1.0) }
+        let contact_time = if self.is_linear() { self.contact_time(spring, 1.0) } else { f64::INFINITY };
+        let (exponent, shear_stiffness) = (self.exponent(), self.shear_stiffness(bodies));
+        let half_powers = (2.0 * (exponent - 1.0)).round().max(0.0) as u8;
+        NormalSpring { stiffness, dashpot, contact_time, tangent: exponent * stiffness, half_powers, shear_stiffness }
+    }
+
+    /// [-] Mindlin's tangential stiffness over the elastic constant of Hertz's law, between two bodies with these
+    /// elasticities; 0 of other laws.
+    pub fn shear_ratio(&self, elasticity: [Option<Elasticity>; 2]) -> f64 {
+        let (effective_mass, effective_radius, restitution, stiffness_ratio) = (1.0, 1.0, 1.0, 1.0);
+        let bodies = Bodies { effective_mass, effective_radius, restitution, elasticity, stiffness_ratio };
+        self.shear_stiffness(&bodies) / self.between(&bodies).stiffness
     }
 
     /// True if the elastic force is proportional to the overlap and the viscous one to its rate: closed forms for such

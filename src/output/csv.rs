@@ -4,7 +4,7 @@
 use super::limits::Map;
 use super::sensitivity::SensitivityStudy;
 use super::sweep::{OBSERVABLES, SweepStudy};
-use super::{Bounce, ChartStudy, CostMeasure, OutputError};
+use super::{Bounce, ChartStudy, CostMeasure, ObliqueStudy, OutputError};
 use crate::case::saved;
 use crate::experiment::Model;
 use crate::legible;
@@ -284,6 +284,22 @@ pub fn bounces(bounces: &[Bounce]) -> Result<Vec<u8>, OutputError> {
                 let numbers = [point.time, point.gap, point.normal_velocity];
                 table.row(std::iter::once(name.clone()).chain(numbers.map(number)))?;
             }
+        }
+    }
+    table.bytes()
+}
+
+/// `oblique.csv`: slip before and after oblique impacts over μ u_n [-], of each variant; measured points follow.
+///
+/// # Errors
+/// [`OutputError::Csv`] if a row cannot be encoded.
+pub fn oblique(study: &ObliqueStudy) -> Result<Vec<u8>, OutputError> {
+    let mut table = CsvTable::new();
+    table.head("variant,slip_before,slip_after")?;
+    let curves = study.curves.iter().map(|curve| (curve.name.as_str(), &curve.points));
+    for (name, points) in curves.chain([("measured (Kharaz et al. 2001)", &study.measured)]) {
+        for (before, after) in points {
+            table.row([name.to_owned(), number(*before), number(*after)])?;
         }
     }
     table.bytes()

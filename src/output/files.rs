@@ -26,7 +26,7 @@ const REPORT: &str = "report.html";
 
 /// Tables that a run leaves beside [`SUMMARY`]; they are removed when results are replaced, so that no file of another
 /// run stays behind.
-const TABLES: [&str; 12] = [
+const TABLES: [&str; 13] = [
     "series.csv",
     "paths.csv",
     "profiles.csv",
@@ -34,6 +34,7 @@ const TABLES: [&str; 12] = [
     "overlaps.csv",
     "state.csv",
     "impact.csv",
+    "oblique.csv",
     "chart.csv",
     "profile.csv",
     "sweep.csv",

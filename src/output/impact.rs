@@ -61,6 +61,39 @@ pub struct Bounce {
     pub failure: Option<Failure>,
 }
 
+/// Slip after oblique impacts under one variant.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ObliqueCurve {
+    /// Name of the variant.
+    pub name: String,
+    /// Reduced slip s/(μ u_n) before and after the impact [-].
+    pub points: Vec<(f64, f64)>,
+}
+
+/// Oblique impacts of the two bodies of a study.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ObliqueStudy {
+    /// One per variant.
+    pub curves: Vec<ObliqueCurve>,
+    /// Measured points of solid spheres, likewise; none for other bodies.
+    pub measured: Vec<(f64, f64)>,
+    /// [-] change of the reduced slip by the largest friction impulse, (1+e) M/M_t.
+    pub impulse: f64,
+}
+
+impl ObliqueStudy {
+    /// Largest difference of a curve from the first one, over the change by the largest friction impulse [-], and the
+    /// reduced slip at which it is found.
+    pub fn difference(&self, curve: usize) -> Option<(f64, f64)> {
+        let (first, other) = (self.curves.first()?, self.curves.get(curve)?);
+        let off = |(at, after): &(f64, f64)| {
+            let (_, reference) = first.points.iter().find(|(slip, _)| slip == at)?;
+            Some(((after - reference).abs() / self.impulse, *at))
+        };
+        other.points.iter().filter_map(off).max_by(|a, b| a.0.total_cmp(&b.0))
+    }
+}
+
 /// All data of an impact study that outputs need.
 #[derive(Clone, Copy, Debug)]
 pub struct ImpactStudy<'a> {
@@ -70,6 +103,8 @@ pub struct ImpactStudy<'a> {
     pub bounces: &'a [Bounce],
     /// [-] restitution given in the case.
     pub requested_restitution: f64,
+    /// Oblique impacts of the two bodies, where spheres rotate.
+    pub oblique: Option<&'a ObliqueStudy>,
     /// [m] diameter that overlaps are compared with.
     pub diameter: f64,
     /// [m/s] normal speed of approach.

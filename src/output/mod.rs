@@ -41,7 +41,7 @@ pub use documents::{
 pub use files::{ASIDE, CHECKPOINT, COMMAND, FIGURES, Folder, SUMMARY, put};
 pub use groups::references;
 
-pub use impact::{Analytic, Bounce, BounceValues, ImpactStudy, PathPoint};
+pub use impact::{Analytic, Bounce, BounceValues, ImpactStudy, ObliqueCurve, ObliqueStudy, PathPoint};
 pub use state::StateFile;
 pub use trajectory::{TRAJECTORY, Trajectory};
 pub use trust::{Expected, Halved, HalvedStep, Judgement, TrustCheck, TrustSheet, Verification};

@@ -55,6 +55,14 @@ pub fn effects(scene: &Scene, plan: &RunPrediction) -> Vec<Effect> {
         Some(slip),
         scene.rotation.is_some(),
     )];
+    if let Some(friction) = scene.rotation.as_ref().and_then(|rotation| rotation.rolling?.friction()) {
+        // at a wall a torque μ_r r J_n changes the spin by μ_r r (1+e) m u_n/(2/5 m r²); soft contacts resist only once
+        // they have lasted longer than an impact
+        let restitution = surfaces.iter().map(|surface| surface.restitution).fold(0.0, f64::max);
+        let measure = "surface speed that a constant rolling torque would change in an impact at a wall, over the normal speed, (5/2) μ_r (1+e)";
+        let number = Some(2.5 * friction * (1.0 + restitution));
+        list.push(against_target("rolling resistance within impacts", measure, number, false));
+    }
     if let Some(shrink) = plan.softness {
         let measure = "cross-section lost against hard spheres of the same diameter, 2 sqrt(π m T/(2k))/d";
         list.push(against_target("finite stiffness", measure, Some(2.0 * shrink), true));

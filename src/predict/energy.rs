@@ -10,7 +10,7 @@ use crate::experiment::{Experiment, Integrator, SoftStepping};
 use crate::neighbours::overlapping;
 use crate::particles::{Particles, Sample};
 use crate::record::Record;
-use crate::rotation::TangentialSpring;
+use crate::rotation::{RollingBodies, SpringDashpotSlider};
 use crate::scene::{Scene, Species};
 use rustc_hash::FxHashMap;
 use serde::{Deserialize, Serialize};
@@ -70,9 +70,8 @@ pub fn too_long(experiment: &Experiment, particles: usize, step: f64) -> Option<
         let reduced = law.frequency(&spring, speed) * step;
         let damping = law.damping_ratio(&spring, speed);
         let of_schemes = || schemes.iter().map(|scheme| stability_limit(scheme.method, damping));
-        let (reduced, damping) = tangential(experiment, &law, bodies, step)
-            .filter(|of_slip| of_slip.0 > reduced)
-            .unwrap_or((reduced, damping));
+        let (reduced, damping) =
+            sliders(experiment, &law, bodies, step).filter(|of_slip| of_slip.0 > reduced).unwrap_or((reduced, damping));
         let limit = limits.entry(damping.to_bits()).or_insert_with(|| of_schemes().fold(f64::INFINITY, f64::min));
         (reduced, *limit)
     };
@@ -85,15 +84,29 @@ pub fn too_long(experiment: &Experiment, particles: usize, step: f64) -> Option<
     unstable.then_some(Failure::StepTooLong { time: 0.0, wall, step, reduced, limit })
 }
 
-/// Frequency of the tangential spring times the step, and its damping ratio [-]; `None` without one.
-fn tangential(experiment: &Experiment, law: &ContactLaw, bodies: &Bodies, step: f64) -> Option<(f64, f64)> {
+/// Frequency of the fastest spring with a slider times the step, and its damping ratio [-]; `None` without one.
+fn sliders(experiment: &Experiment, law: &ContactLaw, bodies: &Bodies, step: f64) -> Option<(f64, f64)> {
     let scene = &experiment.scene;
-    let rotation = scene.rotation.as_ref().filter(|rotation| rotation.tangential.has_memory())?;
-    let lightest = scene.species.iter().map(|species| species.inertia_factor).reduce(f64::min)?;
-    let (spring, mass) = (law.between(bodies), bodies.effective_mass * lightest / (1.0 + lightest));
-    let TangentialSpring { stiffness, dashpot, .. } = rotation.tangential.between(|| law.normal_spring(&spring), mass);
-    let frequency = (stiffness / mass).sqrt();
-    Some((frequency * step, 0.5 * dashpot / (mass * frequency)))
+    let rotation = scene.rotation.as_ref()?;
+    let inertia = scene.species.iter().map(|species| species.inertia_factor).reduce(f64::min)?;
+    let Bodies { effective_mass, effective_radius, .. } = *bodies;
+    let spring = law.between(bodies);
+    let normal = law.normal_spring(bodies, &spring);
+    let elastic = Spring { restitution: 1.0, dashpot: 0.0, ..spring };
+    let deepest = law.greatest_overlap(&elastic, fastest_impact(experiment));
+    let tangential = rotation.tangential.between(|| normal, effective_mass * inertia / (1.0 + inertia));
+    // a couple turns two equal spheres, or one at a wall, as it turns one of the effective mass and radius
+    let moment = inertia * effective_mass * effective_radius * effective_radius;
+    let rolls = RollingBodies::of(std::iter::once((effective_mass, effective_radius, moment)));
+    let rolling = rotation.rolling.map(|rolling| rolling.between(&normal, &rolls).spring);
+    let twisting = rotation.twisting.map(|twisting| twisting.between(&tangential, 1.0, deepest, &rolls).spring);
+    let springs = [Some(tangential), rolling, twisting].into_iter().flatten().filter(|spring| spring.stiffness > 0.0);
+    let of = |spring: SpringDashpotSlider| {
+        let SpringDashpotSlider { mass, stiffness, dashpot, .. } = spring.at(deepest);
+        let frequency = (stiffness / mass).sqrt();
+        (frequency * step, 0.5 * dashpot / (mass * frequency))
+    };
+    springs.map(of).max_by(|a, b| a.0.total_cmp(&b.0))
 }
 
 /// The failure of a contact law of the caller's that breaks a contract between two bodies of the scene; `None` if it

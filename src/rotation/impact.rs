@@ -15,9 +15,33 @@ pub enum ImpactRule {
         /// [-] β_0, -1 ..= 1: -1 leaves the slip as it is, 1 reverses it.
         tangential_restitution: f64,
     },
-    /// The impact of stiff soft spheres: s' = μ u_n Φ(s/(μ u_n)), with the function Φ of their linear law. One table
+    /// The impact of stiff soft spheres: s' = μ u_n Φ(s/(μ u_n)), with the function Φ of their tangential law. One table
     /// for each restitution of the scene.
     OfSpring(Arc<[ReboundTable]>),
+}
+
+/// Impacts of two kinds of bodies, which follow one rule.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ImpactKind {
+    /// [-] normal restitution e.
+    pub restitution: f64,
+    /// [-] M_t over the effective mass M.
+    pub mass_ratio: f64,
+    /// [-] Mindlin's stiffness over Hertz's elastic constant; 0 of a law that has none.
+    pub shear_ratio: f64,
+}
+
+impl ImpactKind {
+    /// True if the two kinds have equal restitution and, to rounding, equal ratios.
+    pub fn is_like(&self, other: &Self) -> bool {
+        let near = |a: f64, b: f64| (a - b).abs() <= 1e-9 * a.abs();
+        self.has_table_of(other) && near(self.shear_ratio, other.shear_ratio)
+    }
+
+    /// True if an impact cannot tell the two kinds apart: it knows only restitution and masses.
+    pub fn has_table_of(&self, other: &Self) -> bool {
+        self.restitution == other.restitution && (self.mass_ratio - other.mass_ratio).abs() <= 1e-9 * self.mass_ratio
+    }
 }
 
 /// An impact as the rule sees it.
@@ -43,10 +67,10 @@ impl ImpactRule {
     /// Coulomb's limit and nothing else: an impact that can stop the slip does.
     pub const COULOMB: Self = Self::Walton { tangential_restitution: 0.0 };
 
-    /// The rule of stiff soft spheres with a tangential law that remembers, for impacts with these e > 0 and M_t/M [-].
-    pub fn of_spring(law: &TangentialLaw, impacts: &[(f64, f64)]) -> Self {
-        let table = |&(restitution, mass): &(f64, f64)| {
-            ReboundTable::new(restitution, ObliqueImpact::of_law(law, restitution, mass))
+    /// The rule of stiff soft spheres with a tangential law that remembers, for these impacts.
+    pub fn of_spring(law: &TangentialLaw, impacts: &[ImpactKind]) -> Self {
+        let table = |&ImpactKind { restitution, mass_ratio, shear_ratio }: &ImpactKind| {
+            ReboundTable::new(restitution, ObliqueImpact::of_law(law, restitution, mass_ratio, shear_ratio))
         };
         Self::OfSpring(impacts.iter().map(table).collect())
     }

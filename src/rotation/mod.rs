@@ -11,11 +11,15 @@
 
 mod impact;
 mod rebound;
+mod rolling;
+mod slider;
 mod tangential;
 
-pub use impact::{ImpactRule, ObliqueApproach};
+pub use impact::{ImpactKind, ImpactRule, ObliqueApproach};
 pub use rebound::{ObliqueImpact, ReboundTable};
-pub use tangential::{LinearTangential, NormalSpring, TangentialLaw, TangentialSpring, turned};
+pub use rolling::{Resistance, RollingBodies, RollingLaw, TwistingLaw};
+pub use slider::{SpringDashpotSlider, SpringHistory, SpringRates, turned};
+pub use tangential::{LinearTangential, NormalSpring, TangentialLaw};
 
 use nalgebra::Vector3;
 use serde::Serialize;
@@ -34,11 +38,31 @@ pub struct Rotation {
     pub tangential: TangentialLaw,
     /// Rule of instantaneous impacts (hard and hybrid models).
     pub impact: ImpactRule,
+    /// Rolling resistance of contacts that last.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rolling: Option<RollingLaw>,
+    /// Twisting resistance of contacts that last.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub twisting: Option<TwistingLaw>,
+}
+
+impl Rotation {
+    /// Rotation without rolling and twisting resistance.
+    pub fn new(tangential: TangentialLaw, impact: ImpactRule) -> Self {
+        Self { tangential, impact, rolling: None, twisting: None }
+    }
+
+    /// True if contacts that last resist rolling or twisting.
+    pub fn resists(&self) -> bool {
+        self.rolling.is_some() || self.twisting.is_some()
+    }
 }
 
 impl std::fmt::Display for Rotation {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "soft contacts with {}, hard impacts {}", self.tangential, self.impact)
+        write!(f, "soft contacts with {}, hard impacts {}", self.tangential, self.impact)?;
+        self.rolling.iter().try_for_each(|rolling| write!(f, ", {rolling}"))?;
+        self.twisting.iter().try_for_each(|_| write!(f, ", a twisting spring"))
     }
 }
 

@@ -1,38 +1,52 @@
-//! Rebound of an oblique impact of stiff spheres under the linear laws: one function of one number.
+//! Rebound of an oblique impact of stiff spheres: one function of one number.
 //!
-//! In units of the undamped frequency ω_0, the effective mass M and the normal speed u_n the overlap is δ(t) = exp(-ζt)
-//! sin(ω_d t)/ω_d, and the normal force f = δ + 2ζ δ'. The slip is σ = s/(μ u_n), and the shear ξ stands in units of
-//! μ u_n/ω_0. The tangential motion is ξ' = σ, (M_t/M) σ' = -F, F = κ ξ + c σ, at most max(f, 0). It knows neither μ
-//! nor sizes nor speeds: σ' = Φ(σ_0) (Becker et al. 2008, Phys. Rev. E 77, 011304, propose such a map).
+//! In units of the effective mass M, the normal speed u_n and the normal stiffness the overlap δ(t) of a given
+//! restitution is one known curve, and so is the normal force f. The slip is σ = s/(μ u_n), and the shear ξ stands in
+//! units of μ times a length. The tangential motion is ξ' = σ, (M_t/M) σ' = -F, F = k ξ + c σ, at most max(f, 0). It
+//! knows neither μ nor sizes nor speeds: σ' = Φ(σ_0) (Becker et al. 2008, Phys. Rev. E 77, 011304, propose such a map).
+//!
+//! The linear law has δ = exp(-ζt) sin(ω_d t)/ω_d in units of its frequency. Hertz's law has the same curve for w =
+//! δ^(5/4) as a function of the oscillator's time (Antypov and Elliott 2011, EPL 94, 50004).
 
-use super::{NormalSpring, TangentialLaw, TangentialSpring};
+use super::{NormalSpring, SpringDashpotSlider, TangentialLaw};
 use std::f64::consts::PI;
 use std::sync::OnceLock;
 
-/// Steps of the classical Runge-Kutta method in an impact: an error of some 1e-8.
+/// Steps of the classical Runge-Kutta method in an impact: an error of some 1e-8 (linear) and 1e-6 (Hertz).
 const STEPS: u32 = 120;
 
 /// Points of a table up to the slip beyond which all impacts slide to their end, and as many beyond: linear
 /// interpolation errs by 1e-6, and near the slips at which phases change by 1e-5 at most.
 const POINTS: usize = 4096;
 
-/// An oblique impact of two bodies under the linear normal and tangential laws, in units of ω_0, M and u_n.
+/// An oblique impact of two bodies under a normal and a tangential law, in units of M, u_n and the normal stiffness.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ObliqueImpact {
-    /// [-] normal damping ratio ζ, 0 <= ζ < 1.
+    /// [-] normal damping ratio ζ, 0 <= ζ < 1, of the linear oscillator.
     pub damping_ratio: f64,
-    /// [-] κ = k_t/k_n.
-    pub stiffness: f64,
-    /// [-] c_t/(M ω_0).
-    pub dashpot: f64,
+    /// Stiffness k_t and dashpot c_t in these units; with Mindlin's law k_t/sqrt(δ) and c_t/δ^(1/4).
+    pub tangential: SpringDashpotSlider,
     /// [-] M_t/M.
     pub mass: f64,
 }
 
-/// State of an impact: time, slip against the first slip's direction, shear.
+/// An instant of an impact: the normal force and the tangential spring of the overlap.
+#[derive(Clone, Copy, Debug)]
+struct ImpactInstant {
+    /// Largest tangential force max(f, 0), and its rate.
+    limit: f64,
+    limit_rate: f64,
+    spring: SpringDashpotSlider,
+    /// δ'/δ, by which the overlap changes the spring.
+    rate: f64,
+    /// Time per unit of the variable that is stepped.
+    pace: f64,
+}
+
+/// State of an impact: the stepped variable, the slip against the first slip's direction, and the shear.
 #[derive(Clone, Copy, Debug)]
 struct State {
-    time: f64,
+    at: f64,
     slip: f64,
     shear: f64,
 }
@@ -46,28 +60,65 @@ enum SlipPhase {
 }
 
 impl ObliqueImpact {
+    /// Impact under the linear laws: κ = k_t/k_n, the dashpot c_t/(M ω_0), and M_t/M [-].
+    pub fn linear(damping_ratio: f64, stiffness: f64, dashpot: f64, mass: f64) -> Self {
+        let tangential = SpringDashpotSlider { stiffness, dashpot, ..SpringDashpotSlider::without_memory(mass) };
+        Self { damping_ratio, tangential, mass }
+    }
+
     /// Impact of surfaces with restitution e, 0 < e <= 1, of bodies with that M_t/M [-], under a tangential law that
-    /// remembers.
-    pub fn of_law(law: &TangentialLaw, restitution: f64, mass: f64) -> Self {
+    /// remembers. `shear` is Mindlin's stiffness over Hertz's elastic constant [-]; a linear law has none.
+    pub fn of_law(law: &TangentialLaw, restitution: f64, mass: f64, shear: f64) -> Self {
         let ln = restitution.ln();
         let damping_ratio = -ln / (PI * PI + ln * ln).sqrt();
-        let smooth = Self { damping_ratio, stiffness: 0.0, dashpot: 0.0, mass };
-        let normal = NormalSpring { stiffness: 1.0, dashpot: 2.0 * damping_ratio, contact_time: smooth.duration() };
-        let TangentialSpring { stiffness, dashpot, .. } = law.between(|| normal, mass);
-        Self { stiffness, dashpot, ..smooth }
+        let smooth = Self::linear(damping_ratio, 0.0, 0.0, mass);
+        let mut normal = NormalSpring::linear(1.0, 2.0 * damping_ratio, smooth.duration());
+        if let TangentialLaw::Mindlin { .. } = law {
+            normal = NormalSpring { dashpot: hertz_dashpot(damping_ratio), shear_stiffness: shear, ..normal };
+        }
+        Self { tangential: law.between(|| normal, mass), ..smooth }
+    }
+
+    fn is_hertzian(&self) -> bool {
+        self.tangential.half_powers > 0
     }
 
     fn damped(&self) -> f64 {
         (1.0 - self.damping_ratio * self.damping_ratio).sqrt()
     }
 
-    /// [1/ω_0] contact time.
+    /// [1/ω_0] contact time of the linear oscillator.
     pub fn duration(&self) -> f64 {
         PI / self.damped()
     }
 
-    /// Largest tangential force max(f, 0), and its rate.
-    fn limit(&self, time: f64) -> (f64, f64) {
+    /// Instants that no step may cross. From the largest overlap on (ω_d t = arccos ζ) a spring is rescaled. At twice
+    /// that phase f = 0: from there on damping pulls, and the limit is 0. The third is the end.
+    fn stops(&self) -> [f64; 3] {
+        let phase = self.damping_ratio.acos();
+        if self.is_hertzian() {
+            [self.share_of(phase), self.share_of(2.0 * phase), 1.0]
+        } else {
+            let pulls = 2.0 * phase / self.damped();
+            [pulls, pulls, self.duration()]
+        }
+    }
+
+    /// Share at which the phase has that value.
+    fn share_of(&self, phase: f64) -> f64 {
+        let (mut low, mut high) = (0.0, 1.0);
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if PI * crowded(middle).0 < phase { low = middle } else { high = middle }
+        }
+        high
+    }
+
+    fn instant(&self, at: f64) -> ImpactInstant {
+        if self.is_hertzian() { self.hertzian(at) } else { self.linear_instant(at) }
+    }
+
+    fn linear_instant(&self, time: f64) -> ImpactInstant {
         let (ratio, damped) = (self.damping_ratio, self.damped());
         let (sin, cos) = (damped * time).sin_cos();
         let envelope = (-ratio * time).exp();
@@ -75,63 +126,106 @@ impl ObliqueImpact {
         let rate = envelope * cos - ratio * overlap;
         // δ'' = -δ - 2ζ δ'
         let force = overlap + 2.0 * ratio * rate;
-        if force > 0.0 { (force, rate - 2.0 * ratio * force) } else { (0.0, 0.0) }
+        let (limit, limit_rate) = if force > 0.0 { (force, rate - 2.0 * ratio * force) } else { (0.0, 0.0) };
+        ImpactInstant { limit, limit_rate, spring: self.tangential, rate: 0.0, pace: 1.0 }
     }
 
-    fn step(&self, phase: SlipPhase, from: &State, dt: f64) -> State {
-        let force = |time: f64, slip: f64, shear: f64| match phase {
-            SlipPhase::Stick => self.stiffness * shear + self.dashpot * slip,
-            SlipPhase::Slide(sign) => sign * self.limit(time).0,
+    /// In units of M, u_n and k_H, at a share of the phase that is crowded at both ends.
+    fn hertzian(&self, share: f64) -> ImpactInstant {
+        let (ratio, frequency) = (self.damping_ratio, 0.8f64.sqrt()); // ω_0² = 4 k_H/(5 M), Antypov and Elliott
+        let damped = frequency * self.damped();
+        let (phase, slope) = crowded(share);
+        let (sin, cos) = (PI * phase).sin_cos();
+        let envelope = (-ratio * frequency * PI * phase / damped).exp();
+        let w = (envelope * sin / damped).max(0.0);
+        let rate = envelope * cos - ratio * frequency * w;
+        if w <= 0.0 {
+            let spring = self.tangential.at(0.0);
+            return ImpactInstant { limit: 0.0, limit_rate: 0.0, spring, rate: 0.0, pace: 0.0 };
+        }
+        let overlap = w.powf(0.8);
+        let (root, dashpot) = (overlap.sqrt(), hertz_dashpot(ratio));
+        let force = overlap * root + dashpot * root.sqrt() * rate;
+        // δ'' = -f
+        let viscous = dashpot * root.sqrt() * (0.25 * rate * rate / overlap - force);
+        let pulls = force <= 0.0;
+        let (limit, limit_rate) = if pulls { (0.0, 0.0) } else { (force, 1.5 * root * rate + viscous) };
+        let pace = 0.8 * w.powf(-0.2) * PI * slope / damped;
+        ImpactInstant { limit, limit_rate, spring: self.tangential.at(overlap), rate: rate / overlap, pace }
+    }
+
+    fn step(&self, phase: SlipPhase, from: &State, dx: f64) -> State {
+        let rate = |at: f64, slip: f64, shear: f64| {
+            let ImpactInstant { limit, spring, rate, pace, .. } = self.instant(at);
+            let force = match phase {
+                SlipPhase::Stick => spring.stiffness * shear + spring.dashpot * slip,
+                SlipPhase::Slide(sign) => sign * limit,
+            };
+            (-force / self.mass * pace, (slip - self.tangential.rates(rate).forgotten * shear) * pace)
         };
-        let rate = |time: f64, slip: f64, shear: f64| (-force(time, slip, shear) / self.mass, slip);
-        let State { time, slip, shear } = *from;
-        let (a1, b1) = rate(time, slip, shear);
-        let (a2, b2) = rate(time + 0.5 * dt, slip + 0.5 * dt * a1, shear + 0.5 * dt * b1);
-        let (a3, b3) = rate(time + 0.5 * dt, slip + 0.5 * dt * a2, shear + 0.5 * dt * b2);
-        let (a4, b4) = rate(time + dt, slip + dt * a3, shear + dt * b3);
-        let time = time + dt;
-        let slip = slip + dt / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4);
+        let State { at, slip, shear } = *from;
+        let (a1, b1) = rate(at, slip, shear);
+        let (a2, b2) = rate(at + 0.5 * dx, slip + 0.5 * dx * a1, shear + 0.5 * dx * b1);
+        let (a3, b3) = rate(at + 0.5 * dx, slip + 0.5 * dx * a2, shear + 0.5 * dx * b2);
+        let (a4, b4) = rate(at + dx, slip + dx * a3, shear + dx * b3);
+        let at = at + dx;
+        let slip = slip + dx / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4);
         let shear = match phase {
-            SlipPhase::Stick => shear + dt / 6.0 * (b1 + 2.0 * b2 + 2.0 * b3 + b4),
+            SlipPhase::Stick => shear + dx / 6.0 * (b1 + 2.0 * b2 + 2.0 * b3 + b4),
             SlipPhase::Slide(sign) => {
-                sign * (self.limit(time).0 - self.dashpot * slip * sign).max(0.0) / self.stiffness
+                let ImpactInstant { limit, spring, .. } = self.instant(at);
+                sign * spring.sliding_length(limit, slip * sign)
             }
         };
-        State { time, slip, shear }
+        State { at, slip, shear }
     }
 
     /// Positive while the phase goes on: the distance to the limit, or the rate of sliding.
     fn goes_on(&self, phase: SlipPhase, state: &State) -> f64 {
-        let (limit, rate) = self.limit(state.time);
+        let ImpactInstant { limit, limit_rate, spring, rate, .. } = self.instant(state.at);
         match phase {
-            SlipPhase::Stick => limit - (self.stiffness * state.shear + self.dashpot * state.slip).abs(),
+            SlipPhase::Stick => limit - (spring.stiffness * state.shear + spring.dashpot * state.slip).abs(),
             // the dashpot alone is at the limit: the spring is not stretched
-            SlipPhase::Slide(sign) if limit <= self.dashpot * state.slip * sign => f64::INFINITY,
+            SlipPhase::Slide(sign) if limit <= spring.dashpot * state.slip * sign => f64::INFINITY,
             SlipPhase::Slide(sign) => {
                 // rate of the force if it stuck, over that of the limit
-                self.stiffness * state.slip * sign - self.dashpot * limit / self.mass - rate
+                let changes = self.tangential.rates(rate);
+                let of_spring = spring.stiffness * (state.slip + changes.force * state.shear);
+                let of_dashpot = spring.dashpot * (changes.dashpot * state.slip - sign * limit / self.mass);
+                (of_spring + of_dashpot) * sign - limit_rate
             }
         }
     }
 
-    /// SlipPhase that a state on the limit is about to take.
+    /// Phase that a state on the limit is about to take.
     fn next_phase(&self, state: &State) -> SlipPhase {
-        let force = self.stiffness * state.shear + self.dashpot * state.slip;
+        let spring = self.instant(state.at).spring;
+        let force = spring.stiffness * state.shear + spring.dashpot * state.slip;
         let sign = if force == 0.0 { 1.0 } else { force.signum() };
         if self.goes_on(SlipPhase::Slide(sign), state) > 0.0 { SlipPhase::Slide(sign) } else { SlipPhase::Stick }
     }
 
+    /// Phase of an impact that begins with that slip.
+    fn first_phase(&self, state: &State) -> SlipPhase {
+        if !self.is_hertzian() {
+            let on_limit = self.instant(0.0).limit <= self.tangential.dashpot * state.slip;
+            return if on_limit { self.next_phase(state) } else { SlipPhase::Stick };
+        }
+        // at a small overlap δ = t the dashpots act with t^(1/4), and the springs with t^(3/2)
+        let dashpots = self.tangential.dashpot * state.slip - hertz_dashpot(self.damping_ratio);
+        let springs = self.tangential.stiffness * self.tangential.growth(0.0, 1.0).1 * state.slip - 1.0;
+        let beyond = if dashpots == 0.0 { springs } else { dashpots };
+        if beyond > 0.0 { SlipPhase::Slide(1.0) } else { SlipPhase::Stick }
+    }
+
     /// Reduced slip Φ(σ_0) [-] after the impact, from that before it, `slip` σ_0 >= 0 [-].
     pub fn rebound(&self, slip: f64) -> f64 {
-        let mut state = State { time: 0.0, slip, shear: 0.0 };
-        let on_limit = self.limit(0.0).0 <= self.dashpot * slip;
-        let mut phase = if on_limit { self.next_phase(&state) } else { SlipPhase::Stick };
-        let (end, dt) = (self.duration(), self.duration() / f64::from(STEPS));
-        // f = 0 where ω_d t = 2 arccos ζ: from there on damping pulls, and the limit is 0
-        let pulls = 2.0 * self.damping_ratio.acos() / self.damped();
-        while state.time < end * (1.0 - 1e-12) {
-            let stop = if state.time < pulls * (1.0 - 1e-12) { pulls } else { end };
-            let step = dt.min(stop - state.time);
+        let mut state = State { at: 0.0, slip, shear: 0.0 };
+        let mut phase = self.first_phase(&state);
+        let stops = self.stops();
+        let dx = stops[2] / f64::from(STEPS);
+        while let Some(stop) = stops.iter().find(|stop| state.at < *stop * (1.0 - 1e-12)) {
+            let step = dx.min(stop - state.at);
             let next = self.step(phase, &state, step);
             if self.goes_on(phase, &next) >= 0.0 {
                 state = next;
@@ -147,13 +241,25 @@ impl ObliqueImpact {
             state = self.step(phase, &state, high.max(1e-9) * step);
             phase = match phase {
                 SlipPhase::Stick => {
-                    SlipPhase::Slide((self.stiffness * state.shear + self.dashpot * state.slip).signum())
+                    let spring = self.instant(state.at).spring;
+                    SlipPhase::Slide((spring.stiffness * state.shear + spring.dashpot * state.slip).signum())
                 }
                 SlipPhase::Slide(_) => SlipPhase::Stick,
             };
         }
         state.slip
     }
+}
+
+/// Dashpot of Hertz's law in units of M and k_H (Antypov and Elliott 2011).
+fn hertz_dashpot(damping_ratio: f64) -> f64 {
+    5.0f64.sqrt() * damping_ratio
+}
+
+/// A share of 0 to 1 that is crowded at both ends, and its slope (the polynomial "smoothstep").
+fn crowded(share: f64) -> (f64, f64) {
+    let at = share * share * share * (10.0 - 15.0 * share + 6.0 * share * share);
+    (at, 30.0 * (share * (1.0 - share)).powi(2))
 }
 
 /// Φ of an [`ObliqueImpact`], tabulated when it is first asked for: soft runs never ask.
@@ -246,7 +352,7 @@ mod tests {
 
     fn impact(restitution: f64, stiffness: f64, dashpot: f64) -> ObliqueImpact {
         let ln = f64::ln(restitution);
-        ObliqueImpact { damping_ratio: -ln / (PI * PI + ln * ln).sqrt(), stiffness, dashpot, mass: MASS }
+        ObliqueImpact::linear(-ln / (PI * PI + ln * ln).sqrt(), stiffness, dashpot, MASS)
     }
 
     /// Reference values computed independently (RA), with the limit μ max(f_n, 0).
@@ -300,5 +406,30 @@ mod tests {
         assert!((still.rebound(1.0) + 1.0).abs() < 1e-9);
         let smooth = impact(1.0, 1e-12, 0.0);
         assert!((smooth.rebound(1.0) - 1.0).abs() < 1e-9);
+    }
+
+    /// Reference values computed independently (RD, Chung and Ooi's test 5): e = 1, ν = 0.3, for the three histories;
+    /// the slip after over μ u_n.
+    #[test]
+    fn rebounds_of_hertz_and_mindlin_are_those_of_the_reference() {
+        // steel on a rigid plane, ν 0.3: k_t/k_H = 6 G*/E*
+        let shear = 6.0 * (1.0 - 0.3 * 0.3) / (2.0 * (2.0 - 0.3) * (1.0 + 0.3));
+        use super::super::SpringHistory::{Displacement, Force, Rescaled};
+        for (slip, expected) in [
+            (1.0 / 15.0, [0.063652, 0.060511, 0.034561]),
+            (0.4, [0.381062, 0.307550, 0.202643]),
+            (1.0, [0.666837, 0.503488, 0.414983]),
+            (2.0, [-0.276258, -0.175621, -0.190808]),
+            (3.0, [-1.001273, -1.042982, -0.988650]),
+            (5.0, [-1.435637, -1.635750, -1.435637]),
+            (6.0, [-0.981406, -1.0, -0.981406]),
+            (8.0, [1.0, 1.0, 1.0]),
+        ] {
+            for (history, expected) in [Displacement, Force, Rescaled].into_iter().zip(expected) {
+                let impact = ObliqueImpact::of_law(&TangentialLaw::Mindlin { history, dashpot: 0.0 }, 1.0, MASS, shear);
+                let found = impact.rebound(slip);
+                assert!((found - expected).abs() < 2e-5 * slip.max(1.0), "{history:?}, {slip}: {found} for {expected}");
+            }
+        }
     }
 }

@@ -1,5 +1,6 @@
 //! `diptych impact`: one impact, of two spheres or of a sphere and a wall, under each model.
 
+use super::oblique::oblique;
 use crate::case::describe_variants;
 use crate::cli::ImpactArguments;
 use crate::clock::Clock;
@@ -7,7 +8,8 @@ use crate::contact_law::Bodies;
 use crate::engine::Partner;
 use crate::experiment::{Experiment, Model};
 use crate::observe;
-use crate::output::{Analytic, Bounce, BounceValues, ImpactStudy, PathPoint, write_impact};
+use crate::output::numbers::significant;
+use crate::output::{Analytic, Bounce, BounceValues, ImpactStudy, ObliqueStudy, PathPoint, write_impact};
 use crate::particles::Particles;
 use crate::record::Impacts;
 use crate::runs::{StudyError, conclude, failures_of, folder, provenance, read, start, warn};
@@ -62,11 +64,16 @@ pub fn impact(args: &ImpactArguments) -> Result<(), StudyError> {
     let (first, particles, meeting) = &runs[0];
     let scene = describe_variants(variants.iter().map(|(experiment, _)| experiment));
     let approach = -point(&first.scene, particles, meeting, 0.0).normal_velocity;
-    let verdicts: Vec<String> = bounces.iter().map(|bounce| sentence(bounce, meeting.surface.restitution)).collect();
+    let mut verdicts: Vec<String> =
+        bounces.iter().map(|bounce| sentence(bounce, meeting.surface.restitution)).collect();
+    let all: Vec<_> = runs.iter().map(|(experiment, particles, _)| (*experiment, particles)).collect();
+    let oblique = oblique(&all, meeting, approach);
+    verdicts.extend(oblique.iter().flat_map(differences));
     let study = ImpactStudy {
         provenance: &provenance(&case, scene),
         bounces: &bounces,
         requested_restitution: meeting.surface.restitution,
+        oblique: oblique.as_ref(),
         diameter: meeting.diameter,
         impact_speed: approach,
         verdicts: &verdicts,
@@ -89,6 +96,21 @@ fn notes(surface: &Surface) -> Vec<String> {
         notes.push("Friction acts along the surface; the pictures show the normal motion.".into());
     }
     notes
+}
+
+/// By how much oblique impacts of each variant differ from those of the first one.
+fn differences(study: &ObliqueStudy) -> Vec<String> {
+    let first = &study.curves[0].name;
+    let sentence = |k: usize| {
+        let (share, slip) = study.difference(k)?;
+        let name = &study.curves[k].name;
+        Some(format!(
+            "Oblique impacts: the tangential impulse of \"{name}\" differs from that of \"{first}\" by up to {} % of the largest friction impulse, at s/(μ u_n) = {}.",
+            significant(100.0 * share, 2),
+            significant(slip, 3)
+        ))
+    };
+    (1..study.curves.len()).filter_map(sentence).collect()
 }
 
 fn sentence(bounce: &Bounce, asked: f64) -> String {

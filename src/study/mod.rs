@@ -12,6 +12,7 @@ mod judge;
 mod keys;
 pub mod limits;
 mod manual;
+mod oblique;
 mod plan;
 mod replicas;
 mod resume;

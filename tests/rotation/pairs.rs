@@ -25,7 +25,7 @@ impl Pair {
         let species = |(radius, density): (f64, f64)| Species { diameter: 2.0 * radius, density, ..small() };
         let mut scene = empty([0.02; 3], [false; 3], species(self.spheres[0]), surface(restitution, friction));
         scene.species.push(species(self.spheres[1]));
-        scene.rotation = Some(Rotation { tangential: self.surfaces.tangential(), impact: ImpactRule::COULOMB });
+        scene.rotation = Some(Rotation::new(self.surfaces.tangential(), ImpactRule::COULOMB));
         let mut particles = Particles::default();
         let (middle, normal) = (Vector3::repeat(0.01), Vector3::from(self.normal));
         let apart = self.spheres[0].0 + self.spheres[1].0 + 1e-13;
@@ -71,7 +71,7 @@ impl Pair {
 }
 
 /// [kg m²/s] about the middle of the box.
-fn angular_momentum(particles: &Particles) -> Vector3<f64> {
+pub fn angular_momentum(particles: &Particles) -> Vector3<f64> {
     let (spins, inertia) = (particles.spin.as_ref().unwrap(), particles.inertia.as_ref().unwrap());
     let of = |k: usize| {
         let arm = particles.position[k] - Vector3::repeat(0.01);

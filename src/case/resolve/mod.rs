@@ -86,8 +86,7 @@ pub fn resolve(
     let pairs = crate::scene::Pairs::default();
     let mut scene = crate::scene::Scene { domain, gravity, fluid, walls, contact, pairs, species, rotation: None };
     // the start needs to know of it; the law follows when all surfaces are known
-    scene.rotation =
-        Resolver::rotates(file).then_some(Rotation { tangential: TangentialLaw::Coulomb, impact: ImpactRule::COULOMB });
+    scene.rotation = Resolver::rotates(file).then_some(Rotation::new(TangentialLaw::Coulomb, ImpactRule::COULOMB));
     let start = resolver.start(file, &scene)?;
     resolver.warn_of_buoyancy(file, &scene);
     let soft = resolver.soft(file)?;

@@ -3,10 +3,16 @@
 use super::{Resolver, vector};
 use crate::case::de::Located;
 use crate::case::diagnostic::Diagnostic;
-use crate::case::file::{CaseFile, ImpactRuleFile, ParticlesFile, TangentialFile, Three};
+use crate::case::file::{
+    CaseFile, HistoryFile, ImpactRuleFile, ParticlesFile, RollingFile, SoftFile, TangentialFile, Three,
+};
 use crate::case::quantity::{Ratio, Spin};
+use crate::contact_law::ContactLaw;
 use crate::experiment::{Integrator, SoftSettings};
-use crate::rotation::{ImpactRule, LinearTangential, Rotation, SOLID_SPHERE, TangentialLaw};
+use crate::rotation::{
+    ImpactKind, ImpactRule, LinearTangential, RollingLaw, Rotation, SOLID_SPHERE, SpringHistory, TangentialLaw,
+    TwistingLaw,
+};
 use crate::scene::Scene;
 use nalgebra::Vector3;
 
@@ -14,7 +20,10 @@ impl Resolver {
     /// True if spheres of the case rotate.
     pub(super) fn rotates(file: &CaseFile) -> bool {
         let typed = file.contact.as_ref().and_then(|contact| contact.value.rotation.as_ref());
-        let tangential = file.soft.as_ref().is_some_and(|soft| soft.value.tangential.is_some());
+        let tangential = file.soft.as_ref().is_some_and(|soft| {
+            let SoftFile { tangential, rolling, twisting, .. } = &soft.value;
+            tangential.is_some() || rolling.is_some() || twisting.is_some()
+        });
         let rule = file.hard.as_ref().is_some_and(|hard| hard.value.friction.is_some());
         typed.map_or(tangential || rule, |typed| typed.value)
     }
@@ -77,13 +86,15 @@ impl Resolver {
             return Ok(None);
         }
         let tangential = self.tangential_law(file, soft)?;
-        let impact = self.impact_rule(file, scene, tangential)?;
+        let impact = self.impact_rule(file, scene, soft, tangential)?;
+        let rolling = self.rolling_law(file)?;
+        let twisting = self.twisting_law(file, tangential)?;
         let integrator = file.soft.as_ref().and_then(|soft| soft.value.integrator.as_ref());
         if let Some(typed) = integrator.filter(|typed| typed.value == Integrator::Rk2 && self.model.has_contacts()) {
             let why = "is for the paper's spheres, which do not rotate";
             return Err(self.refuse(typed, why).help("use \"velocity_verlet\", or leave the key out"));
         }
-        Ok(Some(Rotation { tangential, impact }))
+        Ok(Some(Rotation { tangential, impact, rolling, twisting }))
     }
 
     fn walton(&self, file: &CaseFile) -> Result<Option<f64>, Diagnostic> {
@@ -99,6 +110,7 @@ impl Resolver {
     /// The tangential law that a case names; with Walton's rule alone, the spring that has its β_0.
     fn tangential_law(&mut self, file: &CaseFile, soft: &SoftSettings) -> Result<TangentialLaw, Diagnostic> {
         let is_linear = soft.law.is_none_or(|law| law.is_linear());
+        let is_hertz = soft.law.is_none_or(|law| matches!(law, ContactLaw::Hertz(_)));
         let typed = file.soft.as_ref().and_then(|soft| soft.value.tangential.as_ref());
         match typed.map(|typed| (&typed.origin, &typed.value)) {
             None => Ok(match self.walton(file)?.filter(|beta| *beta > 0.0 && is_linear) {
@@ -108,8 +120,21 @@ impl Resolver {
             Some((_, TangentialFile::Coulomb {})) => Ok(TangentialLaw::Coulomb),
             Some((origin, TangentialFile::Linear { .. })) if !is_linear => {
                 let message = "`soft.tangential.linear` needs the linear normal law";
-                let help = "use `soft.linear_spring_dashpot`, or `soft.tangential.coulomb`";
+                let help = "use `soft.linear_spring_dashpot`, or `soft.tangential.mindlin`";
                 Err(self.sources.error(origin, message).help(help))
+            }
+            Some((origin, TangentialFile::Mindlin { .. })) if !is_hertz => {
+                let message = "`soft.tangential.mindlin` needs Hertz's normal law, whose elastic constants it shares";
+                let help = "use `soft.hertz`, or `soft.tangential.linear`";
+                Err(self.sources.error(origin, message).help(help))
+            }
+            Some((_, TangentialFile::Mindlin { history, dashpot_ratio })) => {
+                let history = match history.as_ref().map(|typed| typed.value) {
+                    None | Some(HistoryFile::Rescaled) => SpringHistory::Rescaled,
+                    Some(HistoryFile::Force) => SpringHistory::Force,
+                    Some(HistoryFile::Displacement) => SpringHistory::Displacement,
+                };
+                Ok(TangentialLaw::Mindlin { history, dashpot: self.dashpot_ratio(dashpot_ratio.as_ref())? })
             }
             Some((origin, TangentialFile::Linear { stiffness_ratio, dashpot_ratio, tangential_restitution })) => {
                 let one = || {
@@ -141,11 +166,54 @@ impl Resolver {
     ) -> Result<LinearTangential, Diagnostic> {
         let help = "spheres of an elastic solid have 2(1 - ν)/(2 - ν), 0.67 to 1; 2/7 swings as the normal spring does";
         let stiffness = self.in_range(stiffness, help)?;
-        let dashpot = match dashpot {
-            Some(typed) => self.in_range(typed, "other codes often take 0.5")?,
-            None => 0.0,
+        Ok(LinearTangential::Ratios { stiffness, dashpot: self.dashpot_ratio(dashpot)? })
+    }
+
+    fn dashpot_ratio(&self, typed: Option<&Located<Ratio>>) -> Result<f64, Diagnostic> {
+        typed.map_or(Ok(0.0), |typed| self.in_range(typed, "other codes often take 0.5"))
+    }
+
+    /// The law of rolling resistance that a case names.
+    fn rolling_law(&self, file: &CaseFile) -> Result<Option<RollingLaw>, Diagnostic> {
+        let typed = file.soft.as_ref().and_then(|soft| soft.value.rolling.as_ref());
+        let Some(typed) = typed else { return Ok(None) };
+        let help = "glass beads have some 0.01, sand 0.1";
+        let law = match &typed.value {
+            RollingFile::Spring { friction, stiffness_ratio, damping_ratio } => {
+                let friction = self.in_range(self.need(friction, "soft.rolling.spring.friction")?, help)?;
+                let help = "leave it out for 2.25 μ_r²";
+                let stiffness = stiffness_ratio.as_ref().map(|typed| self.in_range(typed, help)).transpose()?;
+                let damping = self.resistance_damping(damping_ratio.as_ref(), 0.3)?; // Ai et al. 2011, their example
+                RollingLaw::Spring { friction, stiffness, damping }
+            }
+            RollingFile::Constant { friction } => {
+                let friction = self.in_range(self.need(friction, "soft.rolling.constant.friction")?, help)?;
+                RollingLaw::Constant { friction }
+            }
+            RollingFile::Viscous { coefficient } => {
+                let typed = self.need(coefficient, "soft.rolling.viscous.coefficient")?;
+                let help = "rolling friction over the speed at which it would be reached";
+                RollingLaw::Viscous { coefficient: self.in_range(typed, help)? }
+            }
         };
-        Ok(LinearTangential::Ratios { stiffness, dashpot })
+        Ok(Some(law))
+    }
+
+    fn resistance_damping(&self, typed: Option<&Located<Ratio>>, default: f64) -> Result<f64, Diagnostic> {
+        typed.map_or(Ok(default), |typed| self.in_range(typed, "1 is critical damping"))
+    }
+
+    /// The law of twisting resistance that a case names.
+    fn twisting_law(&self, file: &CaseFile, tangential: TangentialLaw) -> Result<Option<TwistingLaw>, Diagnostic> {
+        let typed = file.soft.as_ref().and_then(|soft| soft.value.twisting.as_ref());
+        let Some(typed) = typed else { return Ok(None) };
+        if !tangential.has_memory() {
+            let message = "`soft.twisting` needs a tangential spring, whose stiffness it shares";
+            let help = "add [soft.tangential.linear] or [soft.tangential.mindlin]";
+            return Err(self.sources.error(&typed.origin, message).help(help));
+        }
+        let damping = self.resistance_damping(typed.value.damping_ratio.as_ref(), 0.0)?;
+        Ok(Some(TwistingLaw { damping }))
     }
 
     /// The impact rule that a case names; without one that of the tangential spring, if there is a spring.
@@ -153,6 +221,7 @@ impl Resolver {
         &mut self,
         file: &CaseFile,
         scene: &Scene,
+        soft: &SoftSettings,
         tangential: TangentialLaw,
     ) -> Result<ImpactRule, Diagnostic> {
         if let Some(tangential_restitution) = self.walton(file)? {
@@ -168,8 +237,15 @@ impl Resolver {
         if !tangential.has_memory() || (typed.is_some() && wants_spring.is_none()) {
             return Ok(ImpactRule::COULOMB);
         }
-        let impacts = scene.oblique_impacts();
-        if let (Some(_), Some(contact)) = (impacts.iter().find(|(restitution, _)| *restitution <= 0.0), &file.contact) {
+        let impacts = scene.impact_kinds(|elasticity| soft.law.map_or(0.0, |law| law.shear_ratio(elasticity)));
+        let two_rules = |one: &ImpactKind| impacts.iter().any(|other| one.has_table_of(other) && !one.is_like(other));
+        if let (true, Some(typed)) = (impacts.iter().any(two_rules), file.soft.as_ref()) {
+            let message = "two materials have different springs at equal restitution: a hard impact has no single rule";
+            let help = "use [hard.friction.walton], or give both the same `elasticity`";
+            return Err(self.sources.error(&typed.origin, message).help(help));
+        }
+        let stops = impacts.iter().any(|kind| kind.restitution <= 0.0);
+        if let (true, Some(contact)) = (stops, &file.contact) {
             let message = "restitution 0 has no spring, whose rule hard impacts are to follow";
             let help = "use 0.01, or [hard.friction.walton]";
             return Err(self.sources.error(&contact.origin, message).help(help));

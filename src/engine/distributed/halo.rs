@@ -6,7 +6,7 @@ use super::domains::Domains;
 use crate::encounter::FrameTime;
 use crate::engine::driver::Work;
 use crate::engine::islands::Solve;
-use crate::engine::soft::{Contact, ForceBuffer, ForceIncrement, SoftIslands};
+use crate::engine::soft::{Contact, ContactTorque, ForceBuffer, ForceIncrement, SoftIslands};
 use crate::engine::{Failure, Overlap};
 use crate::neighbours::NeighbourList;
 use crate::particles::Particles;
@@ -49,8 +49,8 @@ pub struct Names {
 struct ListSummary {
     id: Vec<u32>,
     built_at: Vec<Vector3<f64>>,
-    /// Forces [N] that are due, with the ids of their particles.
-    due: Vec<(u32, Vector3<f64>, Option<Vector3<f64>>)>,
+    /// Forces [N] and torques that are due, with the ids of their particles.
+    due: Vec<(u32, Vector3<f64>, Option<ContactTorque>)>,
 }
 
 impl Halo {
@@ -206,7 +206,7 @@ impl Halo {
         let id = |place: u32| self.seen.id[place as usize];
         for (ForceIncrement { i, j, force }, torque) in pushes.iter().flat_map(ForceBuffer::iter) {
             due.push((id(i), force, torque));
-            due.extend(j.map(|j| (id(j.get()), -force, torque)));
+            due.extend(j.map(|j| (id(j.get()), -force, torque.map(ContactTorque::reversed))));
         }
         let told = ListSummary {
             id: self.own.iter().map(|&place| id(place)).collect(),

@@ -9,7 +9,7 @@ use super::contact_sums::ContactRows;
 use super::contacts::ContactSearch;
 use super::force_buffer::{ForceBuffer, ForceIncrement, StoreIndex};
 use super::packed_contacts::{PackedContacts, RotatingRecord};
-use super::rotating::SurfaceMotion;
+use super::rotating::{BeforeStep, SurfaceMotion};
 use crate::contact_law::ContactLaw;
 use crate::encounter::{Couple, Encounter, FrameTime, Partner};
 use crate::engine::Failure;
@@ -299,7 +299,7 @@ impl ContactBlock {
                 }
                 for (met, TouchingSlot { slot, record }) in met.iter().zip(some) {
                     let couple = view.list.couple(*slot as usize);
-                    look_rotating((&couple, records.rotating(*record)), met, view, law, (sums, rows, pushes));
+                    look_rotating(&couple, records.rotating(*record), met, view, law, (sums, rows, pushes));
                 }
             }
             return;
@@ -358,7 +358,8 @@ impl ContactBlock {
             _ => -met.normal_velocity,
         };
         let began = at.start + at.elapsed;
-        let course = ContactState { normal_speed, first_overlap: met.overlap(), ..ContactState::new(began) };
+        let begun = ContactState::beginning(began, normal_speed, &touch, view.scene, law);
+        let course = ContactState { first_overlap: met.overlap(), ..begun };
         Contact { slot, touch, course }
     }
 
@@ -368,9 +369,11 @@ impl ContactBlock {
         let couple = list.couple(slot as usize);
         let (&constants, course) = self.records.whole(record);
         let counts = view.counts(&couple);
-        if counts && course.shear != Vector3::zeros() {
-            // friction takes what the tangential spring still holds
-            let lost = ContactForce::lost(constants.tangential.energy(&course.shear) / at.dt);
+        let resisted = course.resistance.map_or(0.0, |memory| memory.energy);
+        if counts && (course.shear != Vector3::zeros() || resisted > 0.0) {
+            // friction takes what the springs still hold
+            let sheared = constants.tangential.at(course.overlap).energy(&course.shear);
+            let lost = ContactForce::lost((sheared + resisted) / at.dt);
             rows.add(&couple, &lost, (view.scene, at.remaining), &mut self.sums.rows);
         }
         self.records.forget(record);
@@ -409,20 +412,23 @@ fn meet(couple: &Couple, constants: &ContactConstants, view: ContactSearch) -> E
 /// Updates the state of a contact between bodies that rotate, and adds its force and its torque to the sums.
 #[inline(always)]
 fn look_rotating(
-    (couple, (constants, kept, kept_shear)): (&Couple, RotatingRecord),
+    couple: &Couple,
+    record: RotatingRecord,
     (met, surfaces): &(Encounter, SurfaceMotion),
     view: ContactSearch,
     law: &ContactLaw,
     (sums, rows, pushes): (&mut ForceSums, &mut ContactRows, &mut ForceBuffer),
 ) {
+    let RotatingRecord { constants, kept, shear: kept_shear, resistance } = record;
     let ContactSearch { particles, scene, at, .. } = view;
     let mut course = kept.course();
     if let Err(failure) = course.check(couple, constants, met, (particles, scene), (at.start + at.elapsed, at.dt)) {
         sums.failure = Some(first_named(sums.failure.take(), failure));
     }
-    let before = kept_shear.as_deref().map_or_else(Vector3::zeros, |shear| *shear);
-    let begins = course.normal.is_none();
-    let (force, torque, shear) = constants.rotating_force(couple, law, (met, surfaces), scene, (begins, &before), &at);
+    let shear = kept_shear.as_deref().map_or_else(Vector3::zeros, |shear| *shear);
+    let before = BeforeStep { begins: course.normal.is_none(), overlap: course.overlap, shear, resistance };
+    let (force, torque, shear) =
+        constants.rotating_force(couple, law, (met, surfaces), (particles, scene), before, &at);
     if let Some(kept_shear) = kept_shear {
         *kept_shear = shear;
     }

@@ -6,7 +6,7 @@ use crate::encounter::{Couple, Encounter, Other, Partner};
 use crate::engine::Failure;
 use crate::particles::Particles;
 use crate::record::{Impact, Log};
-use crate::rotation::TangentialSpring;
+use crate::rotation::{Rotation, SpringDashpotSlider};
 use crate::scene::{Kind, Scene};
 use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
@@ -50,7 +50,7 @@ pub struct ContactConstants {
     /// [m] distance of the centres at touch; at a wall the radius.
     pub reach: f64,
     /// Constants of the tangential law, if spheres rotate.
-    pub tangential: TangentialSpring,
+    pub tangential: SpringDashpotSlider,
 }
 
 /// Two bodies that touch, and the constants of their contact.
@@ -103,6 +103,21 @@ pub struct ContactState {
     /// [m] shear ξ of the tangential spring: by how much particle i has been displaced along the other surface; 0
     /// without memory.
     pub shear: Vector3<f64>,
+    /// Memory of rolling and twisting, where contacts resist these.
+    pub resistance: Option<ResistanceMemory>,
+}
+
+/// Memory of a contact that resists rolling and twisting. It does not depend on the order of the two bodies.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ResistanceMemory {
+    /// [m] shear of the rolling spring.
+    pub roll: Vector3<f64>,
+    /// [m] shear of the twisting spring along the normal.
+    pub twist: f64,
+    /// [J] energy of both springs.
+    pub energy: f64,
+    /// [s] simulated time from which the contact resists: one contact time after it began.
+    pub acts_from: f64,
 }
 
 impl Contact {
@@ -125,7 +140,25 @@ impl ContactState {
             began,
             normal: None,
             shear: Vector3::zeros(),
+            resistance: None,
         }
+    }
+
+    /// State of a contact that begins at simulated time `began` [s] with a speed of approach [m/s]. A contact that has
+    /// not approached, because it was there from the start, resists rolling at once.
+    pub fn beginning(
+        began: f64,
+        normal_speed: f64,
+        constants: &ContactConstants,
+        scene: &Scene,
+        law: &ContactLaw,
+    ) -> Self {
+        let resists = scene.rotation.as_ref().is_some_and(Rotation::resists);
+        let resistance = resists.then(|| {
+            let impact = if normal_speed > 0.0 { law.contact_time(&constants.spring, normal_speed) } else { 0.0 };
+            ResistanceMemory { acts_from: began + impact, ..ResistanceMemory::default() }
+        });
+        Self { normal_speed, resistance, ..Self::new(began) }
     }
 
     /// The state of this contact with its two bodies named in the other order.
@@ -303,11 +336,12 @@ impl TouchingPair {
 impl ContactConstants {
     /// Constants of two bodies under a contact law.
     pub fn new(couple: &Couple, particles: &Particles, scene: &Scene, law: &ContactLaw) -> Self {
-        let spring = law.between(&couple.bodies(particles, scene));
+        let bodies = couple.bodies(particles, scene);
+        let spring = law.between(&bodies);
         let friction = couple.surface(particles, scene).friction;
         let diameter = couple.diameter(particles);
-        let tangential = scene.rotation.as_ref().map_or_else(TangentialSpring::default, |rotation| {
-            rotation.tangential.between(|| law.normal_spring(&spring), couple.tangential_mass(particles))
+        let tangential = scene.rotation.as_ref().map_or_else(SpringDashpotSlider::default, |rotation| {
+            rotation.tangential.between(|| law.normal_spring(&bodies, &spring), couple.tangential_mass(particles))
         });
         Self { spring, diameter, friction, reach: couple.reach(particles), tangential }
     }

@@ -185,8 +185,8 @@ impl Contacts {
             let touch = TouchingPair::new(list.couple(slot as usize), particles, scene, &self.law);
             let met = touch.couple.meet(particles, scene, FrameTime::default());
             let (overlap, growth) = (met.overlap(), -met.normal_velocity);
-            let deepest = ContactState { first_overlap: overlap, maximum_overlap: overlap, ..ContactState::new(now) };
-            let course = ContactState { normal_speed: growth, overlap, growth, ..deepest };
+            let begun = ContactState::beginning(now, growth, &touch, scene, &self.law);
+            let course = ContactState { first_overlap: overlap, maximum_overlap: overlap, overlap, growth, ..begun };
             self.lasting.push(Contact { slot, touch, course });
         }
     }

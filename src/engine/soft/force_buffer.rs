@@ -19,6 +19,22 @@ pub struct ForceIncrement {
     pub force: Vector3<f64>,
 }
 
+/// Torques of one contact on its two particles.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+pub struct ContactTorque {
+    /// [N] torque of the tangential force on either particle, over the radius of that particle.
+    pub over_radius: Vector3<f64>,
+    /// [N m] torque of rolling and twisting resistance on particle i; the other particle gets the opposite one.
+    pub couple: Option<Vector3<f64>>,
+}
+
+impl ContactTorque {
+    /// Torques on the contact's other particle, named first.
+    pub fn reversed(self) -> Self {
+        Self { couple: self.couple.map(|couple| -couple), ..self }
+    }
+}
+
 /// Index in the particle store. An `Option` of it takes no more memory than a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct StoreIndex(NonZeroU32);
@@ -43,6 +59,8 @@ pub struct ForceBuffer {
     /// [N] torque of each force on either of its particles, over the radius of that particle; empty where spheres do
     /// not rotate.
     torques: Vec<Vector3<f64>>,
+    /// [N m] couple of each contact on particle i; empty where contacts resist neither rolling nor twisting.
+    couples: Vec<Vector3<f64>>,
     /// Range that contains the indices of all particles in `list`.
     span: Range<u32>,
 }
@@ -69,15 +87,23 @@ impl ForceBuffer {
         pushes
     }
 
-    /// Forces, each with its torque over the radius of the particle [N] where spheres rotate.
-    pub fn iter(&self) -> impl Iterator<Item = (ForceIncrement, Option<Vector3<f64>>)> {
-        self.list.iter().enumerate().map(|(k, push)| (*push, self.torques.get(k).copied()))
+    /// Forces, each with its torques where spheres rotate.
+    pub fn iter(&self) -> impl Iterator<Item = (ForceIncrement, Option<ContactTorque>)> {
+        let torque = |k: usize| {
+            let couple = self.couples.get(k).copied();
+            self.torques.get(k).map(|over_radius| ContactTorque { over_radius: *over_radius, couple })
+        };
+        self.list.iter().enumerate().map(move |(k, push)| (*push, torque(k)))
     }
 
-    /// Adds a force at the end, with its torque over the radius of the particle [N].
-    pub fn add_rotating(&mut self, push: ForceIncrement, torque: Vector3<f64>) {
+    /// Adds a force at the end, with its torques.
+    #[inline(always)]
+    pub fn add_rotating(&mut self, push: ForceIncrement, torque: ContactTorque) {
         self.add(push);
-        self.torques.push(torque);
+        self.torques.push(torque.over_radius);
+        if let Some(couple) = torque.couple {
+            self.couples.push(couple);
+        }
     }
 
     /// Adds a force at the end.
@@ -91,14 +117,18 @@ impl ForceBuffer {
         self.list.clear();
         reserve(&mut self.list, room);
         self.torques.clear();
+        self.couples.clear();
     }
 
     /// Removes the pushes on particles that are not chosen.
     pub fn leave(&mut self, chosen: &[bool]) {
         let is_chosen = |place: u32| chosen[place as usize];
-        for push in &mut self.list {
+        for (k, push) in self.list.iter_mut().enumerate() {
             match push.j {
-                Some(j) if !is_chosen(push.i) => *push = ForceIncrement { i: j.get(), j: None, force: -push.force },
+                Some(j) if !is_chosen(push.i) => {
+                    *push = ForceIncrement { i: j.get(), j: None, force: -push.force };
+                    self.couples.get_mut(k).into_iter().for_each(|couple| *couple = -*couple);
+                }
                 _ => push.j = push.j.filter(|j| is_chosen(j.get())),
             }
         }
@@ -139,17 +169,22 @@ impl ForceBuffer {
             }
             return most;
         };
-        let mut turn = |place: u32, torque: &Vector3<f64>| {
+        let mut turn = |place: u32, torque: &Vector3<f64>, couple: Option<Vector3<f64>>| {
             let Some(spin) = spins.get_mut((place as usize).wrapping_sub(places.start)) else { return };
             *spin += torque * (per_torque.of(place as usize) * dt);
+            if let Some(couple) = couple {
+                *spin += couple * (per_torque.of_couple(place as usize) * dt);
+            }
         };
+        let mut couples = self.couples.iter().copied();
         for ForceIncrement { i, j, force } in &self.list {
             let torque = torques.next().copied().unwrap_or_default();
+            let couple = couples.next();
             push(*i, *force);
-            turn(*i, &torque);
+            turn(*i, &torque, couple);
             if let Some(j) = j {
                 push(j.get(), -force);
-                turn(j.get(), &torque);
+                turn(j.get(), &torque, couple.map(|couple| -couple));
             }
         }
         most
@@ -177,8 +212,8 @@ pub struct Spins<'a> {
 /// Radius over moment of inertia r/I [1/(kg m)], by which a torque over the radius is an angular acceleration.
 #[derive(Clone, Copy)]
 pub enum PerTorque<'a> {
-    /// r/I of all particles, which are alike.
-    Common(f64),
+    /// r/I and 1/I [1/(kg m²)] of all particles, which are alike.
+    Common(f64, f64),
     /// Radii [m] and moments of inertia [kg m²] of all particles.
     Each(&'a [f64], &'a [f64]),
 }
@@ -188,8 +223,17 @@ impl PerTorque<'_> {
     #[inline(always)]
     fn of(&self, place: usize) -> f64 {
         match self {
-            Self::Common(ratio) => *ratio,
+            Self::Common(ratio, _) => *ratio,
             Self::Each(radii, inertia) => radii[place] / inertia[place],
+        }
+    }
+
+    /// 1/I of the particle at an index.
+    #[inline(always)]
+    fn of_couple(&self, place: usize) -> f64 {
+        match self {
+            Self::Common(_, inverse) => *inverse,
+            Self::Each(_, inertia) => 1.0 / inertia[place],
         }
     }
 }
@@ -210,7 +254,7 @@ pub fn kick_all(
     let Particles { velocity, spin, inertia, mass: masses, radius: radii, .. } = particles;
     let inertia = inertia.as_deref().unwrap_or_default();
     let per_torque = match (common, radii.first(), inertia.first()) {
-        (Some(_), Some(radius), Some(inertia)) => PerTorque::Common(radius / inertia),
+        (Some(_), Some(radius), Some(inertia)) => PerTorque::Common(radius / inertia, 1.0 / inertia),
         _ => PerTorque::Each(radii, inertia),
     };
     let each = |first: usize, velocities: &mut [Vector3<f64>], spins: Option<&mut [Vector3<f64>]>| {

@@ -11,6 +11,7 @@ mod heun;
 mod local;
 mod packed_contacts;
 mod passing;
+mod rolling;
 mod rotating;
 
 pub use contact::overlap_limit;
@@ -35,7 +36,7 @@ use contacts::Due;
 use contacts::{ContactSearch, EvaluationTime};
 pub(in crate::engine) use contacts::{Contacts, StepRecord};
 pub(in crate::engine) use crowd::{Steps, solve as solve_crowd};
-pub(in crate::engine) use force_buffer::{ForceBuffer, ForceIncrement, kick_all};
+pub(in crate::engine) use force_buffer::{ContactTorque, ForceBuffer, ForceIncrement, kick_all};
 use local::NoInstants;
 pub(in crate::engine) use local::{Allowance, InstantaneousRule, IslandScratch, ReachedTouch, SoftIslands};
 use serde::{Deserialize, Serialize};

@@ -1,7 +1,7 @@
 //! Compact records of the contacts in progress of one block. Most contacts are between bodies of the same kinds, whose
 //! constants are held once.
 
-use super::contact::{ContactConstants, ContactState};
+use super::contact::{ContactConstants, ContactState, ResistanceMemory};
 use nalgebra::Vector3;
 
 /// Number of kinds of contacts whose constants are held once for all contacts of that kind. Contacts of further kinds
@@ -36,7 +36,7 @@ impl PackedContact {
         Self { normal_speed, overlap, growth, overlap_time, began, first_overlap, maximum_overlap, normal, constants }
     }
 
-    /// State of the contact so far, without its shear.
+    /// State of the contact so far, without its springs.
     #[inline(always)]
     pub fn course(&self) -> ContactState {
         let Self { normal_speed, overlap, growth, overlap_time, began, normal, .. } = *self;
@@ -53,6 +53,7 @@ impl PackedContact {
             began,
             normal,
             shear,
+            resistance: None,
         }
     }
 
@@ -63,8 +64,17 @@ impl PackedContact {
     }
 }
 
-/// Constants, packed record and shear [m] of a contact between bodies that rotate.
-pub type RotatingRecord<'a> = (&'a ContactConstants, &'a mut PackedContact, Option<&'a mut Vector3<f64>>);
+/// A contact between bodies that rotate, to be changed.
+pub struct RotatingRecord<'a> {
+    /// Constants of the contact.
+    pub constants: &'a ContactConstants,
+    /// Record without springs.
+    pub kept: &'a mut PackedContact,
+    /// [m] shear, where tangential springs remember.
+    pub shear: Option<&'a mut Vector3<f64>>,
+    /// Memory of rolling and twisting, where contacts resist these.
+    pub resistance: Option<&'a mut ResistanceMemory>,
+}
 
 /// Contacts in progress, each at an index that does not change.
 #[derive(Default)]
@@ -79,6 +89,22 @@ pub struct PackedContacts {
     unused: Vec<u32>,
     /// [m] shears of the contacts in `kept`, in chunks as they are, where tangential springs remember; else empty.
     shears: Vec<Vec<Vector3<f64>>>,
+    /// Memories of rolling and twisting of the contacts in `kept`, likewise; else empty.
+    resistances: Vec<Vec<ResistanceMemory>>,
+}
+
+/// Element at a place that is counted over all chunks.
+#[inline(always)]
+fn in_chunks<T>(chunks: &mut [Vec<T>], place: u32) -> Option<&mut T> {
+    Some(&mut chunks.get_mut(place as usize / CHUNK)?[place as usize % CHUNK])
+}
+
+/// Stores a value beside the contact at a place, and makes room for it.
+fn store_in_chunks<T: Clone + Default>(chunks: &mut Vec<Vec<T>>, place: u32, value: T) {
+    while chunks.len() <= place as usize / CHUNK {
+        chunks.push(vec![T::default(); CHUNK]);
+    }
+    chunks[place as usize / CHUNK][place as usize % CHUNK] = value;
 }
 
 impl PackedContacts {
@@ -88,18 +114,12 @@ impl PackedContacts {
         let kept = PackedContact::new(constants, &course);
         let place = self.store(kept);
         if touch.tangential.stiffness > 0.0 {
-            while self.shears.len() < self.kept.len() {
-                self.shears.push(vec![Vector3::zeros(); CHUNK]);
-            }
-            *self.shear_mut(place) = course.shear;
+            store_in_chunks(&mut self.shears, place, course.shear);
+        }
+        if let Some(resistance) = course.resistance {
+            store_in_chunks(&mut self.resistances, place, resistance);
         }
         place
-    }
-
-    /// [m] shear of the contact at index `place`, which remembers.
-    #[inline(always)]
-    pub fn shear_mut(&mut self, place: u32) -> &mut Vector3<f64> {
-        &mut self.shears[place as usize / CHUNK][place as usize % CHUNK]
     }
 
     /// Stores a packed contact; returns its index.
@@ -147,29 +167,29 @@ impl PackedContacts {
         (&self.constants[kept.constants as usize], kept)
     }
 
-    /// Constants and present state of the contact at index `place`, without its shear.
+    /// Constants and present state of the contact at index `place`, without its springs.
     #[inline(always)]
     pub fn get(&self, place: u32) -> (&ContactConstants, ContactState) {
         let kept = &self.kept[place as usize / CHUNK][place as usize % CHUNK];
         (&self.constants[kept.constants as usize], kept.course())
     }
 
-    /// Constants, packed record and shear [m] of the contact at index `place`, to be changed; `None` where springs do
-    /// not remember.
+    /// The contact at index `place`, to be changed.
     #[inline(always)]
     pub fn rotating(&mut self, place: u32) -> RotatingRecord<'_> {
-        let (chunk, index) = (place as usize / CHUNK, place as usize % CHUNK);
-        let kept = &mut self.kept[chunk][index];
-        let shear = self.shears.get_mut(chunk).map(|some| &mut some[index]);
-        (&self.constants[kept.constants as usize], kept, shear)
+        let kept = &mut self.kept[place as usize / CHUNK][place as usize % CHUNK];
+        let constants = &self.constants[kept.constants as usize];
+        let (shear, resistance) = (in_chunks(&mut self.shears, place), in_chunks(&mut self.resistances, place));
+        RotatingRecord { constants, kept, shear, resistance }
     }
 
-    /// Constants and present state of the contact at index `place`, with its shear.
+    /// Constants and present state of the contact at index `place`, with its springs.
     pub fn whole(&self, place: u32) -> (&ContactConstants, ContactState) {
         let (constants, course) = self.get(place);
-        let shear =
-            self.shears.get(place as usize / CHUNK).map_or_else(Vector3::zeros, |some| some[place as usize % CHUNK]);
-        (constants, ContactState { shear, ..course })
+        let (chunk, index) = (place as usize / CHUNK, place as usize % CHUNK);
+        let shear = self.shears.get(chunk).map_or_else(Vector3::zeros, |some| some[index]);
+        let resistance = self.resistances.get(chunk).map(|some| some[index]);
+        (constants, ContactState { shear, resistance, ..course })
     }
 
     /// Removes the contact at index `place`.

@@ -1,12 +1,14 @@
 //! Tangential force of contacts between spheres that rotate, in uniform steps.
 
-use super::contact::{ContactConstants, ContactForce};
+use super::contact::{ContactConstants, ContactForce, ResistanceMemory};
 use super::contacts::EvaluationTime;
+use super::force_buffer::ContactTorque;
+use super::rolling::{ResistedStep, RollingMotion};
 use crate::contact_law::ContactLaw;
 use crate::contact_law::friction::{Slip, coulomb};
 use crate::encounter::{Couple, Encounter};
 use crate::particles::Particles;
-use crate::rotation::{TangentialSpring, slip, turned};
+use crate::rotation::{SpringDashpotSlider, slip, turned};
 use crate::scene::Scene;
 use nalgebra::Vector3;
 
@@ -30,52 +32,82 @@ impl SurfaceMotion {
     }
 }
 
+/// State of a contact between bodies that rotate, at the start of a step.
+pub struct BeforeStep<'a> {
+    /// True if the contact has just begun.
+    pub begins: bool,
+    /// [m] overlap.
+    pub overlap: f64,
+    /// [m] shear.
+    pub shear: Vector3<f64>,
+    /// Memory of rolling and twisting, which the step changes; `None` where contacts do not resist these.
+    pub resistance: Option<&'a mut ResistanceMemory>,
+}
+
 impl ContactConstants {
     /// Force of the contact between bodies that rotate, at the end of a step in which the surfaces have slipped for
     /// `at.shear_time` [s]. The shear is first turned with the normal and with the mean spin about it, and then grows
-    /// by the slip. Gives the force on the centres with its powers, the torque on either particle over its radius [N],
-    /// (l/r) n × F, and the shear ξ [m] that is left.
+    /// by the slip. Gives the force on the centres with its powers, the torques, and the shear ξ [m] that is left.
     #[inline(always)]
     pub fn rotating_force(
         &self,
         couple: &Couple,
         law: &ContactLaw,
         (met, surfaces): (&Encounter, &SurfaceMotion),
-        scene: &Scene,
-        (begins, before): (bool, &Vector3<f64>),
+        (particles, scene): (&Particles, &Scene),
+        before: BeforeStep,
         at: &EvaluationTime,
-    ) -> (ContactForce, Vector3<f64>, Vector3<f64>) {
+    ) -> (ContactForce, ContactTorque, Vector3<f64>) {
         let (elastic, viscous) = law.force(&self.spring, met.overlap(), met.normal_velocity);
         let normal = elastic + viscous;
         let SurfaceMotion { slip, arm, twist } = *surfaces;
         let pull = Self::pull_along(couple, met, scene);
-        let spring = &self.tangential;
-        let (tangential, shear) = if spring.stiffness > 0.0 {
-            // a contact that has just begun has slipped only since it began
-            let since = if begins && met.normal_velocity < 0.0 {
-                at.shear_time.min(-met.overlap() / met.normal_velocity)
-            } else {
-                at.shear_time
-            };
-            let sheared = turned(before, &met.normal, twist * since) + slip * since;
-            spring.limited(sheared, &slip, TangentialSpring::limit(self.friction, normal))
+        let spring = &self.tangential.at(met.overlap());
+        // a contact that has just begun has slipped only since it began
+        let since = if before.begins && met.normal_velocity < 0.0 {
+            at.shear_time.min(-met.overlap() / met.normal_velocity)
+        } else {
+            at.shear_time
+        };
+        let (tangential, shear) = if self.tangential.stiffness > 0.0 {
+            let (kept, grown) = self.tangential.growth(before.overlap, met.overlap());
+            let sheared = turned(&before.shear, &met.normal, twist * since) * kept + slip * (since * grown);
+            spring.limited(sheared, &slip, SpringDashpotSlider::limit(self.friction, normal))
         } else {
             let slip = Slip { velocity: slip, acceleration: pull };
             let friction = coulomb(self.friction, normal, &slip, spring.mass, [at.dt, at.to_middle]);
             (friction.map_or_else(Vector3::zeros, |friction| friction.force), Vector3::zeros())
         };
-        let in_the_middle = slip + (pull - tangential / spring.mass) * at.to_middle;
+        let mut slip_change = pull - tangential / spring.mass;
+        let (mut couple_torque, mut resisted) = (None, 0.0);
+        if let (Some(memory), Some(rotation)) = (before.resistance, &scene.rotation) {
+            let mut couple_on_i = Vector3::zeros();
+            if at.start + at.elapsed >= memory.acts_from {
+                let motion = RollingMotion::of(couple, self, (law, rotation), met, (particles, scene));
+                let passed_on = motion.passed_on(couple, particles) * arm;
+                let (before, after) = (before.overlap, met.overlap());
+                let step = ResistedStep { before, after, dt: at.dt, elapsed: since, to_middle: at.to_middle };
+                let driven = tangential * passed_on;
+                let done = motion.resist(memory, &met.normal, normal, (twist * since, &driven), &step);
+                slip_change += done.rolling * passed_on;
+                (couple_on_i, resisted) = (done.couple, done.power);
+            }
+            couple_torque = Some(couple_on_i);
+        }
+        let in_the_middle = slip + slip_change * at.to_middle;
         // the spring keeps a part of the work of the force
-        let kept = if at.shear_time > 0.0 { (spring.energy(&shear) - spring.energy(before)) / at.dt } else { 0.0 };
+        let stored = self.tangential.at(before.overlap).energy(&before.shear);
+        let kept = if at.shear_time > 0.0 { (spring.energy(&shear) - stored) / at.dt } else { 0.0 };
         let on_i = met.normal * normal - tangential;
         let force = ContactForce {
             on_i,
             normal,
             restitution_power: -viscous * (met.normal_velocity + at.to_middle * normal / self.spring.effective_mass),
-            friction_power: tangential.dot(&in_the_middle) - kept,
+            friction_power: tangential.dot(&in_the_middle) - kept + resisted,
             wall_power: couple.driven(&on_i, scene),
             arm: met.normal * (self.reach + met.gap),
         };
-        (force, met.normal.cross(&tangential) * arm, shear)
+        let torque = ContactTorque { over_radius: met.normal.cross(&tangential) * arm, couple: couple_torque };
+        (force, torque, shear)
     }
 }

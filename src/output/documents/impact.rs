@@ -13,7 +13,7 @@ use std::path::PathBuf;
 /// An [`OutputError`]; the files written before it stay, without a `summary.json`.
 pub fn write_impact(folder: &Folder, study: &ImpactStudy) -> Result<PathBuf, OutputError> {
     let bounces = study.bounces;
-    let figures = figures::impact(bounces);
+    let figures = figures::impact(bounces, study.oblique);
     let mut body = vec![
         Block::entries([
             ("normal speed of approach", format!("{} m/s", significant(study.impact_speed, 4))),
@@ -29,6 +29,11 @@ pub fn write_impact(folder: &Folder, study: &ImpactStudy) -> Result<PathBuf, Out
         Block::table("variant | time step | steps or events", bounces.iter().map(work)),
         Block::note("What methods cost cannot be told from one impact; `diptych chart` measures it over many."),
     ];
+    let mut tables = vec![("impact.csv".into(), csv::bounces(bounces)?)];
+    if let Some(oblique) = study.oblique {
+        tables.push(("oblique.csv".into(), csv::oblique(oblique)?));
+        body.push(Block::note("Oblique impacts are run without gas, gravity and spin, at the normal speed of the case. Measured points: aluminium oxide on glass, friction 0.092; in these units they do not depend on friction and speed."));
+    }
     if let Some(player) = Player::of_impact(study) {
         body.insert(1, Block::Player(Box::new(player)));
     }
@@ -41,13 +46,17 @@ pub fn write_impact(folder: &Folder, study: &ImpactStudy) -> Result<PathBuf, Out
         notes: study.notes,
         body,
         tail: Vec::new(),
-        tables: vec![("impact.csv".into(), csv::bounces(bounces)?)],
+        tables,
         figures,
     };
     let numbers = json!({
         "requested_restitution": study.requested_restitution,
         "diameter": study.diameter,
         "impact_speed": study.impact_speed,
+        "oblique": study.oblique.map(|oblique| {
+            let of = |k: usize| oblique.difference(k).map(|(share, slip)| json!({ "variant": oblique.curves[k].name, "share_of_friction_impulse": share, "reduced_slip": slip }));
+            (1..oblique.curves.len()).filter_map(of).collect::<Vec<_>>()
+        }),
         "variants": bounces.iter().map(numbers).collect::<Vec<_>>(),
     });
     document.write(folder, numbers)

@@ -3,7 +3,7 @@
 use super::chart;
 use crate::output::numbers::Prefix;
 use crate::output::panel::{Panel, PanelSeries, SeriesPoint, SeriesStyle};
-use crate::output::{Bounce, PathPoint};
+use crate::output::{Bounce, ObliqueStudy, PathPoint};
 
 /// Overlap (minus the gap) against time, with the closed form if there is one.
 pub fn overlap_in_time(bounces: &[Bounce]) -> String {
@@ -39,6 +39,26 @@ pub fn normal_velocity(bounces: &[Bounce]) -> String {
         series: series.into_iter().map(|one| within(one, ends)).collect(),
         marks: vec![(0.0, "")],
         x_range: (ends.0 < ends.1).then_some(ends),
+        ..Panel::default()
+    })
+}
+
+/// Reduced slip after over that before, of each variant, and measured points.
+pub fn slip_after(study: &ObliqueStudy) -> String {
+    let of = |points: &[(f64, f64)]| points.iter().map(|(x, y)| SeriesPoint::at(*x, *y)).collect::<Vec<_>>();
+    let mut series: Vec<PanelSeries> = Vec::new();
+    for (place, curve) in study.curves.iter().enumerate() {
+        series.push(PanelSeries::new(&curve.name, SeriesStyle::Line(place), of(&curve.points)));
+    }
+    if !study.measured.is_empty() {
+        let label = "measured (Kharaz et al. 2001)";
+        series.push(PanelSeries::new(label, SeriesStyle::Winner, of(&study.measured)));
+    }
+    chart::single(&Panel {
+        x_label: "slip before, s/(μ u_n)".into(),
+        y_label: "slip after, s'/(μ u_n)".into(),
+        series,
+        marks: vec![(0.0, "")],
         ..Panel::default()
     })
 }

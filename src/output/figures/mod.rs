@@ -19,7 +19,7 @@ mod sensitivity;
 mod sweep;
 mod work_precision;
 
-pub use bounces::{normal_velocity, overlap_in_time};
+pub use bounces::{normal_velocity, overlap_in_time, slip_after};
 pub use budgets::budgets;
 pub use gas::{gas, gases};
 pub use geometry::geometry;
@@ -34,7 +34,7 @@ pub use sweep::sweep;
 pub use work_precision::{WITHIN, work_precision};
 
 pub use super::panel::Figure;
-use super::{Bounce, Study, references};
+use super::{Bounce, ObliqueStudy, Study, references};
 use crate::case::saved;
 use crate::outcome::Outcome;
 use crate::record::{Histogram, Impacts};
@@ -141,8 +141,12 @@ pub fn file_name(title: &str) -> String {
 }
 
 /// The pictures of an impact study.
-pub fn impact(bounces: &[Bounce]) -> Vec<Figure> {
-    vec![
+pub fn impact(bounces: &[Bounce], oblique: Option<&ObliqueStudy>) -> Vec<Figure> {
+    let slip = oblique.map(|study| {
+        let caption = "Oblique impacts without spin: slip after against slip before, both over μ u_n. On the line of slope 1 nothing changes; below zero the slip is reversed.";
+        Figure::new("oblique", caption, slip_after(study))
+    });
+    let normal = vec![
         Figure::new(
             "overlap-in-time",
             "Overlap during the impact; below zero the surfaces are apart.",
@@ -153,5 +157,6 @@ pub fn impact(bounces: &[Bounce]) -> Vec<Figure> {
             "Relative velocity along the normal; negative while approaching.",
             normal_velocity(bounces),
         ),
-    ]
+    ];
+    normal.into_iter().chain(slip).collect()
 }

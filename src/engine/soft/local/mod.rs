@@ -8,6 +8,7 @@ mod alone;
 mod integrate;
 mod single;
 mod sliding;
+mod springs;
 
 use super::backoff::steps_cost;
 use super::contact::{Contact, ContactState, Rates, SHORT, TouchingPair, passed};
@@ -134,7 +135,9 @@ impl<I: InstantaneousRule> Solve for SoftIslands<I> {
 
     fn energy(&self, contact: &Contact) -> f64 {
         let Contact { touch, course, .. } = contact;
-        self.law.available_energy(&touch.spring, course.overlap) + touch.tangential.energy(&course.shear)
+        let sheared = touch.tangential.at(course.overlap).energy(&course.shear);
+        let resisted = course.resistance.map_or(0.0, |memory| memory.energy);
+        self.law.available_energy(&touch.spring, course.overlap) + sheared + resisted
     }
 
     fn touching(&self, contact: &Contact) -> Option<Couple> {
@@ -172,9 +175,6 @@ impl<I: InstantaneousRule> Solve for SoftIslands<I> {
             run.adopt_springs();
         }
         let result = run.until(end);
-        if run.rotates() {
-            run.leave_springs();
-        }
         island.carried.clear();
         island.carried.extend_from_slice(&scratch.contacts);
         island.particles = particles;
@@ -226,6 +226,9 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
             }
         }
         self.fly(end);
+        if self.rotates() {
+            self.leave_springs();
+        }
         // back to the frame at rest
         for (x, v) in self.particles.position.iter_mut().zip(&mut self.particles.velocity) {
             *x += self.scene.gravity * (0.5 * end * end);
@@ -285,13 +288,13 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
             return;
         }
         let (gap, rate) = self.scratch.gaps[slot];
-        let mut contact = Contact::new(slot as u32, touch, self.window.start + self.now);
-        contact.course = ContactState { normal_speed: -rate, overlap: -gap, growth: -rate, ..contact.course };
+        let began = self.window.start + self.now;
+        let begun = ContactState::beginning(began, -rate, &touch, self.scene, &self.engine.law);
+        let course = ContactState { overlap: -gap, growth: -rate, ..begun };
         if self.rotates() {
-            let spring = self.spring_of(&touch, Vector3::zeros());
-            self.scratch.sliding.push(spring);
+            self.open_springs(&touch, &course);
         }
-        self.scratch.contacts.push(contact);
+        self.scratch.contacts.push(Contact { slot: slot as u32, touch, course });
     }
 
     /// Present gap [m] of a slot and its rate [m/s].
@@ -438,10 +441,10 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         match self.scratch.contacts.iter().position(|c| c.slot as usize == slot) {
             None => self.open(slot),
             Some(k) => {
-                let contact = self.scratch.contacts.remove(k);
                 if self.rotates() {
-                    self.drop_spring(k, &contact.touch);
+                    self.drop_springs(k);
                 }
+                let contact = self.scratch.contacts.remove(k);
                 let (_, rate) = self.scratch.gaps[slot];
                 // a contact that was there from the start may never have approached
                 if contact.course.normal_speed > 0.0 {

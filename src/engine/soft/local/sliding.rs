@@ -1,24 +1,27 @@
-//! Tangential springs of an island whose spheres rotate: they stick or slide, and the instants at which that changes
+//! Springs with sliders of an island whose spheres rotate: they stick or slide, and the instants at which that changes
 //! are found within a step.
 //!
-//! While a contact sticks, its shear ξ is a state of the Runge-Kutta method: dξ/dt = s + ω_n n × ξ, where ω_n is the
-//! mean spin about the normal. While it slides, its state is the direction e of the force: the length of the spring
-//! follows from the limit, and e turns towards the slip as the spring is dragged along. States are held in the plane
-//! normal to n at the start of the step, and are carried along with n from there.
+//! A contact has a tangential spring; where contacts resist rolling and twisting, it has a spring of each kind. While a
+//! contact sticks, its shear ξ is a state of the Runge-Kutta method: dξ/dt = v + ω_n n × ξ, where v is the relative
+//! velocity of that kind and ω_n the mean spin about the normal. While it slides, its state is the direction e of the
+//! force: the length of the spring follows from the limit, and e turns towards v as the spring is dragged along. States
+//! are held in the plane normal to n at the start of the step, and are carried along with n from there.
 
+use super::springs::{ContactMotion, SpringKind, SpringMotion, carried};
 use super::{InstantaneousRule, IslandRun, Rates, TRIALS};
-use crate::contact_law::ContactLaw;
 use crate::contact_law::friction::{Slip, coulomb};
 use crate::encounter::Encounter;
-use crate::engine::soft::contact::{Contact, ContactConstants, ContactForce, TouchingPair};
-use crate::rotation::{TangentialSpring, slip};
+use crate::engine::soft::contact::{Contact, ContactConstants, ContactForce, ContactState, TouchingPair};
 use nalgebra::Vector3;
+use std::ops::Range;
 
 /// Way in which the surfaces of a contact move on one another.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Phase {
     /// The contact remembers nothing.
     Memoryless,
+    /// The contact is too young to resist.
+    Waiting,
     /// Spring and dashpot are below the limit.
     Stick,
     /// The force is at the limit.
@@ -27,15 +30,16 @@ enum Phase {
     Free,
 }
 
-/// State of a tangential spring.
+/// State of a spring.
 #[derive(Clone, Copy, Debug)]
 struct SpringState {
-    /// Shear ξ [m] of a contact that sticks, or direction e [-] of the force of one that slides; normal to `normal`.
+    /// Shear ξ [m] of a contact that sticks, or direction e [-] of the force of one that slides; normal to `normal`, or
+    /// along it where the contact twists.
     vector: Vector3<f64>,
     normal: Vector3<f64>,
 }
 
-/// Tangential spring of a contact, during a step.
+/// Spring with a slider of a contact, during a step.
 #[derive(Clone, Copy, Debug)]
 pub struct SlidingContact {
     phase: Phase,
@@ -53,20 +57,6 @@ pub struct SlidingContact {
     margins: [[f64; 2]; 2],
 }
 
-/// Relative motion and normal force of a contact between bodies that rotate.
-struct SlidingMotion {
-    /// [m/s]
-    slip: Vector3<f64>,
-    /// [-] lever arms over radii.
-    arm: f64,
-    /// [N]
-    elastic: f64,
-    /// [N]
-    viscous: f64,
-    /// [N] largest tangential force.
-    limit: f64,
-}
-
 /// Index of the two sets of margins.
 const BEFORE: usize = 0;
 const AFTER: usize = 1;
@@ -74,18 +64,12 @@ const AFTER: usize = 1;
 /// [-] no step is cut to less than this share for the sake of friction.
 const SHORTEST: f64 = 1e-3;
 
-/// A vector normal to `from`, carried along to the plane normal to `to` by the shortest turn.
-fn carried(vector: &Vector3<f64>, from: &Vector3<f64>, to: &Vector3<f64>) -> Vector3<f64> {
-    let cosine = 1.0 + from.dot(to);
-    if cosine > 0.0 { vector - (from + to) * (vector.dot(to) / cosine) } else { *vector }
-}
-
 impl SlidingContact {
-    fn memoryless() -> Self {
+    fn in_phase(phase: Phase) -> Self {
         let none = SpringState { vector: Vector3::zeros(), normal: Vector3::zeros() };
         let (rate, mean, shear) = (Vector3::zeros(), Vector3::zeros(), Vector3::zeros());
         let margins = [[f64::INFINITY; 2]; 2];
-        Self { phase: Phase::Memoryless, start: none, now: none, rate, mean, shear, margins }
+        Self { phase, start: none, now: none, rate, mean, shear, margins }
     }
 
     /// Changes the phase, with the vector of the new one.
@@ -94,25 +78,9 @@ impl SlidingContact {
     }
 }
 
-impl SlidingMotion {
-    fn of(run: &IslandRun<'_, impl InstantaneousRule>, touch: &TouchingPair, met: &Encounter) -> Self {
-        let (surface, arm) = touch.couple.surface_velocity(run.particles, touch.reach, met.gap);
-        let (elastic, viscous) = run.engine.law.force(&touch.spring, met.overlap(), met.normal_velocity);
-        let limit = TangentialSpring::limit(touch.friction, elastic + viscous);
-        Self { slip: slip(&met.velocity, &met.normal, &surface), arm, elastic, viscous, limit }
-    }
-}
-
-/// [N/s] rate of the limit, from the rate of the normal velocity [m/s²].
-fn limit_rate(law: &ContactLaw, touch: &TouchingPair, met: &Encounter, (acceleration, dt): (f64, f64)) -> f64 {
-    // a difference over so little time is exact enough to find an instant by
-    let time = 1e-4 * dt;
-    let force = |overlap: f64, velocity: f64| {
-        let (elastic, viscous) = law.force(&touch.spring, overlap, velocity);
-        elastic + viscous
-    };
-    let later = force(met.overlap() - met.normal_velocity * time, met.normal_velocity + acceleration * time);
-    touch.friction * (later - force(met.overlap(), met.normal_velocity)) / time
+/// The vector over its length, or zero.
+fn along(vector: Vector3<f64>) -> Vector3<f64> {
+    vector.try_normalize(0.0).unwrap_or_else(Vector3::zeros)
 }
 
 impl<I: InstantaneousRule> IslandRun<'_, I> {
@@ -122,46 +90,73 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         self.scene.rotation.is_some()
     }
 
+    /// Kinds of springs of each contact.
+    #[inline(always)]
+    pub(super) fn kinds(&self) -> &'static [SpringKind] {
+        let resists = self.scene.rotation.as_ref().is_some_and(|rotation| rotation.resists());
+        if resists { &SpringKind::ALL } else { &SpringKind::ALL[..1] }
+    }
+
+    /// Indices of the springs of contact `k`.
+    fn springs_of(&self, k: usize) -> Range<usize> {
+        let kinds = self.kinds().len();
+        k * kinds..(k + 1) * kinds
+    }
+
     fn met(&self, k: usize) -> (TouchingPair, Encounter) {
         let touch = self.scratch.contacts[k].touch;
         (touch, touch.couple.meet(self.particles, self.scene, self.moment()))
     }
 
-    /// Takes the tangential springs of contacts that last from the window before.
+    /// Takes the springs of contacts that last from the window before.
     pub(super) fn adopt_springs(&mut self) {
         self.scratch.sliding.clear();
         for k in 0..self.scratch.contacts.len() {
             let Contact { touch, course, .. } = self.scratch.contacts[k];
-            let sliding = self.spring_of(&touch, course.shear);
+            self.open_springs(&touch, &course);
+        }
+    }
+
+    /// Adds the springs of a contact at the end.
+    pub(super) fn open_springs(&mut self, touch: &TouchingPair, course: &ContactState) {
+        let met = touch.couple.meet(self.particles, self.scene, self.moment());
+        let motion = ContactMotion::of(self, touch, &met);
+        for &kind in self.kinds() {
+            let memory = course.resistance.unwrap_or_default();
+            let (shear, waits) = match kind {
+                SpringKind::Slide => (course.shear, false),
+                SpringKind::Roll => (memory.roll, self.window.start + self.now < memory.acts_from),
+                SpringKind::Twist => (met.normal * memory.twist, self.window.start + self.now < memory.acts_from),
+            };
+            let spring = motion.spring(kind, self, touch, &met);
+            let sliding =
+                if waits { SlidingContact::in_phase(Phase::Waiting) } else { self.begin(&spring, &met, shear) };
             self.scratch.sliding.push(sliding);
         }
     }
 
-    /// Tangential spring of a contact with that shear [m] at present.
-    pub(super) fn spring_of(&self, touch: &TouchingPair, shear: Vector3<f64>) -> SlidingContact {
-        let mut sliding = SlidingContact::memoryless();
-        if touch.tangential.stiffness == 0.0 || touch.friction == 0.0 {
+    /// Spring with that shear [m] at present.
+    fn begin(&self, spring: &SpringMotion, met: &Encounter, shear: Vector3<f64>) -> SlidingContact {
+        let mut sliding = SlidingContact::in_phase(Phase::Memoryless);
+        if !spring.remembers() {
             return sliding;
         }
-        let met = touch.couple.meet(self.particles, self.scene, self.moment());
-        let motion = SlidingMotion::of(self, touch, &met);
-        let flat = shear - met.normal * shear.dot(&met.normal);
+        let flat = spring.kind.in_space_of(&shear, &met.normal);
         sliding.now = SpringState { vector: flat, normal: met.normal };
         sliding.shear = flat;
-        let force = touch.tangential.force(&flat, &motion.slip);
-        let (square, limit) = (force.norm_squared(), motion.limit);
-        let begins = limit == 0.0 && met.overlap() <= 1e-9 * touch.diameter && met.normal_velocity < 0.0;
+        let force = spring.constants.force(&flat, &spring.velocity);
+        let (square, limit) = (force.norm_squared(), spring.limit);
+        let begins = limit == 0.0 && spring.at_touch && met.normal_velocity < 0.0;
         let slides = if begins && square == 0.0 {
-            // at the touch of an undamped contact spring and limit grow from zero at their rates
-            let rate = limit_rate(&self.engine.law, touch, &met, (0.0, self.engine.step));
-            touch.tangential.stiffness * motion.slip.norm() > rate
+            // at the touch of an undamped contact spring and limit grow from zero
+            spring.slides_from_touch
         } else {
             square >= limit * limit * (1.0 - 1e-12)
         };
-        let along = if square > 0.0 { force } else { motion.slip };
+        let direction = if square > 0.0 { force } else { spring.velocity };
         match (slides, limit == 0.0 && !begins) {
             (_, true) => sliding.take(Phase::Free, Vector3::zeros()),
-            (true, _) => sliding.take(Phase::Slide, along.try_normalize(0.0).unwrap_or_else(Vector3::zeros)),
+            (true, _) => sliding.take(Phase::Slide, along(direction)),
             (false, _) => sliding.take(Phase::Stick, flat),
         }
         sliding.start = sliding.now;
@@ -169,8 +164,28 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         sliding
     }
 
+    /// Lets contacts that are old enough resist rolling and twisting.
+    fn wake_resistances(&mut self) {
+        for k in 0..self.scratch.contacts.len() {
+            let memory = self.scratch.contacts[k].course.resistance.unwrap_or_default();
+            if self.window.start + self.now < memory.acts_from {
+                continue;
+            }
+            for (index, &kind) in self.springs_of(k).zip(self.kinds()) {
+                if self.scratch.sliding[index].phase == Phase::Waiting {
+                    let (touch, met) = self.met(k);
+                    let spring = ContactMotion::of(self, &touch, &met).spring(kind, self, &touch, &met);
+                    self.scratch.sliding[index] = self.begin(&spring, &met, Vector3::zeros());
+                }
+            }
+        }
+    }
+
     /// Begins a step: what is now is the state to which trials of the step go back.
     pub(super) fn keep_springs(&mut self) {
+        if self.kinds().len() > 1 {
+            self.wake_resistances();
+        }
         let scratch = &mut *self.scratch;
         if let Some(spins) = &self.particles.spin {
             scratch.spin.clone_from(spins);
@@ -230,118 +245,176 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
             let at_start = scratch.spin.iter().zip(&scratch.turned);
             spins.iter_mut().zip(at_start).for_each(|(spin, (start, mean))| *spin = start + mean * dt);
         }
-        for k in 0..self.scratch.sliding.len() {
+        for k in 0..self.scratch.contacts.len() {
             let (touch, met) = self.met(k);
-            let motion = SlidingMotion::of(self, &touch, &met);
-            let sliding = &mut self.scratch.sliding[k];
-            let vector = carried(&(sliding.start.vector + sliding.mean * dt), &sliding.start.normal, &met.normal);
-            sliding.now = SpringState { vector, normal: met.normal };
-            sliding.shear = match sliding.phase {
-                Phase::Stick => vector,
-                Phase::Slide => {
-                    sliding.now.vector = vector.try_normalize(0.0).unwrap_or(vector);
-                    let along = motion.slip.dot(&sliding.now.vector);
-                    sliding.now.vector * touch.tangential.sliding_length(motion.limit, along)
-                }
-                Phase::Free | Phase::Memoryless => Vector3::zeros(),
-            };
-            self.scratch.sliding[k].margins[AFTER] = self.margins(k, &touch, (&met, &motion), dt);
+            let motion = ContactMotion::of(self, &touch, &met);
+            for (index, &kind) in self.springs_of(k).zip(self.kinds()) {
+                let spring = motion.spring(kind, self, &touch, &met);
+                let sliding = &mut self.scratch.sliding[index];
+                let moved = sliding.start.vector + sliding.mean * dt;
+                let vector = carried(kind, &moved, &sliding.start.normal, &met.normal);
+                sliding.now = SpringState { vector, normal: met.normal };
+                sliding.shear = match sliding.phase {
+                    Phase::Stick => vector,
+                    Phase::Slide => {
+                        sliding.now.vector = vector.try_normalize(0.0).unwrap_or(vector);
+                        let along = spring.velocity.dot(&sliding.now.vector);
+                        sliding.now.vector * spring.constants.sliding_length(spring.limit, along)
+                    }
+                    Phase::Free | Phase::Memoryless | Phase::Waiting => Vector3::zeros(),
+                };
+                self.scratch.sliding[index].margins[AFTER] = self.margins(index, &touch, &met, (&motion, &spring), dt);
+            }
         }
     }
 
-    /// Force of a contact at a stage of a step of `dt` [s]; torques go to the turning of its particles, and the rate of
-    /// its spring is kept.
+    /// Force of a contact at a stage of a step of `dt` [s]; torques go to the turning of its particles, and the rates of
+    /// its springs are kept.
     pub(super) fn force_at_stage(&mut self, k: usize, touch: &TouchingPair, met: &Encounter, dt: f64) -> ContactForce {
-        let motion = SlidingMotion::of(self, touch, met);
-        let SlidingMotion { slip, arm, elastic, viscous, limit } = motion;
-        let (normal, spring) = (elastic + viscous, &touch.tangential);
-        let sliding = &mut self.scratch.sliding[k];
-        let SpringState { normal: start, .. } = sliding.start;
-        let vector = carried(&sliding.now.vector, &start, &met.normal);
-        let spun = |vector: &Vector3<f64>| met.normal.cross(vector) * touch.couple.twist(self.particles, &met.normal);
-        let (tangential, rate) = match sliding.phase {
-            Phase::Memoryless => {
-                let slip =
-                    Slip { velocity: slip, acceleration: ContactConstants::pull_along(&touch.couple, met, self.scene) };
-                let friction = coulomb(touch.friction, normal, &slip, spring.mass, [dt, 0.0]);
-                (friction.map_or_else(Vector3::zeros, |friction| friction.force), Vector3::zeros())
+        let motion = ContactMotion::of(self, touch, met);
+        let normal = motion.elastic + motion.viscous;
+        let mut friction_power = 0.0;
+        let mut tangential = Vector3::zeros();
+        let mut couple = Vector3::zeros();
+        for (index, &kind) in self.springs_of(k).zip(self.kinds()) {
+            let spring = motion.spring(kind, self, touch, met);
+            let force = self.spring_force(index, (touch, met), (&motion, &spring), dt);
+            friction_power += force.dot(&spring.velocity);
+            match kind {
+                SpringKind::Slide => tangential = force,
+                SpringKind::Roll => couple -= met.normal.cross(&force) * motion.rolling_radius(),
+                SpringKind::Twist => couple -= force * motion.rolling_radius(),
             }
-            Phase::Stick => (spring.force(&vector, &slip), slip + spun(&vector)),
-            Phase::Slide => {
-                let along = slip.dot(&vector);
-                let across = slip - vector * along;
-                // a spring shorter than the way of a step turns within the step: not faster than the step can follow
-                let length = spring.sliding_length(limit, along).max(slip.norm() * dt);
-                let turning = if length > 0.0 { across / length } else { across };
-                (vector * limit, turning + spun(&vector))
-            }
-            Phase::Free => (Vector3::zeros(), Vector3::zeros()),
-        };
-        sliding.rate = carried(&rate, &met.normal, &start);
-        let torque = met.normal.cross(&tangential) * arm;
+        }
+        let torque = met.normal.cross(&tangential) * motion.arm;
         if let Some(inertia) = &self.particles.inertia {
             for place in touch.couple.places().into_iter().flatten().map(|place| place as usize) {
                 self.scratch.turning[place] += torque * (self.particles.radius[place] / inertia[place]);
+            }
+            if motion.rolling.is_some() {
+                self.scratch.turning[touch.couple.i as usize] += couple / inertia[touch.couple.i as usize];
+                if let Some(j) = touch.couple.j() {
+                    self.scratch.turning[j as usize] -= couple / inertia[j as usize];
+                }
             }
         }
         let on_i = met.normal * normal - tangential;
         ContactForce {
             on_i,
             normal,
-            restitution_power: -viscous * met.normal_velocity,
-            friction_power: tangential.dot(&slip),
+            restitution_power: -motion.viscous * met.normal_velocity,
+            friction_power,
             wall_power: touch.couple.driven(&on_i, self.scene),
             arm: met.normal * (touch.reach + met.gap),
         }
     }
 
-    /// Margins by which contact `k` is away from the end of its phase, at the end of a trial of a step of `dt` [s]. Accelerations are
-    /// those of the last stage, which stands at the end of the step.
+    /// [N] force of a spring at a stage of a step of `dt` [s], whose rate is kept.
+    fn spring_force(
+        &mut self,
+        index: usize,
+        (touch, met): (&TouchingPair, &Encounter),
+        (motion, spring): (&ContactMotion, &SpringMotion),
+        dt: f64,
+    ) -> Vector3<f64> {
+        let SpringMotion { kind, velocity, constants, rates, limit, .. } = *spring;
+        let normal = motion.elastic + motion.viscous;
+        let sliding = &mut self.scratch.sliding[index];
+        let SpringState { normal: start, .. } = sliding.start;
+        let vector = carried(kind, &sliding.now.vector, &start, &met.normal);
+        let spun = |vector: &Vector3<f64>| met.normal.cross(vector) * touch.couple.twist(self.particles, &met.normal);
+        let (force, rate) = match sliding.phase {
+            Phase::Waiting | Phase::Free => (Vector3::zeros(), Vector3::zeros()),
+            Phase::Memoryless => {
+                let force = match &spring.resistance {
+                    Some(resistance) => resistance.without_memory(&velocity, normal, dt),
+                    None if kind == SpringKind::Slide => {
+                        let acceleration = ContactConstants::pull_along(&touch.couple, met, self.scene);
+                        let slip = Slip { velocity, acceleration };
+                        let friction = coulomb(touch.friction, normal, &slip, constants.mass, [dt, 0.0]);
+                        friction.map_or_else(Vector3::zeros, |friction| friction.force)
+                    }
+                    None => Vector3::zeros(),
+                };
+                (force, Vector3::zeros())
+            }
+            Phase::Stick => {
+                let rate = velocity * spring.grown - vector * rates.forgotten;
+                (constants.force(&vector, &velocity), rate + spun(&vector))
+            }
+            Phase::Slide => {
+                let along = velocity.dot(&vector);
+                let across = velocity - vector * along;
+                // a spring shorter than the way of a step turns within the step: not faster than the step can follow
+                let length = constants.sliding_length(limit, along).max(velocity.norm() * dt);
+                let turning = if length > 0.0 { across / length } else { across };
+                (vector * limit, turning + spun(&vector))
+            }
+        };
+        sliding.rate = carried(kind, &rate, &met.normal, &start);
+        force
+    }
+
+    /// Margins by which a spring is away from the end of its phase, at the end of a trial of a step of `dt` [s].
+    /// Accelerations are those of the last stage, which is at the end of the step.
     fn margins(
         &self,
-        k: usize,
+        index: usize,
         touch: &TouchingPair,
-        (met, motion): (&Encounter, &SlidingMotion),
+        met: &Encounter,
+        (motion, spring): (&ContactMotion, &SpringMotion),
         dt: f64,
     ) -> [f64; 2] {
-        let sliding = &self.scratch.sliding[k];
+        let sliding = &self.scratch.sliding[index];
         let normal = motion.elastic + motion.viscous;
         match sliding.phase {
-            Phase::Memoryless => [f64::INFINITY; 2],
+            Phase::Memoryless | Phase::Waiting => [f64::INFINITY; 2],
             Phase::Stick => {
-                [motion.limit - touch.tangential.force(&sliding.now.vector, &motion.slip).norm(), f64::INFINITY]
+                let force = spring.constants.force(&sliding.now.vector, &spring.velocity).norm();
+                [spring.limit - force, f64::INFINITY]
             }
-            Phase::Slide => [self.sliding_rate(touch, met, motion, (sliding, dt)), normal],
+            Phase::Slide => [self.sliding_rate(touch, met, (motion, spring), (sliding, dt)), normal],
             Phase::Free => [-normal, f64::INFINITY],
         }
     }
 
-    /// [m/s] rate λ = s·e - d|ξ|/dt at which the surfaces of a contact slide; a contact that would have to slide
+    /// [m/s] rate λ = v·e - d|ξ|/dt at which the surfaces of a contact slide; a contact that would have to slide
     /// backwards sticks.
     fn sliding_rate(
         &self,
         touch: &TouchingPair,
         met: &Encounter,
-        motion: &SlidingMotion,
+        (motion, spring): (&ContactMotion, &SpringMotion),
         (sliding, dt): (&SlidingContact, f64),
     ) -> f64 {
-        let (along, spring) = (sliding.now.vector, &touch.tangential);
-        let speed = motion.slip.dot(&along);
-        if spring.sliding_length(motion.limit, speed) == 0.0 {
+        let (along, constants) = (sliding.now.vector, &spring.constants);
+        let speed = spring.velocity.dot(&along);
+        let length = constants.sliding_length(spring.limit, speed);
+        if length == 0.0 {
             return speed.abs();
         }
         let acceleration = |place: u32| self.scratch.acceleration[place as usize];
-        let turning = |place: u32| self.scratch.turning[place as usize] * self.particles.radius[place as usize];
+        let angular = |place: u32| self.scratch.turning[place as usize];
+        let surface = |place: u32| angular(place) * self.particles.radius[place as usize];
         let (i, j) = (touch.couple.i, touch.couple.j());
-        let (relative, surface) = match j {
-            Some(j) => (acceleration(i) - acceleration(j), (turning(i) + turning(j)) * motion.arm),
-            None => (acceleration(i) + self.scene.gravity, turning(i)),
+        let (relative, surface, relative_angular) = match j {
+            Some(j) => {
+                let surface = (surface(i) + surface(j)) * motion.arm;
+                (acceleration(i) - acceleration(j), surface, angular(i) - angular(j))
+            }
+            None => (acceleration(i) + self.scene.gravity, surface(i), angular(i)),
         };
-        let slip_rate = (relative - surface.cross(&met.normal)).dot(&along);
+        let velocity_rate = match spring.kind {
+            SpringKind::Slide => (relative - surface.cross(&met.normal)).dot(&along),
+            SpringKind::Roll => relative_angular.cross(&met.normal).dot(&along) * motion.rolling_radius(),
+            SpringKind::Twist => relative_angular.dot(&along) * motion.rolling_radius(),
+        };
         // the normal of a pair turns
         let turns = if j.is_some() { met.slip().norm_squared() / (touch.reach + met.gap) } else { 0.0 };
-        let rate = limit_rate(&self.engine.law, touch, met, (relative.dot(&met.normal) + turns, dt));
-        speed - (rate - spring.dashpot * slip_rate) / spring.stiffness
+        let normal_acceleration = relative.dot(&met.normal) + turns;
+        let rate = spring.limit_rate(&self.engine.law, touch, met, (normal_acceleration, dt));
+        let of_dashpot = constants.dashpot * (velocity_rate + spring.rates.dashpot * speed);
+        speed + spring.rates.force * length - (rate - of_dashpot) / constants.stiffness
     }
 
     /// The first end of a phase within a step: the fraction of the step at which it is about to come, the contact, and
@@ -389,38 +462,62 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         rates
     }
 
-    /// Ends the phases that are over now, and that of the contact that is `due` by the given margin.
+    /// Ends the phases that are over now, and that of the spring that is `due` by the given margin.
     pub(super) fn switch_phases(&mut self, due: Option<(usize, usize)>) {
-        for k in 0..self.scratch.sliding.len() {
-            let sliding = self.scratch.sliding[k];
-            let over = || (0..2).rev().find(|&which| sliding.margins[AFTER][which] < 0.0);
-            let Some(which) = due.filter(|(of, _)| *of == k).map(|(_, which)| which).or_else(over) else { continue };
-            let (touch, met) = self.met(k);
-            let motion = SlidingMotion::of(self, &touch, &met);
-            let along = |vector: Vector3<f64>| vector.try_normalize(0.0).unwrap_or_else(Vector3::zeros);
-            let (phase, vector) = match sliding.phase {
-                Phase::Memoryless => continue,
-                Phase::Stick => (Phase::Slide, along(touch.tangential.force(&sliding.now.vector, &motion.slip))),
-                Phase::Slide if which == 1 => (Phase::Free, Vector3::zeros()),
-                Phase::Slide => (Phase::Stick, sliding.shear),
-                Phase::Free => (Phase::Slide, along(motion.slip)),
-            };
-            self.scratch.sliding[k].take(phase, vector);
-            self.scratch.sliding[k].margins[AFTER] = [0.0; 2];
+        for k in 0..self.scratch.contacts.len() {
+            for (index, &kind) in self.springs_of(k).zip(self.kinds()) {
+                let sliding = self.scratch.sliding[index];
+                let over = || (0..2).rev().find(|&which| sliding.margins[AFTER][which] < 0.0);
+                let due = due.filter(|(of, _)| *of == index).map(|(_, which)| which);
+                let Some(which) = due.or_else(over) else { continue };
+                let (touch, met) = self.met(k);
+                let spring = ContactMotion::of(self, &touch, &met).spring(kind, self, &touch, &met);
+                let (phase, vector) = match sliding.phase {
+                    Phase::Memoryless | Phase::Waiting => continue,
+                    Phase::Stick => {
+                        (Phase::Slide, along(spring.constants.force(&sliding.now.vector, &spring.velocity)))
+                    }
+                    Phase::Slide if which == 1 => (Phase::Free, Vector3::zeros()),
+                    Phase::Slide => (Phase::Stick, sliding.shear),
+                    Phase::Free => (Phase::Slide, along(spring.velocity)),
+                };
+                self.scratch.sliding[index].take(phase, vector);
+                self.scratch.sliding[index].margins[AFTER] = [0.0; 2];
+            }
         }
     }
 
-    /// [J] energy of the tangential springs of pairs and of walls.
+    /// [J] energies of the springs of contact `k` with that overlap [m]: of the tangential one, and of rolling and
+    /// twisting.
+    fn energies_of(&self, k: usize, overlap: f64) -> [f64; 2] {
+        let Contact { touch, course, .. } = &self.scratch.contacts[k];
+        let springs = self.springs_of(k);
+        let sheared = touch.tangential.at(overlap).energy(&self.scratch.sliding[springs.start].shear);
+        if course.resistance.is_none() {
+            return [sheared, 0.0];
+        }
+        let (touch, met) = self.met(k);
+        let met = Encounter { gap: -overlap, ..met };
+        let motion = ContactMotion::of(self, &touch, &met);
+        let resisted = springs.zip(self.kinds()).skip(1).map(|(index, &kind)| {
+            motion.spring(kind, self, &touch, &met).constants.energy(&self.scratch.sliding[index].shear)
+        });
+        [sheared, resisted.sum()]
+    }
+
+    /// [J] energy of the springs of pairs and of walls.
     pub(super) fn spring_energies(&self) -> [f64; 2] {
         let mut energies = [0.0; 2];
-        for (contact, sliding) in self.scratch.contacts.iter().zip(&self.scratch.sliding) {
-            energies[usize::from(contact.touch.couple.is_wall())] += contact.touch.tangential.energy(&sliding.shear);
+        for k in 0..self.scratch.contacts.len() {
+            let (touch, met) = self.met(k);
+            let [sheared, resisted] = self.energies_of(k, met.overlap());
+            energies[usize::from(touch.couple.is_wall())] += sheared + resisted;
         }
         energies
     }
 
-    /// Takes what tangential springs hold more than the energies [J] that they `stored` before a step from the work
-    /// that friction did in it.
+    /// Takes what springs hold more than the energies [J] that they `stored` before a step from the work that friction
+    /// did in it.
     pub(super) fn keep_in_springs(&mut self, stored: [f64; 2]) {
         let kept = self.spring_energies();
         let ledger = &mut self.island.log.ledger;
@@ -428,9 +525,12 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         ledger.wall_friction_loss -= kept[1] - stored[1];
     }
 
-    /// Removes the tangential spring of a contact that has ended: friction takes the energy that it still holds.
-    pub(super) fn drop_spring(&mut self, k: usize, touch: &TouchingPair) {
-        let left = touch.tangential.energy(&self.scratch.sliding.remove(k).shear);
+    /// Removes the springs of contact `k`, which has ended: friction takes the energy that they still hold.
+    pub(super) fn drop_springs(&mut self, k: usize) {
+        let (touch, met) = self.met(k);
+        let left: f64 = self.energies_of(k, met.overlap()).iter().sum();
+        let springs = self.springs_of(k);
+        self.scratch.sliding.drain(springs);
         let ledger = &mut self.island.log.ledger;
         match touch.couple.is_wall() {
             true => ledger.wall_friction_loss += left,
@@ -440,9 +540,22 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
 
     /// Leaves the shears to the contacts.
     pub(super) fn leave_springs(&mut self) {
-        let scratch = &mut *self.scratch;
-        for (contact, sliding) in scratch.contacts.iter_mut().zip(&scratch.sliding) {
-            contact.course.shear = sliding.shear;
+        for k in 0..self.scratch.contacts.len() {
+            let springs = self.springs_of(k);
+            let (_, met) = self.met(k);
+            let [_, energy] = self.energies_of(k, met.overlap());
+            let shear = |kind: SpringKind| self.scratch.sliding[springs.start + kind as usize].shear;
+            let slid = shear(SpringKind::Slide);
+            let resisted = self.scratch.contacts[k].course.resistance.is_some();
+            let (roll, twist) = match resisted {
+                true => (shear(SpringKind::Roll), shear(SpringKind::Twist).dot(&met.normal)),
+                false => (Vector3::zeros(), 0.0),
+            };
+            let course = &mut self.scratch.contacts[k].course;
+            course.shear = slid;
+            if let Some(memory) = &mut course.resistance {
+                (memory.roll, memory.twist, memory.energy) = (roll, twist, energy);
+            }
         }
     }
 }

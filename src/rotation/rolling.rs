@@ -1,0 +1,137 @@
+//! Rolling and twisting resistance of contacts that last: equal and opposite torques on the two bodies, without a force
+//! on their centres.
+//!
+//! With the effective radius R_eff and the normal n towards particle i the surfaces roll on one another at the velocity
+//! v = R_eff (ω_i - ω_j) × n (Luding 2008, Granular Matter 10, 235). They twist at R_eff (ω_i - ω_j)·n along n. A
+//! resistance f [N] against this motion gives the torque R_eff f as a couple. Impacts leave both resistances out: they
+//! begin to act when a contact has lasted longer than an impact of its speed.
+
+use super::slider::SpringDashpotSlider;
+use super::tangential::NormalSpring;
+use serde::{Deserialize, Serialize};
+
+/// Law of rolling resistance; types A to C of Ai et al. (2011, Powder Technol. 206, 269). Torques are at most μ_r R_eff
+/// max(f_n, 0), or that times the speed.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum RollingLaw {
+    /// Type C: a spring and a dashpot with a limit. Spheres can rest on a slope.
+    Spring {
+        /// [-] μ_r.
+        friction: f64,
+        /// [-] stiffness of the spring over k_n R_eff². `None`: 2.25 μ_r² (Iwashita and Oda 1998, as Ai et al.).
+        stiffness: Option<f64>,
+        /// [-] share η_r of critical damping, which acts below the limit.
+        damping: f64,
+    },
+    /// Type A: a constant torque against the rolling, but at most what stops it in a step. Spheres cannot rest on a slope.
+    Constant {
+        /// [-] μ_r.
+        friction: f64,
+    },
+    /// Type B: a torque in proportion to the rolling speed (Zhou et al. 1999, Physica A 269, 536).
+    Viscous {
+        /// [s/m] torque over R_eff f_n and over the rolling speed.
+        coefficient: f64,
+    },
+}
+
+/// Twisting resistance: a spring of stiffness k_t a²/2 with the limit (2/3) μ a f_n, where a = sqrt(R_eff δ) is the
+/// radius of the contact (Marshall 2009, J. Comput. Phys. 228, 1541).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TwistingLaw {
+    /// [-] share of critical damping, which acts below the limit.
+    pub damping: f64,
+}
+
+/// Resistance of a contact to rolling or twisting.
+#[derive(Clone, Copy, Debug)]
+pub struct Resistance {
+    /// Spring and dashpot [N/m, N s/m] against the motion of the surfaces; no stiffness of a law without memory.
+    pub spring: SpringDashpotSlider,
+    /// [-] limit over max(f_n, 0).
+    pub friction: f64,
+    /// [s/m] of a viscous law, friction over the speed; else 0.
+    pub viscosity: f64,
+}
+
+/// Bodies of a contact as a resistance needs them.
+#[derive(Clone, Copy, Debug)]
+pub struct RollingBodies {
+    /// [m] effective radius R_eff = 1/(1/r_i + 1/r_j); at a wall the radius.
+    pub radius: f64,
+    /// [kg] mass of the motion under a couple: 1/(R_eff² (1/I_i + 1/I_j)), with moments of inertia I.
+    pub mass: f64,
+    /// [kg m²] I_r = 1/(1/(I_i + m_i r_i²) + 1/(I_j + m_j r_j²)), of bodies that roll about their contact.
+    pub rolling_inertia: f64,
+}
+
+impl RollingBodies {
+    /// Bodies with that mass [kg], radius [m] and moment of inertia [kg m²] each. A wall has none.
+    pub fn of(bodies: impl Iterator<Item = (f64, f64, f64)> + Clone) -> Self {
+        let sum = |of: &dyn Fn((f64, f64, f64)) -> f64| bodies.clone().map(of).sum::<f64>();
+        let radius = 1.0 / sum(&|(_, radius, _)| 1.0 / radius);
+        let mass = 1.0 / (radius * radius * sum(&|(_, _, inertia)| 1.0 / inertia));
+        let rolling_inertia = 1.0 / sum(&|(mass, radius, inertia)| 1.0 / (inertia + mass * radius * radius));
+        Self { radius, mass, rolling_inertia }
+    }
+}
+
+/// Constants of a spring with that stiffness [N/m] and share of critical damping, for a mass [kg].
+fn damped(stiffness: f64, half_powers: u8, damping: f64, mass: f64, own_mass: f64) -> SpringDashpotSlider {
+    let dashpot = 2.0 * damping * (stiffness * own_mass).sqrt();
+    SpringDashpotSlider { stiffness, dashpot, half_powers, ..SpringDashpotSlider::without_memory(mass) }
+}
+
+impl RollingLaw {
+    /// Resistance between two bodies with that normal spring.
+    pub fn between(&self, normal: &NormalSpring, bodies: &RollingBodies) -> Resistance {
+        let without = SpringDashpotSlider::without_memory(bodies.mass);
+        match *self {
+            Self::Spring { friction, stiffness, damping } => {
+                let ratio = stiffness.unwrap_or(2.25 * friction * friction);
+                let own_mass = bodies.rolling_inertia / (bodies.radius * bodies.radius);
+                let spring = damped(ratio * normal.tangent, normal.half_powers, damping, bodies.mass, own_mass);
+                Resistance { spring, friction, viscosity: 0.0 }
+            }
+            Self::Constant { friction } => Resistance { spring: without, friction, viscosity: 0.0 },
+            Self::Viscous { coefficient } => Resistance { spring: without, friction: 0.0, viscosity: coefficient },
+        }
+    }
+
+    /// [-] rolling friction μ_r; `None` of a viscous law.
+    pub fn friction(&self) -> Option<f64> {
+        match self {
+            Self::Spring { friction, .. } | Self::Constant { friction } => Some(*friction),
+            Self::Viscous { .. } => None,
+        }
+    }
+}
+
+impl TwistingLaw {
+    /// Resistance between two bodies at overlap δ [m], with their tangential spring and sliding friction μ [-].
+    pub fn between(
+        &self,
+        tangential: &SpringDashpotSlider,
+        friction: f64,
+        overlap: f64,
+        bodies: &RollingBodies,
+    ) -> Resistance {
+        // k_t a²/2 over R_eff², with a² = R_eff δ
+        let stiffness = 0.5 * tangential.stiffness / bodies.radius;
+        let own_mass = bodies.mass;
+        let spring = damped(stiffness, tangential.half_powers + 2, self.damping, bodies.mass, own_mass);
+        let contact_radius = (bodies.radius * overlap.max(0.0)).sqrt();
+        Resistance { spring, friction: 2.0 / 3.0 * friction * contact_radius / bodies.radius, viscosity: 0.0 }
+    }
+}
+
+impl std::fmt::Display for RollingLaw {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Spring { friction, .. } => write!(f, "a rolling spring with rolling friction {friction}"),
+            Self::Constant { friction } => write!(f, "a constant rolling torque with rolling friction {friction}"),
+            Self::Viscous { coefficient } => write!(f, "viscous rolling resistance of {coefficient} s/m"),
+        }
+    }
+}

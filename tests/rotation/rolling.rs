@@ -1,0 +1,248 @@
+//! Rolling and twisting resistance: closed forms (RE), balances, and contacts that are too short to resist.
+
+use super::*;
+use diptych::rotation::{RollingLaw, TwistingLaw};
+
+const STEPPINGS: [SoftStepping; 2] = [SoftStepping::Local, SoftStepping::Uniform];
+
+/// A ball of 1 mm radius at rest on a floor, in gravity that is inclined by an angle [°].
+struct OnFloor {
+    stiffness: f64,
+    friction: f64,
+    /// [-] k_t/k_n and c_t/c_n.
+    tangential: (f64, f64),
+    rolling: Option<RollingLaw>,
+    twisting: Option<TwistingLaw>,
+    angle: f64,
+    stepping: SoftStepping,
+}
+
+const SPRING: RollingLaw = RollingLaw::Spring { friction: 0.05, stiffness: None, damping: 0.0 };
+
+impl OnFloor {
+    fn new(rolling: RollingLaw, stepping: SoftStepping) -> Self {
+        let (friction, tangential) = (0.3, (2.0 / 7.0, 0.5));
+        Self { stiffness: 1e4, friction, tangential, rolling: Some(rolling), twisting: None, angle: 0.0, stepping }
+    }
+
+    /// The ball with a speed [m/s] and a spin [rad/s], at its static overlap.
+    fn simulation(&self, speed: f64, spin: Vector3<f64>, steps: f64) -> Simulation {
+        let of = surface(0.5, self.friction);
+        let species = Species { diameter: 2e-3, density: 2500.0, ..small() };
+        let mut scene = empty([0.5; 3], [true, false, true], species.clone(), of);
+        scene.walls = vec![plane([0.0; 3], [0.0, 1.0, 0.0], of)];
+        let (sin, cos) = self.angle.to_radians().sin_cos();
+        scene.gravity = Vector3::new(9.81 * sin, -9.81 * cos, 0.0);
+        let (stiffness, dashpot) = self.tangential;
+        let tangential = TangentialLaw::Linear(LinearTangential::Ratios { stiffness, dashpot });
+        let rotation = Rotation::new(tangential, ImpactRule::COULOMB);
+        scene.rotation = Some(Rotation { rolling: self.rolling, twisting: self.twisting, ..rotation });
+        let sunk = species.mass() * 9.81 * cos / self.stiffness;
+        let mut particles = placed(&scene, &[([0.1, 1e-3 - sunk, 0.1], [speed, 0.0, 0.0])]);
+        scene.let_rotate(&mut particles);
+        particles.spin.as_mut().unwrap()[0] = spin;
+        let law = ContactLaw::linear(self.stiffness);
+        let step = law.contact_time(&law.between(&Bodies::of_wall(&species, &of, None)), 1.0) / steps;
+        Simulation::with_engine(
+            scene,
+            particles,
+            Box::new(Soft::new(law, Integrator::VelocityVerlet, step, self.stepping)),
+        )
+    }
+
+    /// The ball that rolls at a speed [m/s].
+    fn rolling(&self, speed: f64, steps: f64) -> Simulation {
+        self.simulation(speed, Vector3::new(0.0, 0.0, -speed / 1e-3), steps)
+    }
+}
+
+fn speeds(simulation: &Simulation) -> [f64; 2] {
+    [simulation.particles.velocity[0].x, -simulation.particles.spin_of(0).z * 1e-3]
+}
+
+impl OnFloor {
+    /// The energy of the ball and of its springs is what the ledger says, to that share of the energy at the start.
+    /// That of the overlap at the start has to be added: contacts are found in the first window.
+    fn closes(&self, simulation: &Simulation, start: f64, share: f64) {
+        let sunk = simulation.particles.mass[0] * 9.81 / self.stiffness;
+        let residual =
+            simulation.record.ledger.residual(start + 0.5 * self.stiffness * sunk * sunk, simulation.energy());
+        assert!(
+            residual.abs() < share * start,
+            "{:?} {:?}: {residual:.1e} of {start:.1e}",
+            self.stepping,
+            self.twisting
+        );
+    }
+}
+
+/// On a level floor a rolling ball slows down by (5/7) μ_r g, with a spring (once this is at its limit) and with a
+/// constant torque; and exponentially with a viscous one.
+#[test]
+fn a_ball_on_a_level_floor_slows_down() {
+    let (speed, time) = (0.02, 0.02_f64);
+    let constant = RollingLaw::Constant { friction: 0.05 };
+    let viscous = RollingLaw::Viscous { coefficient: 5.0 };
+    let slower = speed - 5.0 / 7.0 * 0.05 * 9.81 * time;
+    let decays = speed * (-5.0 / 7.0 * 5.0 * 9.81 * time).exp();
+    for stepping in STEPPINGS {
+        for (law, expected, tolerance) in [(SPRING, slower, 2e-3), (constant, slower, 1e-3), (viscous, decays, 1e-3)] {
+            let floor = OnFloor::new(law, stepping);
+            let mut simulation = floor.rolling(speed, 30.0);
+            let energy = simulation.energy();
+            simulation.run(100, 0.01 * time).unwrap();
+            let [v, w] = speeds(&simulation);
+            assert!((v - expected).abs() < tolerance * speed, "{stepping:?} {law:?}: {v} for {expected}");
+            assert!((v - w).abs() < 1e-3 * speed, "{stepping:?} {law:?}: it slips, {v} {w}");
+            floor.closes(&simulation, energy, 3e-4);
+        }
+    }
+}
+
+/// With a spring it comes to rest after 7 u/(5 μ_r g) and stays; under a constant torque it trembles about rest.
+#[test]
+fn a_ball_comes_to_rest() {
+    let (speed, friction) = (0.005, 0.05);
+    let stops = 7.0 * speed / (5.0 * friction * 9.81);
+    let way = 7.0 * speed * speed / (10.0 * friction * 9.81);
+    for stepping in STEPPINGS {
+        let damped = RollingLaw::Spring { friction, stiffness: None, damping: 0.3 };
+        for (law, slow) in [(damped, 1e-6), (RollingLaw::Constant { friction }, 1e-4)] {
+            let mut simulation = OnFloor::new(law, stepping).rolling(speed, 30.0);
+            simulation.run(200, 0.02 * stops).unwrap();
+            let [v, w] = speeds(&simulation);
+            assert!(v.abs().max(w.abs()) < slow, "{stepping:?} {law:?}: {v} {w}");
+            let gone = simulation.particles.position[0].x - 0.1;
+            assert!((gone / way - 1.0).abs() < 0.03, "{stepping:?} {law:?}: {gone} for {way}");
+        }
+    }
+}
+
+/// RE: below its limit a rolling spring lets the ball swing, with ω² = 5 k_r/(7 m R²) where the contact hardly slips.
+#[test]
+fn a_rolling_spring_swings_below_its_limit() {
+    for stepping in STEPPINGS {
+        let mut floor = OnFloor::new(SPRING, stepping);
+        (floor.stiffness, floor.tangential) = (1000.0, (10.0, 0.0));
+        let speed = 1e-4;
+        // the tangential spring swings six times as fast as the normal one
+        let mut simulation = floor.rolling(speed, 200.0);
+        let energy = simulation.energy();
+        // after half a period it goes back as fast as it came
+        let period = 0.010143712503510921;
+        simulation.run(100, 0.005 * period).unwrap();
+        let [v, _] = speeds(&simulation);
+        assert!((v / -speed - 1.0).abs() < 2e-3, "{stepping:?}: {v}");
+        let turned = simulation.particles.position[0].x - 0.1;
+        assert!(turned.abs() < 5e-3 * speed * period, "{stepping:?}: {turned}");
+        floor.closes(&simulation, energy, 1e-4);
+    }
+}
+
+/// RE: a ball rests on an incline of tan α <= μ_r, rolls beyond it by (5/7) g (sin α - μ_r cos α), and slips where
+/// friction cannot make it roll.
+#[test]
+fn a_ball_on_an_incline_rests_rolls_or_slips() {
+    for stepping in STEPPINGS {
+        for (angle, friction, rolling, expected) in [
+            (5.0, 0.3, 0.1, [0.0, 0.0]),
+            (20.0, 0.3, 0.05, [2.067355982520944; 2]),
+            (30.0, 0.12, 0.02, [3.8855148946649583, 2.123927302781336]),
+        ] {
+            let law = RollingLaw::Spring { friction: rolling, stiffness: None, damping: 0.3 };
+            let mut floor = OnFloor::new(law, stepping);
+            (floor.angle, floor.friction, floor.stiffness) = (angle, friction, 1e5);
+            let mut simulation = floor.simulation(0.0, Vector3::zeros(), 20.0);
+            simulation.run(50, 2e-4).unwrap();
+            let before = speeds(&simulation);
+            simulation.run(50, 2e-4).unwrap();
+            let after = speeds(&simulation);
+            for k in 0..2 {
+                let rate = (after[k] - before[k]) / 0.01;
+                assert!((rate - expected[k]).abs() < 5e-3, "{stepping:?} {angle}°: {rate} for {}", expected[k]);
+            }
+        }
+    }
+}
+
+/// RE: a spin about the vertical ends after 3 R² ω/(5 μ g a) where the contact resists twisting, and goes on where not.
+#[test]
+fn a_spin_about_the_vertical_slows_down() {
+    let spin = Vector3::new(0.0, 100.0, 0.0);
+    for stepping in STEPPINGS {
+        // until the spring is at its limit, by an angle of 4 μ N/(3 k_t a), the torque grows in proportion to the time
+        let (load, contact_radius) = (1.027300798e-4, 1.01355848e-5);
+        let loading = 4.0 * 0.3 * load / (3.0 * 2.0 / 7.0 * 1000.0 * contact_radius) / 100.0;
+        let slows = 100.0 - 100.0 / 2.011463589537948 * (0.02 - 0.5 * loading);
+        for (twisting, expected) in [(None, 100.0), (Some(TwistingLaw { damping: 0.0 }), slows)] {
+            let mut floor = OnFloor::new(SPRING, stepping);
+            (floor.stiffness, floor.twisting) = (1000.0, twisting);
+            let mut simulation = floor.simulation(0.0, spin, 30.0);
+            let energy = simulation.energy();
+            simulation.run(100, 2e-4).unwrap();
+            let left = simulation.particles.spin_of(0).y;
+            assert!((left - expected).abs() < 1e-4, "{stepping:?}: {left} for {expected}");
+            floor.closes(&simulation, energy, 1e-6);
+        }
+    }
+}
+
+/// An impact is over before rolling resistance begins.
+#[test]
+fn impacts_leave_rolling_resistance_out() {
+    for stepping in STEPPINGS {
+        let run = |rolling: Option<RollingLaw>| {
+            let mut floor = OnFloor::new(SPRING, stepping);
+            floor.rolling = rolling;
+            let mut simulation = floor.simulation(0.1, Vector3::new(300.0, 20.0, 50.0), 30.0);
+            simulation.particles.position[0].y = 1.05e-3;
+            simulation.particles.velocity[0].y = -0.5;
+            simulation.run(10, 1e-4).unwrap();
+            assert_eq!(simulation.record.walls.count, 1);
+            (simulation.particles.velocity[0], simulation.particles.spin_of(0))
+        };
+        assert_eq!(run(None), run(Some(RollingLaw::Constant { friction: 1.0 })), "{stepping:?}");
+    }
+}
+
+/// Two spheres that are pressed together and roll and twist on one another: resistance is a couple, so that angular
+/// momentum stays, and the balance of energy closes.
+#[test]
+fn resistance_keeps_angular_momentum() {
+    let local = pressed_and_rolling(SoftStepping::Local, 200.0);
+    assert!(local.abs() < 2e-5, "{local:.1e}");
+    let uniform = [100.0, 200.0, 400.0].map(|steps| pressed_and_rolling(SoftStepping::Uniform, steps).abs());
+    assert!(uniform[0] > 1.9 * uniform[1] && uniform[1] > 1.9 * uniform[2] && uniform[2] < 2e-4, "{uniform:?}");
+}
+
+/// Share of the energy that the ledger does not explain.
+fn pressed_and_rolling(stepping: SoftStepping, steps: f64) -> f64 {
+    let of = surface(0.5, 0.4);
+    let mut scene = empty([0.02; 3], [true; 3], small(), of);
+    scene.species.push(large());
+    scene.species[1].name = "large".into();
+    let tangential = TangentialLaw::Linear(LinearTangential::Ratios { stiffness: 0.8, dashpot: 0.3 });
+    let rotation = Rotation::new(tangential, ImpactRule::COULOMB);
+    scene.rotation = Some(Rotation { rolling: Some(SPRING), twisting: Some(TwistingLaw { damping: 0.2 }), ..rotation });
+    let reach = 0.5 * (small().diameter + large().diameter);
+    let mut particles = Particles::default();
+    let normal = Vector3::new(2.0, -1.0, 2.0) / 3.0;
+    let middle = Vector3::repeat(0.01);
+    for (k, species, position) in [(0u16, small(), middle + normal * (0.99 * reach)), (1, large(), middle)] {
+        particles.push(position, Vector3::zeros(), 0.5 * species.diameter, species.mass(), k);
+    }
+    scene.let_rotate(&mut particles);
+    particles.spin = Some(vec![Vector3::new(900.0, -300.0, 100.0), Vector3::new(-200.0, 400.0, 700.0)]);
+    let law = ContactLaw::linear(3000.0);
+    let time = law.contact_time(&law.between(&Bodies::between(&scene, 0, 1)), 1.0);
+    let engine = Soft::new(law, Integrator::VelocityVerlet, time / steps, stepping);
+    let mut simulation = Simulation::with_engine(scene, particles, Box::new(engine));
+    let before = pairs::angular_momentum(&simulation.particles);
+    let energy = simulation.energy() + 0.5 * 3000.0 * (0.01 * reach).powi(2);
+    simulation.run(4, 0.1 * time).unwrap();
+    let spins = simulation.particles.spin.clone().unwrap();
+    let after = pairs::angular_momentum(&simulation.particles);
+    assert!((after - before).norm() < 1e-11 * before.norm(), "{stepping:?}: {after} for {before}");
+    assert!((spins[0].x - 900.0).abs() > 0.1, "nothing resisted");
+    simulation.record.ledger.residual(energy, simulation.energy()) / energy
+}
