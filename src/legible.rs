@@ -40,7 +40,7 @@ pub fn lines(text: &str) -> Cow<'_, str> {
     Cow::Owned(shown)
 }
 
-/// A message of one line made safe to display; it is cut after [`MESSAGE`] characters.
+/// A message of one line made safe to display; it is cut after `MESSAGE` characters.
 pub fn message(text: &str) -> Cow<'_, str> {
     let is_long = text.len() > MESSAGE && text.chars().nth(MESSAGE).is_some();
     if !is_long && !text.contains(acts) {
@@ -54,7 +54,7 @@ pub fn message(text: &str) -> Cow<'_, str> {
     Cow::Owned(shown)
 }
 
-/// The first [`QUOTED`] characters of a foreign name or cell, for a message.
+/// The first `QUOTED` characters of a foreign name or cell, for a message.
 pub fn quote(text: &str) -> Cow<'_, str> {
     match text.char_indices().nth(QUOTED) {
         None => Cow::Borrowed(text),
