@@ -9,9 +9,10 @@
 //!   neither of the two is in contact now;
 //! * gravity does not bring the sphere back to the wall that it leaves: 2 e u_n/g_n > θ T_c.
 //!
-//! All other touches begin soft contacts, which are resolved by time steps. The setting [`Clearance`] is θ. So the two
-//! models are mixed only where a contact is over before it matters to any other body. Only soft contacts continue from
-//! one window to the next. An impulse conserves momentum exactly, and the energy that it takes is recorded.
+//! All other touches begin soft contacts, which are resolved by time steps. θ is the argument `clearance` of
+//! [`Hybrid::new`]. So the two models are mixed only where a contact is over before it matters to any other body. Only
+//! soft contacts continue from one window to the next. An impulse conserves momentum exactly, and the energy that it
+//! takes is recorded.
 //!
 //! A crowd is an island that is too large for local stepping, such as a bed of particles. It is moved by uniform time
 //! steps, while all other particles fly and collide.
