@@ -9,7 +9,7 @@ pub trait Communicator: Send + Sync {
     /// Number of this process, counted from 0.
     fn rank(&self) -> usize;
 
-    /// Number of processes.
+    /// Number of processes that share the run.
     fn size(&self) -> usize;
 
     /// Sends `outgoing[k]` to process k, for all k. Returns the bytes that each process sent to this one, in the order

@@ -23,7 +23,7 @@ pub struct Domain {
 }
 
 impl Domain {
-    /// A box of the given edge lengths [m].
+    /// Makes a box with the given edge lengths [m].
     pub fn new(size: Vector3<f64>, periodic: [bool; 3]) -> Self {
         let half = Vector3::from_fn(|axis, _| if periodic[axis] { 0.5 * size[axis] } else { f64::INFINITY });
         Self { size, periodic, half, direct: half.min().powi(2) }

@@ -4,7 +4,7 @@ use super::Domain;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Boundaries of the blocks.
+/// Boundaries of the blocks into which the box is cut, one block per process.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Blocks {
     /// [m] upper ends of the blocks along each axis; the last block ends at the side of the box.
@@ -82,14 +82,14 @@ impl Blocks {
         i + self.count(0) * (j + self.count(1) * k)
     }
 
-    /// [m] beginning and end of a block along an axis.
+    /// [m] coordinates of the beginning and the end of a block along an axis.
     fn span(&self, axis: usize, block: usize, domain: &Domain) -> [f64; 2] {
         let before = block.checked_sub(1).and_then(|before| self.ends[axis].get(before));
         [before.copied().unwrap_or(0.0), self.ends[axis].get(block).copied().unwrap_or(domain.size[axis])]
     }
 }
 
-/// Number of blocks along each axis.
+/// Number of blocks along each axis; the product is the number of processes.
 fn along_axes(processes: usize, domain: &Domain) -> [usize; 3] {
     let mut blocks = [1usize; 3];
     let any = domain.periodic.iter().any(|periodic| *periodic);

@@ -21,9 +21,9 @@ use serde::{Deserialize, Serialize};
 
 /// Data that an engine reads and changes during a window.
 pub struct Work<'a, C> {
-    /// The particles.
+    /// The particles, which the engine moves.
     pub particles: &'a mut Particles,
-    /// The scene.
+    /// The scene with walls, gravity and materials.
     pub scene: &'a Scene,
     /// State carried from one window to the next; it refers to particles by their index in the store.
     pub lasting: &'a mut Vec<C>,
@@ -122,7 +122,7 @@ struct DriverState<C, S> {
     begun: bool,
     /// Counts of the work in islands.
     islands: IslandCounters,
-    /// Time spent on islands.
+    /// Wall-clock time spent on islands.
     spent: EngineTimes,
     /// State that the solver itself keeps.
     solver: S,

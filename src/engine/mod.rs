@@ -111,7 +111,7 @@ pub trait Engine {
 pub struct Overlap {
     /// Depth δ [m] of the overlap.
     pub depth: f64,
-    /// Smaller of the two diameters [m].
+    /// Smaller of the diameters [m] of the two bodies; at a wall that of the particle.
     pub diameter: f64,
 }
 
@@ -183,13 +183,13 @@ pub enum Failure {
     OverlapTooLarge {
         /// Time [s] of the failure.
         time: f64,
-        /// Id of the particle.
+        /// Id of the particle whose overlap is too deep.
         particle: u32,
         /// The particle or wall that this particle overlaps.
         partner: Partner,
-        /// [-] overlap over the (smaller) diameter.
+        /// [-] depth of the overlap over the (smaller) diameter.
         ratio: f64,
-        /// [-] limit of this ratio.
+        /// [-] limit of the ratio of overlap to diameter.
         limit: f64,
         /// [-] path of the centre within the step over the diameter, if the centre passed through the surface of a wall
         /// between two checks.
@@ -210,7 +210,7 @@ pub enum Failure {
         time: f64,
         /// Wall of the contact; `None` for a contact of two particles of the lightest kind.
         wall: Option<u32>,
-        /// Time step Δt [s].
+        /// Time step Δt [s] that is too long.
         step: f64,
         /// [-] ω_0 Δt, the time step times the undamped angular frequency of the contact.
         reduced: f64,
@@ -257,7 +257,7 @@ pub enum Failure {
     InelasticCollapse {
         /// Time [s] of the failure.
         time: f64,
-        /// Id of the particle.
+        /// Id of the particle that collides too often.
         particle: u32,
         /// The particle or wall with which `particle` keeps colliding.
         partner: Partner,
@@ -269,11 +269,11 @@ pub enum Failure {
         contact_time: Option<f64>,
         /// Speed [m/s] at which the particle slides along a curved wall, if this is the reason for its many impacts.
         sliding: Option<f64>,
-        /// Position x [m].
+        /// Coordinate x [m] of the particle.
         x: f64,
-        /// Position y [m].
+        /// Coordinate y [m] of the particle.
         y: f64,
-        /// Position z [m].
+        /// Coordinate z [m] of the particle.
         z: f64,
     },
     /// A particle left the domain through a side that is not periodic.
@@ -281,13 +281,13 @@ pub enum Failure {
     Escaped {
         /// Time [s] of the failure.
         time: f64,
-        /// Id of the particle.
+        /// Id of the particle that left the domain.
         particle: u32,
-        /// Position x [m].
+        /// Coordinate x [m] of the particle.
         x: f64,
-        /// Position y [m].
+        /// Coordinate y [m] of the particle.
         y: f64,
-        /// Position z [m].
+        /// Coordinate z [m] of the particle.
         z: f64,
     },
     /// A signal from outside stopped the run; no error occurred.
@@ -312,7 +312,7 @@ pub enum Failure {
     NotANumber {
         /// Time [s] of the failure.
         time: f64,
-        /// Id of the particle.
+        /// Id of the particle whose position or velocity is not a number.
         particle: u32,
     },
 }

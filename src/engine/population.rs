@@ -11,7 +11,7 @@ use std::f64::consts::PI;
 /// Summary of all particles of a run in a few numbers.
 #[derive(Clone, Serialize, Deserialize)]
 pub struct PopulationSummary {
-    /// Number of particles.
+    /// Number of particles of the run.
     pub count: usize,
     /// Largest radius [m] of any particle.
     pub largest: f64,

@@ -42,7 +42,7 @@ const MOST: u32 = 1024;
 /// ```
 #[derive(Clone, Debug)]
 pub struct ExactSum {
-    /// The sum is Σ `words[k]` 2^(32 k - 1075) over the digits.
+    /// Digits and special words: the sum is Σ `words[k]` 2^(32 k - 1075) over the digits.
     words: [i64; WORDS],
     /// Bit k is set if `words[k]` may differ from 0.
     used: u128,
@@ -173,7 +173,7 @@ impl ExactSum {
     }
 }
 
-/// Positions of the bits that are set.
+/// Positions of the bits that are set in a number.
 fn places(mut bits: u128) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
         (bits != 0).then(|| {

@@ -30,7 +30,7 @@ struct Parts<const K: usize> {
     low: [f64; K],
     /// Bits that neither sum contains, combined over all rows. The sign bit of a zero may be set, which changes no sum.
     left: [u64; K],
-    /// Largest magnitude in each column.
+    /// Largest magnitude of the numbers in each column.
     largest: [f64; K],
 }
 

@@ -21,7 +21,7 @@ pub struct CellGrid {
 }
 
 impl CellGrid {
-    /// Divides a region into cells with edges of at least `edge` [m].
+    /// Sets the number of cells for a region, with edges of at least `edge` [m].
     fn divide(&mut self, region: &Region, edge: f64) {
         self.region = region.clone();
         self.periodic = region.periodic();

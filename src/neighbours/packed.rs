@@ -15,7 +15,7 @@ use std::ops::Range;
 /// time.
 const AT_ONCE: usize = 4;
 
-/// A ball that is compared with others.
+/// A ball, prepared for comparison with several others at the same time.
 struct PackedBall<W> {
     /// Index of the ball in the store.
     place: u32,

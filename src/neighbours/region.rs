@@ -3,7 +3,7 @@
 use crate::domain::Domain;
 use nalgebra::Vector3;
 
-/// A block of the box.
+/// A block of the box, whose particles are sorted into cells.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Region {
     /// [m] lowest corner of the block, relative to that of the box.

@@ -15,7 +15,7 @@ use crate::work_sharing;
 
 /// Operations on one column of a store.
 pub trait Column {
-    /// Type of one value.
+    /// Type of the value of one particle.
     type Value: Copy + Default + AsBytes + Send + Sync;
 
     /// True if a store may lack the column.
@@ -452,7 +452,7 @@ macro_rules! columns {
                 bytes.is_empty().then_some(())
             }
 
-            /// Names of the numbers per particle in a saved state.
+            /// Names of the numbers that a saved state contains for each particle.
             pub fn state_names(&self) -> Vec<&'static str> {
                 let mut names = Vec::new();
                 $($(if Column::values(&self.$column).is_some() {

@@ -45,15 +45,15 @@ columns! {
         /// [m] positions of the centres. Along a periodic axis a centre may have left the box since the last
         /// [`wrap`](crate::domain::Domain::wrap).
         pub position: Vec<Vector3<f64>> => ["x", "y", "z"] as moving,
-        /// [m/s] velocities.
+        /// [m/s] velocities of the centres.
         pub velocity: Vec<Vector3<f64>> => ["vx", "vy", "vz"] as moving by kicks,
-        /// [m] radii.
+        /// [m] radii of the spheres.
         pub radius: Vec<f64>,
         /// [rad/s] spins; `None` where spheres do not rotate.
         pub spin: Option<Vec<Vector3<f64>>> => ["wx", "wy", "wz"] as moving by kicks,
         /// [kg m²] moments of inertia about the centre; `None` where spheres do not rotate.
         pub inertia: Option<Vec<f64>>,
-        /// [kg] masses.
+        /// [kg] masses of the spheres.
         pub mass: Vec<f64>,
         /// Index of each particle's species in [`Scene::species`](crate::scene::Scene::species).
         pub species: Vec<u16>,
@@ -63,12 +63,12 @@ columns! {
 }
 
 impl Particles {
-    /// Number of particles.
+    /// Number of particles in the store.
     pub fn len(&self) -> usize {
         self.position.len()
     }
 
-    /// True if there is no particle.
+    /// True if the store has no particle.
     pub fn is_empty(&self) -> bool {
         self.position.is_empty()
     }
@@ -114,7 +114,7 @@ impl Particles {
         });
     }
 
-    /// [kg m/s] total momentum.
+    /// [kg m/s] total momentum of all particles.
     pub fn momentum(&self) -> Vector3<f64> {
         let sums = exact::sums(self.len(), |k| {
             let p = self.velocity[k] * self.mass[k];
@@ -170,7 +170,7 @@ impl Particles {
         self.rotational_energies().value()
     }
 
-    /// [kg] total mass.
+    /// [kg] total mass of all particles.
     pub fn total_mass(&self) -> f64 {
         exact::sum(&self.mass, |mass| *mass).value()
     }

@@ -76,14 +76,14 @@ impl<'a> Sample<'a> {
         count as usize
     }
 
-    /// [m/s] mean of all velocities; 0 without particles.
+    /// [m/s] mean of all velocities over all processes; 0 without particles.
     pub fn mean_velocity(&self) -> Vector3<f64> {
         let mut sums = self.particles.velocity_sums();
         self.total(&mut sums.each_mut());
         Vector3::from(exact::values(&sums)) / self.count().max(1) as f64
     }
 
-    /// [m/s] root mean square of the velocities about their mean; 0 without particles.
+    /// [m/s] agitation over all processes: root mean square of the velocities about their mean; 0 without particles.
     pub fn agitation(&self) -> f64 {
         let mut sum = self.particles.square_speeds(self.mean_velocity());
         self.total(&mut [&mut sum]);
@@ -106,13 +106,13 @@ impl<'a> Sample<'a> {
         whole.map(|count| count as f64)
     }
 
-    /// [kg] total mass.
+    /// [kg] total mass of the particles on all processes.
     pub fn total_mass(&self) -> f64 {
         let [mass] = self.sums(|place| [self.particles.mass[place]]);
         mass
     }
 
-    /// [kg m/s] total momentum.
+    /// [kg m/s] total momentum of the particles on all processes.
     pub fn momentum(&self) -> Vector3<f64> {
         let [x, y, z] = self.sums(|place| (self.particles.velocity[place] * self.particles.mass[place]).into());
         Vector3::new(x, y, z)
@@ -135,7 +135,7 @@ impl<'a> Sample<'a> {
         sum.value()
     }
 
-    /// [J] total kinetic energy of the centres.
+    /// [J] total kinetic energy of the centres, over all processes.
     pub fn kinetic_energy(&self) -> f64 {
         let mut sum = self.particles.kinetic_energies();
         self.total(&mut [&mut sum]);

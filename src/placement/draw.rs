@@ -68,7 +68,7 @@ pub fn draw(
 
 /// Diameters of the spheres of a population, returned one after the other.
 enum Diameters {
-    /// [m] diameter of all spheres.
+    /// [m] equal diameter of all spheres.
     Same(f64),
     /// [m] diameters that are not returned yet; the last of the list is returned next.
     Spread(Vec<f64>),

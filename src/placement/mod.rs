@@ -55,7 +55,7 @@ pub struct Crowded {
     pub wanted: f64,
     /// [-] volume of the particles without overlap over the volume of the room.
     pub reached: f64,
-    /// [m³] free volume of the room.
+    /// [m³] free volume of the room in which the particles start.
     pub room: f64,
     /// True if the search stopped because the allowed effort was spent, before all rounds were done.
     pub given_up: bool,

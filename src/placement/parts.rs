@@ -22,7 +22,7 @@ pub struct Start {
     /// All particles in the order of their ids, or those in the block of this process. Blocks are then those of
     /// [`Blocks::of_one_size`].
     pub particles: Particles,
-    /// Number of particles on all processes.
+    /// Number of particles of the start on all processes.
     pub count: usize,
     /// Checksum of the particles of all processes, as [`Particles::fingerprint`].
     pub fingerprint: u64,

@@ -19,9 +19,9 @@ pub struct Histogram {
     pub total: u64,
     /// Largest value; 0 before the first value.
     pub maximum: f64,
-    /// Sum of the values.
+    /// Sum of all values.
     sum: Box<ExactSum>,
-    /// Sum of the squares of the values.
+    /// Sum of the squares of all values.
     sum_of_squares: Box<ExactSum>,
 }
 
@@ -116,12 +116,12 @@ impl Histogram {
         self.sum_of_squares.merge(&other.sum_of_squares);
     }
 
-    /// Sum of the values.
+    /// Sum of all values, rounded.
     pub fn sum(&self) -> f64 {
         self.sum.value()
     }
 
-    /// Sum of the squares of the values.
+    /// Sum of the squares of all values, rounded.
     pub fn sum_of_squares(&self) -> f64 {
         self.sum_of_squares.value()
     }

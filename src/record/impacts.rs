@@ -4,18 +4,18 @@ use super::Histogram;
 use crate::exact::ExactSum;
 use serde::{Deserialize, Serialize};
 
-/// One finished impact.
+/// One finished impact: a contact that has ended, or a collision.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Impact {
     /// [m/s] normal speed of approach at first touch, positive.
     pub normal_speed: f64,
-    /// [m/s] normal speed of separation at the end.
+    /// [m/s] normal speed of separation at the end of the impact.
     pub rebound_speed: f64,
     /// [s] duration of the contact; 0 for a collision.
     pub duration: f64,
     /// [-] overlap when the impact was first detected, over the (smaller) diameter; 0 for an event-driven collision.
     pub first_overlap: f64,
-    /// [-] largest overlap over the (smaller) diameter; 0 for an event-driven collision.
+    /// [-] largest overlap during the impact over the (smaller) diameter; 0 for an event-driven collision.
     pub maximum_overlap: f64,
     /// [s] overlap over the (smaller) diameter, integrated over the impact; 0 for a collision.
     pub overlap_time: f64,
@@ -46,12 +46,12 @@ pub struct InstantaneousContacts {
     rebound_squares: ExactSum,
 }
 
-/// Sums over impacts.
+/// Sums and histograms over impacts.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Impacts {
     /// Number of impacts that have ended.
     pub count: u64,
-    /// [m/s] normal speeds of approach.
+    /// [m/s] normal speed of approach of each impact.
     pub normal_speed: Histogram,
     /// [-] largest overlap of each impact over the (smaller) diameter.
     pub maximum_overlap: Histogram,
@@ -126,12 +126,12 @@ impl InstantaneousContacts {
 }
 
 impl Impacts {
-    /// Counts one impact.
+    /// Adds one impact to the sums and histograms.
     pub fn add(&mut self, impact: &Impact) {
         self.add_all(std::iter::once(impact));
     }
 
-    /// Counts several impacts; their order does not matter.
+    /// Adds several impacts to the sums and histograms; their order does not matter.
     pub fn add_all<'a>(&mut self, impacts: impl Iterator<Item = &'a Impact> + Clone) {
         self.normal_speed.add_all(impacts.clone().map(|impact| impact.normal_speed));
         self.maximum_overlap.add_all(impacts.clone().map(|impact| impact.maximum_overlap));

@@ -32,7 +32,7 @@ impl Between {
 /// Sums over the impacts between two kinds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct MeetingTotals {
-    /// Number of impacts that have ended.
+    /// Number of impacts between the two kinds that have ended.
     pub count: u64,
     /// [m/s] sum of the normal speeds of approach.
     pub speed: f64,

@@ -211,24 +211,24 @@ pub trait Geometry: std::fmt::Debug + Send + Sync {
     }
 }
 
-/// Ballistic motion in uniform gravity.
+/// Motion of a sphere's centre without contact, in uniform gravity: a parabola.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Flight {
-    /// [m] position at time 0.
+    /// [m] position of the centre at time 0.
     pub position: Vector3<f64>,
-    /// [m/s] velocity at time 0.
+    /// [m/s] velocity of the centre at time 0.
     pub velocity: Vector3<f64>,
     /// [m/s²] acceleration by gravity.
     pub gravity: Vector3<f64>,
 }
 
 impl Flight {
-    /// [m] position at time `t` [s].
+    /// [m] position of the centre at time `t` [s].
     pub fn position_at(&self, t: f64) -> Vector3<f64> {
         self.position + (self.velocity + 0.5 * t * self.gravity) * t
     }
 
-    /// [m/s] velocity at time `t` [s].
+    /// [m/s] velocity of the centre at time `t` [s].
     pub fn velocity_at(&self, t: f64) -> Vector3<f64> {
         self.velocity + self.gravity * t
     }

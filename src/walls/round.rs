@@ -47,7 +47,7 @@ impl RoundAxis {
 /// axis.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Tube {
-    /// Axis of the tube.
+    /// Axis of the pipe or cone.
     pub axle: RoundAxis,
     /// [m] radius r at z = 0, the centre of the axis.
     pub radius: f64,
@@ -112,7 +112,7 @@ impl Geometry for OppositeTube {
     }
 }
 
-/// The inner side of a sphere.
+/// The inner side of a hollow sphere, touched by particles inside.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Bowl {
     /// [m] centre of the sphere.

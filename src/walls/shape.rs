@@ -24,9 +24,9 @@ pub struct Obstacle {
 #[derive(Clone, Serialize)]
 #[serde(rename_all = "snake_case")]
 enum RoundBody {
-    /// [m] radius.
+    /// Sphere with a radius [m].
     Sphere(f64),
-    /// [m] half the lengths of the edges.
+    /// Box with half the lengths of its edges [m].
     Cuboid(Vector3<f64>),
     /// Cylinder with a radius [m] and half the height [m].
     Cylinder { radius: f64, half_height: f64 },

@@ -107,7 +107,7 @@ fn wait_for(busy: &AtomicUsize) {
     }
 }
 
-/// A thread that has nothing to do.
+/// State of a thread that has nothing to do, which counts its searches for work.
 #[derive(Default)]
 struct IdleThread {
     /// Number of searches for work since the thread last did something.

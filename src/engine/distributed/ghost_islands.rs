@@ -9,7 +9,7 @@ use std::hash::Hasher;
 /// Result of a process for one of its hot particles (members of islands), sent to other processes.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct HotParticleDigest {
-    /// Id of the particle.
+    /// Id of the hot particle.
     pub id: u32,
     /// Checksum of the island to which the particle belongs.
     mark: u64,

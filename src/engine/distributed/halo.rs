@@ -22,7 +22,7 @@ type Solving = SoftIslands;
 pub struct Halo {
     /// For each particle, in the order of the neighbour list, true if this process owns it.
     pub mine: Vec<bool>,
-    /// Indices of the own particles.
+    /// Indices of the particles that this process owns.
     pub own: Vec<u32>,
     /// For each process: the indices of own particles that it borrows, in the order of ids.
     pub lent: Vec<Vec<u32>>,
@@ -49,7 +49,7 @@ pub struct Names {
 struct ListSummary {
     id: Vec<u32>,
     built_at: Vec<Vector3<f64>>,
-    /// Forces [N] and torques [N m] that are not yet applied, with the ids of their particles.
+    /// Ids of particles, with the forces [N] and the torques over the radius [N] that are not yet applied to them.
     due: Vec<(u32, Vector3<f64>, Option<Vector3<f64>>)>,
 }
 

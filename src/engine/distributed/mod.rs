@@ -123,7 +123,7 @@ pub trait DistributedSolver: Solver {
 pub struct CrossRankContact<C> {
     /// The carried state, which refers to particles by id.
     pub carried: C,
-    /// Index of the particle of this process.
+    /// Index in the store of the particle of this process.
     pub own: u32,
     /// Overlap of the two bodies at the end of the last part of a window; `None` if they are not in contact.
     pub overlap: Option<Overlap>,

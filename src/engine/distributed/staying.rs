@@ -11,7 +11,7 @@ use crate::engine::islands::Solve;
 pub struct Stay<'a> {
     /// For each old index, true if the particle stays.
     mine: &'a [bool],
-    /// Number of particles that stay.
+    /// Number of particles that stay in the store.
     count: u32,
     /// Old and new index of those last particles that move to the places of removed ones, in ascending order.
     moves: Vec<(u32, u32)>,

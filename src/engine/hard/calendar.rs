@@ -16,7 +16,7 @@ pub struct Calendar {
 }
 
 impl Calendar {
-    /// Removes all events.
+    /// Removes all events from the queue.
     pub fn clear(&mut self) {
         self.queue.clear();
     }

@@ -16,20 +16,20 @@ use nalgebra::Vector3;
 /// A straight flight after an impulse has changed the velocity of a particle.
 #[derive(Clone, Copy, Debug)]
 pub struct DeflectedFlight {
-    /// Index of the particle.
+    /// Index of the particle that flies.
     pub place: u32,
     /// Time of the impulse [s] since the start of the window.
     pub time: f64,
     /// Position [m] at the start of the window from which this flight, extended backwards, would have begun.
     pub origin: Vector3<f64>,
-    /// Velocity [m/s] after the impulse.
+    /// Velocity [m/s] of the particle after the impulse.
     pub velocity: Vector3<f64>,
 }
 
 /// The first part of a window, in which events are processed.
 #[derive(Clone, Copy)]
 pub struct WindowPart {
-    /// The whole window.
+    /// The whole window, of which the part is the beginning.
     pub window: Window,
     /// Length of the part [s].
     pub end: f64,

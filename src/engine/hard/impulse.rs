@@ -28,7 +28,7 @@ pub fn impulse(surface: &Surface, effective_mass: f64, velocity: &Vector3<f64>, 
 /// Two bodies at the instant of their collision.
 #[derive(Clone, Copy, Debug)]
 pub struct Collision {
-    /// The two bodies that collide.
+    /// The two bodies that collide: a pair of particles, or a particle and a wall.
     pub couple: Couple,
     /// Relative position and velocity of the two bodies. A small overlap may result from rounding, a larger one from
     /// the finite step of the stepped engine.

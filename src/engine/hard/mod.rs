@@ -36,9 +36,9 @@ pub type Hard = Driver<HardSolver>;
 enum WindowMethod {
     /// The method with the lower estimated cost.
     Cheaper,
-    /// Islands whenever possible.
+    /// Solving islands whenever this is possible.
     Islands,
-    /// One event queue for all particles.
+    /// One event queue for all particles in every window.
     OneCalendar,
 }
 

@@ -10,7 +10,7 @@
 //! * gravity does not bring the sphere back to the wall that it leaves: 2 e u_n/g_n > θ T_c.
 //!
 //! All other touches begin soft contacts, which are resolved by time steps. θ is the argument `clearance` of
-//! [`Hybrid::new`]. So the two models are mixed only where a contact is over before it matters to any other body. Only
+//! `Hybrid::new`. So the two models are mixed only where a contact is over before it matters to any other body. Only
 //! soft contacts continue from one window to the next. An impulse conserves momentum exactly, and the energy that it
 //! takes is recorded.
 //!
@@ -45,7 +45,7 @@ pub struct HybridSolver {
     islands: HybridIslands,
 }
 
-/// Solver of islands of hybrid spheres.
+/// Solver of islands of hybrid spheres, by impulses and local steps for small ones and uniform steps for crowds.
 pub struct HybridIslands {
     few: SoftIslands<Impulses>,
     many: Steps,

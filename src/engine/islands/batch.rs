@@ -19,7 +19,7 @@ use std::ops::Range;
 pub struct HotParticle {
     /// Index of the particle in the store.
     pub place: u32,
-    /// Position and velocity of the particle.
+    /// Position, velocity and other moving quantities of the particle at that time.
     pub motion: Motion,
 }
 
@@ -56,7 +56,7 @@ impl From<Failure> for GivenUp {
 pub struct IslandResult {
     /// Number of the batch that contains the result.
     pub batch: usize,
-    /// Number of the island in that batch.
+    /// Number of the island among those of that batch.
     pub number: usize,
     /// True if this process counts the events of the island.
     pub counts: bool,
@@ -232,7 +232,7 @@ pub struct Task<'a, S: Solve> {
     pub window: Window,
     /// Velocity [m/s] that gravity has added to the velocities of the store since the beginning of the window.
     pub fallen: Vector3<f64>,
-    /// Length of the part [s].
+    /// Length [s] of the part of the window.
     pub part: f64,
     /// State carried over from the part before, such as contacts.
     pub carried: &'a [S::Carried],

@@ -32,7 +32,7 @@ pub struct IslandCost {
 pub struct WindowPiece<'a> {
     /// Time [s] from the beginning of the window to that of the part; the frame has fallen for this time.
     pub elapsed: f64,
-    /// Length of the part [s].
+    /// Length [s] of the part.
     pub part: f64,
     /// Number of pairs that the search is expected to check.
     pub foreseen: u64,
@@ -53,7 +53,7 @@ impl WindowPiece<'_> {
 
 /// Data for the choice of a part, in addition to the particles.
 pub struct PartLimits {
-    /// Time [s] to the end of the window.
+    /// Time [s] from the beginning of the part to the end of the window.
     pub left: f64,
     /// Cost of the classical algorithm per particle and simulated time [ns/s].
     pub fallback_cost: f64,
@@ -90,7 +90,7 @@ pub const TRACED: PartCosts = PartCosts { search: 80.0, pair: 1.2, island: 1000.
 /// The cheapest part of a window.
 #[derive(Clone, Copy)]
 pub struct Cheapest {
-    /// Length of the part [s].
+    /// Length [s] of the part.
     pub part: f64,
     /// Expected number [-] of pairs per particle that the search checks.
     pub pairs: f64,

@@ -67,7 +67,7 @@ pub struct Cluster {
     pub(in crate::engine) speeds: [f64; 2],
     /// Energy [J] of all carried state of the island, such as that stored in contacts.
     pub(in crate::engine) stored: f64,
-    /// Largest energy [J] of one item of carried state.
+    /// Largest energy [J] of one item of carried state of the island.
     deepest: f64,
     /// Lower limit [m/s] of the speed limits of the members, which rises when a limit was exceeded.
     pub(in crate::engine) floor: f64,
@@ -101,15 +101,15 @@ pub struct Landing {
     pub of_member: Vec<Option<(u32, u32)>>,
 }
 
-/// Settings with which islands are made.
+/// Settings with which islands are made in a part of a window.
 pub struct Space<'a> {
     /// Scene with walls, domain and gravity.
     pub scene: &'a Scene,
     /// Velocity [m/s] of the frame in which speeds are measured.
     pub frame: Vector3<f64>,
-    /// Length of the part [s].
+    /// Length [s] of the part of the window.
     pub part: f64,
-    /// Mass [kg] of the lightest particle.
+    /// Mass [kg] of the lightest particle of the run.
     pub lightest: f64,
 }
 
@@ -120,11 +120,11 @@ pub struct Clusters<'a> {
     pub(in crate::engine) domain: &'a Domain,
     frame: Vector3<f64>,
     part: f64,
-    /// Mass [kg] of the lightest particle.
+    /// Mass [kg] of the lightest particle of the run.
     lightest: f64,
     /// The islands; an island that was united with another one is not `alive`.
     pub(in crate::engine) list: Vec<Cluster>,
-    /// Energy [J] of each item of carried state.
+    /// Energy [J] of each item of carried state, such as that stored in a contact.
     energy: Vec<f64>,
     /// Speed [m/s] that gravity adds towards walls during the part: in the falling frame, walls approach the particles.
     fall: f64,

@@ -1,4 +1,4 @@
-//! Counts of the work done in islands.
+//! Counts of the work done in islands (groups of particles that may meet).
 
 use super::batch::Solved;
 use crate::engine::Counters;

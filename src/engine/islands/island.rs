@@ -17,7 +17,7 @@ pub struct Island<C> {
     pub particles: Particles,
     /// Index in the store of each particle.
     pub places: Vec<u32>,
-    /// Number of hot particles.
+    /// Number of hot particles, which are the members of the island.
     pub hot: usize,
     /// True if the island is a crowd, which is moved by uniform steps.
     pub crowd: bool,
@@ -51,7 +51,7 @@ pub struct Island<C> {
     /// Largest speed [m/s] so far relative to the frame of the search, for a solver that cannot stop when a limit is
     /// exceeded; otherwise 0.
     pub fastest: f64,
-    /// Speed limit [m/s] of each hot particle, relative to `frame`.
+    /// Speed limit [m/s] of each hot particle, relative to the moving frame `frame`.
     pub(super) limits: Vec<f64>,
     /// Velocity [m/s] of the moving frame, relative to the frame at rest.
     frame: Vector3<f64>,
@@ -59,7 +59,7 @@ pub struct Island<C> {
 
 /// Speed limits of the hot particles of an island.
 pub struct Bounds<'a> {
-    /// Speed limit [m/s] of each hot particle, relative to the frame.
+    /// Speed limit [m/s] of each hot particle, relative to the moving frame.
     limits: &'a [f64],
     /// Velocity [m/s] of the moving frame, relative to the frame at rest.
     frame: Vector3<f64>,

@@ -71,7 +71,7 @@ pub trait Solve: Sync {
     /// Returns carried state with new indices of its particles, for instance after the store was sorted.
     fn moved(carried: &Self::Carried, place_of: &dyn Fn(u32) -> u32) -> Self::Carried;
 
-    /// Energy [J] that carried state may give back to its particles.
+    /// Energy [J] that an item of carried state may give back to its particles.
     fn energy(&self, carried: &Self::Carried) -> f64;
 
     /// The two bodies in contact, if the carried state is a contact.
@@ -123,7 +123,7 @@ pub struct Islands<C> {
     /// Wall-clock time spent so far.
     pub spent: EngineTimes,
     pub(super) counters: IslandCounters,
-    /// Indices of the particles in islands of the last part.
+    /// Indices of the particles that were in islands in the last part of a window.
     pub(super) members: Vec<u32>,
     search: Search,
     frame: Vector3<f64>,
@@ -146,7 +146,7 @@ impl<C> Default for Islands<C> {
 }
 
 impl<C: Copy + Send + Sync + Serialize + DeserializeOwned> Islands<C> {
-    /// Counts of the work done so far.
+    /// Counts of the work done in islands so far.
     pub fn counters(&self) -> IslandCounters {
         self.counters
     }
@@ -157,7 +157,7 @@ impl<C: Copy + Send + Sync + Serialize + DeserializeOwned> Islands<C> {
         (self.counters, self.spent) = (counters, spent);
     }
 
-    /// Indices of the particles that were in islands in the last part.
+    /// Indices of the particles that were in islands in the last part of a window.
     pub fn members(&self) -> &[u32] {
         &self.members
     }

@@ -54,11 +54,11 @@ pub struct FirstTouch {
     pub place: u32,
     /// Index of the other particle; `None` for a wall.
     pub other: Option<u32>,
-    /// Time of the touch [s] since the start of the part.
+    /// Time of the touch [s] since the start of the part of the window.
     pub time: f64,
 }
 
-/// Result of a search.
+/// Touches that a search has found, and its cost.
 pub struct SearchResult {
     /// Touches, in the cell order of the first particle.
     pub touches: Vec<FirstTouch>,

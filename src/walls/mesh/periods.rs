@@ -60,7 +60,7 @@ struct OpenEnds {
     axis: usize,
     /// [m] length of the period.
     period: f64,
-    /// [m] coordinate of the lower plane.
+    /// [m] coordinate of the lower plane along the axis.
     low: f64,
     /// Open edges [m] on the lower plane and on the upper plane.
     edges: [Vec<Edge>; 2],

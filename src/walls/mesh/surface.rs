@@ -20,11 +20,11 @@ const SHARP: f64 = 1e-12;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Sides {
-    /// Outside a closed surface: a solid body.
+    /// Particles are outside a closed surface: a solid body.
     Outside,
-    /// Inside a closed surface: a container.
+    /// Particles are inside a closed surface: a container.
     Inside,
-    /// On both sides: a thin sheet, which may be open.
+    /// Particles are on both sides of a thin sheet, which may be open.
     Both,
 }
 
@@ -114,7 +114,7 @@ pub struct Face {
 pub struct TriangleSurface {
     /// [m] corner points of the triangles.
     pub points: Vec<Vector3<f64>>,
-    /// Triangles.
+    /// Triangles of the surface, with data on their neighbours.
     pub faces: Vec<Face>,
     /// [-] unit vectors that point across edges into neighbouring triangles.
     pub ways: Vec<Vector3<f64>>,

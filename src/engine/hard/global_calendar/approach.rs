@@ -17,7 +17,7 @@ pub struct ObservingParticle<'a> {
     pub now: f64,
     /// True if no periodic side lies between the particle and its neighbours.
     pub inside: bool,
-    /// The box.
+    /// The box, for its periodic sides.
     pub domain: &'a Domain,
 }
 

@@ -43,12 +43,12 @@ fn link(place: u32) -> CellLink {
     NonZeroU32::new(place + 1)
 }
 
-/// A point [m] in single precision.
+/// Coordinates of a point [m] in single precision.
 pub fn rounded(x: &Vector3<f64>) -> [f32; 3] {
     [x.x as f32, x.y as f32, x.z as f32]
 }
 
-/// A point [m] in double precision.
+/// Coordinates of a point [m] in double precision.
 #[inline]
 pub fn widened(x: &[f32; 3]) -> Vector3<f64> {
     Vector3::from_fn(|axis, _| f64::from(x[axis]))

@@ -15,7 +15,7 @@ const PER_BIN: usize = 32;
 /// Number of particles per bin of the ring.
 const PARTICLES_PER_BIN: usize = 8;
 
-/// An event of the present bin.
+/// An event of the present bin: its time, and the index of the particle.
 #[derive(Clone, Copy, Debug)]
 struct QueuedEvent {
     /// Time [s] of the event since the epoch, from which the calendar counts times.
@@ -48,7 +48,7 @@ impl EventTable<'_> {
     }
 }
 
-/// Event queue of all particles.
+/// Event queue of all particles: sorted near events, and bins of later ones.
 #[derive(Clone, Debug, Default)]
 pub struct EventQueue {
     /// Events in the present bin or earlier, the earliest at the end of the list.
@@ -93,7 +93,7 @@ impl EventQueue {
         (time * self.rate) as u64
     }
 
-    /// Position of a bin in the ring.
+    /// Position of the bin with number `bin` in the ring.
     #[inline]
     fn slot(&self, bin: u64) -> usize {
         (bin & (self.bins.count() as u64 - 1)) as usize

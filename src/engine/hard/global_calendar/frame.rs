@@ -13,7 +13,7 @@ pub struct FallingFrame {
     pub offset: Vector3<f64>,
     /// Velocity u [m/s] of the frame at the epoch.
     pub velocity: Vector3<f64>,
-    /// Gravity g [m/s²].
+    /// Gravity g [m/s²], with which the frame falls.
     pub gravity: Vector3<f64>,
 }
 

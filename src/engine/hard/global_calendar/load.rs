@@ -27,7 +27,7 @@ const SORT_AFTER: u64 = 40;
 
 /// Difference between the store and the state that the calendar wrote to it.
 enum Change {
-    /// Nothing has changed.
+    /// No position or velocity has changed.
     None,
     /// Velocities have changed.
     Kicked,
@@ -194,7 +194,7 @@ impl GlobalCalendar {
         self.set_limit(particles, scene, start)
     }
 
-    /// Chooses the length of the epoch.
+    /// Chooses the length of the epoch from the largest speed and gravity.
     fn set_limit(&mut self, particles: &Particles, scene: &Scene, start: f64) -> Result<(), Failure> {
         let before = self.limit;
         let fastest = self.bodies.iter().map(|body| body.velocity.norm_squared()).fold(0.0, |a: f64, b| {
@@ -270,7 +270,7 @@ fn across_walls(scene: &Scene) -> Vector3<f64> {
     scene.gravity - along_walls(scene, scene.gravity)
 }
 
-/// Order of kinds: by radius, then by mass.
+/// Compares two kinds: by radius, and at equal radii by mass.
 fn by_size(a: &RadiusClass, b: &RadiusClass) -> Ordering {
     a.radius.total_cmp(&b.radius).then(a.mass.total_cmp(&b.mass))
 }

@@ -57,7 +57,7 @@ pub struct GlobalCalendar {
     bodies: Vec<FlightState>,
     next_events: Vec<NextEvents>,
     ids: Vec<u32>,
-    /// Collision history of each particle.
+    /// Collision history of each particle, by which inelastic collapse is detected.
     met: Vec<LastCollision>,
     shells: Shells,
     /// True for axes along which the box is so short that a pair may touch through an image that is not the nearest.

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 pub struct FlightState {
     /// Position [m] at the time `time`, in the frame of the calendar.
     pub position: Vector3<f64>,
-    /// Velocity [m/s] in the frame of the calendar.
+    /// Velocity [m/s] of the particle in the frame of the calendar.
     pub velocity: Vector3<f64>,
     /// Time [s] of `position`, counted from the epoch of the calendar.
     pub time: f64,
@@ -50,7 +50,7 @@ pub struct NextEvents {
     pub time: f64,
     /// Time [s] of the second event since the epoch.
     pub then: f64,
-    /// The next event.
+    /// Kind of the next event.
     pub next: EventKind,
     /// The second event, which becomes the next if the partner of the first has collided with another body.
     pub after: EventKind,

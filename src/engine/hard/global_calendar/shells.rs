@@ -32,9 +32,9 @@ pub struct Shell {
 /// Radius and mass that several particles have in common.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RadiusClass {
-    /// Radius [m].
+    /// Radius [m] of these particles.
     pub radius: f64,
-    /// Mass [kg].
+    /// Mass [kg] of these particles.
     pub mass: f64,
 }
 
@@ -77,7 +77,7 @@ pub struct Shells {
     /// update, modulo 2³², in which the particle was an old neighbour. One is added if the particle stays a neighbour.
     #[serde(skip)]
     marks: Vec<u32>,
-    /// Free memory blocks.
+    /// Free memory blocks between the neighbour lists.
     #[serde(skip)]
     free: ListPool,
 }
@@ -87,7 +87,7 @@ pub struct Shells {
 struct Lists {
     /// The lists, one after the other.
     near: Vec<u32>,
-    /// Length of each list.
+    /// Number of neighbours in each list.
     counts: Vec<u32>,
     /// Number of distances computed.
     checks: u64,
@@ -111,7 +111,7 @@ impl Shell {
         widened(&self.centre)
     }
 
-    /// Number of neighbours.
+    /// Number of neighbours of the shell's particle.
     #[inline]
     pub fn count(&self) -> u32 {
         self.count

@@ -30,7 +30,7 @@ enum Surroundings {
     TooLarge,
 }
 
-/// Islands that reach as far as their particles might fly.
+/// Islands that reach as far as their particles might fly, found before they are solved.
 pub struct BoundedIslands<'a> {
     clusters: Clusters<'a>,
     limits: IslandLimits,
@@ -74,7 +74,7 @@ impl<'a> IslandFinder<'a> for BoundedIslands<'a> {
         self.expand_all((0..self.list.len()).collect())
     }
 
-    /// Lists the pairs whose balls overlap.
+    /// Appends the pairs of one member whose balls overlap.
     fn list_pairs(&self, (a, member): (usize, &Member), (places, hot): (&[u32], usize), pairs: &mut Vec<Pair>) {
         // enlarged by rounding, so that a touch at the very beginning is not lost
         let here = BoundingSphere { reach: member.ball.reach * (1.0 + 1e-9), ..member.ball };
@@ -110,7 +110,7 @@ impl<'a> IslandFinder<'a> for BoundedIslands<'a> {
 }
 
 impl BoundedIslands<'_> {
-    /// Sorts the members into cells.
+    /// Sorts the members of all islands into cells.
     pub(super) fn sort(&mut self) {
         let Clusters { search, members, widest, .. } = &self.clusters;
         let spacing = (search.region.volume() / members.len().max(1) as f64).cbrt();

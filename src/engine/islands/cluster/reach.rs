@@ -182,7 +182,7 @@ impl Clusters<'_> {
         self.list[which].hot.first().map(|&member| self.members[member as usize].place)
     }
 
-    /// The box.
+    /// The box of the scene.
     pub fn domain(&self) -> &Domain {
         self.domain
     }

@@ -53,7 +53,7 @@ impl DeflectedFlights {
     }
 }
 
-/// Islands that reach as far as their particles do fly.
+/// Islands that reach as far as their particles do fly, found from the trajectories of solved islands.
 pub struct TracedIslands<'a> {
     clusters: Clusters<'a>,
     /// Velocity changes of all members; those of one member are consecutive and in the order of time.
@@ -156,7 +156,7 @@ impl<'a> IslandFinder<'a> for TracedIslands<'a> {
 }
 
 impl TracedIslands<'_> {
-    /// Trajectory of a member.
+    /// Trajectory of a member of an island.
     fn trajectory(&self, member: &Member) -> ParticleTrajectory<'_> {
         ParticleTrajectory { place: member.place, turns: member.turns.clone().map(|turns| &self.turns[turns]) }
     }

@@ -36,7 +36,7 @@ pub struct PiecewiseTrajectory {
     pub around: f64,
 }
 
-/// A straight piece of a trajectory.
+/// A straight piece of a trajectory between two velocity changes.
 pub struct Segment {
     /// Times [s] of its beginning and end, since the start of the part.
     pub span: [f64; 2],
