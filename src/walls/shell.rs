@@ -102,8 +102,8 @@ impl FlightAcrossShell {
         self.rises(&way, rim + self.out[0].sqrt() + along[0].abs(), until)
     }
 
-    /// All times at which a polynomial rises to zero; it is the square of a length of about `size` [m]. A polynomial
-    /// that is zero at the beginning, up to rounding, is treated as slightly negative.
+    /// [s] all times at which a polynomial rises to zero. The values of the polynomial are squared lengths, of about
+    /// `size`² [m²]. A polynomial that is zero at the beginning, up to rounding, is treated as slightly negative.
     fn rises(&self, way: &[f64], size: f64, until: f64) -> Vec<f64> {
         let mut way = way.to_vec();
         let resolution = 16.0 * f64::EPSILON * size * self.speed;

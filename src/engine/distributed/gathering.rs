@@ -80,7 +80,8 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
     }
 
     /// Replaces the particles of the lead process by copies of particles of all processes, until [`hide`](Self::hide)
-    /// is called. These are all particles whose id is divisible by `every`, and those with common carried state.
+    /// is called. Copied are all particles whose id is divisible by `every`, and those that share carried state with
+    /// them.
     pub fn show<S: Solve<Carried = C>>(&mut self, solver: &S, work: &mut Work<C>, members: &mut Vec<u32>, every: u32) {
         self.gathered = self.bring_together(solver, work, members, every);
     }
@@ -176,8 +177,8 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
     }
 }
 
-/// Indices, in ascending order, of the particles whose id is divisible by `every`, and of those with common carried
-/// state. Also returns this state, which refers to particles by id.
+/// Indices, in ascending order, of the particles whose id is divisible by `every`, and of those that share carried
+/// state with them. Also returns this state, which refers to particles by id.
 fn chosen<S: Solve>(
     work: &Work<S::Carried>,
     abroad: &[CrossRankContact<S::Carried>],

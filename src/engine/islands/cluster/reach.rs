@@ -23,8 +23,8 @@ pub struct Reach {
 }
 
 impl Reach {
-    /// Distance [m] around an island within which a process must store all particles. It then has all flights and balls
-    /// that may meet the island, and can determine whether those particles are hot.
+    /// Distance [m] around an island within which a process must store all particles. The process then has all flights
+    /// and balls that may meet the island, and can determine whether those particles are hot.
     pub fn sight(&self) -> f64 {
         self.around.max(self.flight) + 2.0 * self.flight
     }
