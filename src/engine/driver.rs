@@ -75,7 +75,7 @@ pub trait Solver {
     fn judge(&mut self, _population: &PopulationSummary, _scene: &Scene, _trial: &Trial) {}
 
     /// Moves the carried state that the classical algorithm has kept to `lasting`. The driver calls this function only
-    /// before islands are tried, because a copy of all state would need as much memory again.
+    /// when islands or other processes need the state, because a copy of it would need as much memory again.
     fn hand_over(&mut self, lasting: &mut Vec<Lasting<Self>>);
 
     /// Calls `visit` with each item of state that [`hand_over`](Self::hand_over) would move.

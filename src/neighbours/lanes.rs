@@ -81,7 +81,7 @@ pub mod eight {
     use pulp::x86::V3;
     use std::arch::x86_64::{__m256, _CMP_LT_OQ};
 
-    /// Comparison with AVX2 instructions; the value proves that the processor has them.
+    /// Comparison with AVX2 instructions. A value of type `V3` exists only if the processor has these instructions.
     #[derive(Clone, Copy)]
     pub struct Eight(pub V3);
 

@@ -3,6 +3,7 @@
 use super::{Flight, Geometry};
 
 /// [-] gap over the radius of the sphere below which the tangent plane replaces the wall.
+///
 /// The centre of a sphere of radius r stays outside a body that is a union of balls of radius r. On a path of length s
 /// between two positions outside, the centre can be at most s²/(8 r) deep. With this gap the depth is 1e-17 r, which is
 /// below rounding.

@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 /// Number of sides with which round bodies are drawn.
 const SIDES: u32 = 64;
 
-/// Corner points [m], and three indices of corners for each triangle.
+/// Surface as triangles: corner points [m], and three indices of corners for each triangle.
 pub type Drawing = (Vec<Vector3<f64>>, Vec<[u32; 3]>);
 
 /// Surface made by turning a line about the axis. Its points [m] are (distance from the axis, coordinate along it).

@@ -204,7 +204,7 @@ pub trait Geometry: std::fmt::Debug + Send + Sync {
     }
 
     /// Surface of the wall as triangles. An endless pipe is drawn as long as the box, whose edges are `size` [m]. Empty
-    /// for planes, which are drawn elsewhere.
+    /// for planes, which are drawn separately as far as the edges of the box.
     fn drawing(&self, size: &Vector3<f64>) -> Drawing {
         let _ = size;
         Drawing::default()

@@ -1,4 +1,4 @@
-//! Work sharing among the threads of a run: free threads take one piece of work after the other until none is left.
+//! Work sharing among the threads of a run: each thread takes one piece of work after the other until none is left.
 //!
 //! A run alternates between dozens of shared loops, each of some tenths of a millisecond. A thread that starts a loop
 //! here does pieces itself, and then waits for the other threads without sleeping. The loops of rayon put a waiting

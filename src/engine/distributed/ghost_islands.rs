@@ -1,4 +1,5 @@
-//! Messages by which processes compare their results for islands near the border of a block.
+//! Messages by which processes compare their results for islands (groups of particles that may meet) near the border of
+//! a block.
 
 use crate::engine::islands::{BoundingSphere, Clusters, IslandFinder, Member, VelocityChange};
 use nalgebra::Vector3;

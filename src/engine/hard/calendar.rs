@@ -1,4 +1,5 @@
-//! Event queue of an island: the next touch for each slot of its neighbour list (a pair, or a particle and a wall).
+//! Event queue of an island (a group of particles that may meet). It contains the next touch of each slot of the
+//! neighbour list: of a pair, or of a particle and a wall.
 
 use ordered_float::OrderedFloat;
 use priority_queue::PriorityQueue;

@@ -1,5 +1,5 @@
-//! Estimated cost of one event queue for all particles, in the units of the costs of islands, so that both can be
-//! compared.
+//! Estimated cost of one event queue for all particles, in the units of the costs of islands (groups of particles that
+//! may meet), so that both can be compared.
 
 use crate::engine::Window;
 use crate::engine::islands::SpeedSummary;

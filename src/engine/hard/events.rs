@@ -1,4 +1,4 @@
-//! Event loop of an island: collisions in the order of their exact times.
+//! Event loop of an island (a group of particles that may meet): collisions in the order of their exact times.
 
 use super::calendar::Calendar;
 use super::collapse_detector::{Collapsed, LastCollision, Recent, recent, rests, sliding};

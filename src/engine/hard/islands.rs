@@ -1,4 +1,4 @@
-//! Solver of islands of hard spheres, which uses a small event queue for each island.
+//! Solver of islands (groups of particles that may meet) of hard spheres, with a small event queue for each island.
 
 use super::collapse_detector::Recent;
 use super::events::{EventLoop, WindowPart};

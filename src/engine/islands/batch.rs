@@ -1,5 +1,6 @@
-//! Batches of islands. One thread solves the islands of a batch one after the other, and stores their results together.
-//! A *part* is the piece of a window in which islands are solved; *hot* particles are the members of islands.
+//! Batches of islands (groups of particles that may meet). One thread solves the islands of a batch one after the
+//! other, and stores their results together. A *part* is the piece of a window in which islands are solved; *hot*
+//! particles are the members of islands.
 
 use super::cluster::{IslandFinder, Landing, MemberTrajectories, fill};
 use super::island::Island;

@@ -1,4 +1,5 @@
-//! Choice of the next part of a window: its length, and whether solving islands in it pays.
+//! Choice of the next part of a window: its length, and whether it pays to solve islands (groups of particles that may
+//! meet) in it.
 
 use crate::domain::Domain;
 use crate::engine::population::PopulationSummary;

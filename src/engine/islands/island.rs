@@ -1,5 +1,5 @@
-//! One island as a small scene, which an engine can solve by itself. *Hot* particles are its members; *bystanders* are
-//! particles that the members might hit.
+//! One island (a group of particles that may meet) as a small scene, which an engine can solve by itself. *Hot*
+//! particles are its members; *bystanders* are particles that the members might hit.
 
 use super::cluster::VelocityChange;
 use crate::neighbours::NeighbourList;

@@ -1,4 +1,4 @@
-//! Sorting of the carried state, and of the particles in the store.
+//! Sorting of the particles in the store, and of the state carried from one window to the next, such as contacts.
 
 use super::{Solve, search};
 use crate::encounter::Other;

@@ -1,4 +1,5 @@
-//! Rounds in which islands are solved, until no island has met an unexpected particle or speed.
+//! Rounds in which islands (groups of particles that may meet) are solved, until none has met an unexpected particle or
+//! speed.
 
 use super::batch::{Batch, GivenUp, IslandResult, Retry, Task, Workbench};
 use super::cluster::IslandFinder;

@@ -1,5 +1,5 @@
-//! Frame of reference of the calendar. It falls with gravity, and moves with the mean velocity of the particles along
-//! the walls.
+//! Frame of reference of the calendar (the event queue of all particles). The frame falls with gravity, and moves with
+//! the mean velocity of the particles along the walls.
 
 use crate::walls::Flight;
 use nalgebra::Vector3;

@@ -1,4 +1,4 @@
-//! Memory blocks ("rooms") of different sizes in one long list, which are used again when they are free.
+//! Memory blocks ("rooms") for neighbour lists, of different sizes in one long list. Free blocks are used again.
 //!
 //! A particle's neighbour list grows and shrinks by one entry at a time. If sizes were powers of two, a quarter of the
 //! memory would be unused on average. With steps of four entries, one or two entries are unused. Above 64 entries the

@@ -1,5 +1,5 @@
-//! Exchange between the particle store and the calendar: reading particles, writing them back, and beginning new
-//! epochs. The *epoch* is the instant from which the calendar counts times.
+//! Exchange between the particle store and the calendar (the event queue of all particles): reading particles, writing
+//! them back, and beginning new epochs. The *epoch* is the instant from which the calendar counts times.
 
 use super::cells::ROUNDING;
 use super::event_queue::{EventQueue, EventTable};

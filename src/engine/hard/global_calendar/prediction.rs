@@ -1,4 +1,4 @@
-//! Prediction of the next two events of a particle.
+//! Prediction of the next two events of a particle: touches, and the exit from its shell.
 
 use super::GlobalCalendar;
 #[cfg(target_arch = "x86_64")]

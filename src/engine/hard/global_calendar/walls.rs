@@ -1,4 +1,4 @@
-//! Wall contacts of a scene, numbered for the calendar.
+//! Wall contacts of a scene, numbered for the calendar (the event queue of all particles).
 
 use crate::encounter::AtWall;
 use crate::scene::Scene;

@@ -1,5 +1,6 @@
-//! Islands that reach as far as their particles might fly. Before islands are solved, their surroundings are searched
-//! for *bystanders* (cold particles that they might hit) and for other islands with which they must unite.
+//! Islands (groups of particles that may meet) that reach as far as their particles might fly. Before islands are
+//! solved, their surroundings are searched for *bystanders* (cold particles that they might hit) and for other islands
+//! with which they must unite.
 
 use super::{Cluster, Clusters, Few, IslandFinder, IslandLimits, Member};
 use crate::engine::islands::batch::Retry;

@@ -1,4 +1,5 @@
-//! Growth of a crowd (a large island): particles next to it are added before they are pushed by it.
+//! Growth of a crowd, which is an island so large that it is moved by uniform steps. Particles next to the crowd are
+//! added before it pushes them.
 
 use super::Member;
 use super::bounded::BoundedIslands;

@@ -1,4 +1,5 @@
-//! Copying an island into a small scene: its particles, and the pairs that may touch.
+//! Copying an island (a group of particles that may meet) into a small scene: its particles, and the pairs that may
+//! touch.
 
 use super::IslandFinder;
 use crate::encounter::AtWall;

@@ -1,4 +1,5 @@
-//! Speed limits of the particles of an island, and the distances that these particles may reach.
+//! Speed limits of the particles of an island (a group of particles that may meet), and the distances that they may
+//! reach.
 
 use super::{BATCH, Cluster, Clusters, Member};
 use crate::domain::Domain;

@@ -1,4 +1,4 @@
-//! Changes to unfinished islands before they are solved again.
+//! Changes to unfinished islands (groups of particles that may meet) before they are solved again.
 
 use super::Clusters;
 use crate::engine::islands::batch::Retry;

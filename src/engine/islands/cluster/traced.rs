@@ -1,5 +1,5 @@
-//! Islands that reach as far as their particles do fly, for engines that report velocity changes. Encounters of islands
-//! are found from their trajectories after they are solved.
+//! Islands (groups of particles that may meet) that reach as far as their particles do fly. This way is for engines
+//! that report velocity changes. Encounters of islands are found from their trajectories after they are solved.
 //!
 //! Each island is first solved as if it were alone. Its trajectories may then meet those of another island, or a
 //! particle that was expected to fly straight. In that case both form one island, which is solved again. In the end
