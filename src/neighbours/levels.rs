@@ -2,8 +2,8 @@
 //!
 //! Cells must be as large as the largest sphere in them. In a single grid, such cells would contain many small spheres:
 //! at a size ratio of ten, a thousand times as many. So spheres are sorted by size into levels, each with a separate
-//! grid. Pairs within a level are found as in a single grid. Each sphere searches for smaller spheres in the grids of
-//! the other levels. If all sizes are within a factor of two, there is one level and one grid. Ericson (2005, Real-Time
+//! grid. Pairs within a level are found as in a single grid. For each sphere, smaller spheres are searched in the grids
+//! of their levels. If all sizes are within a factor of two, there is one level and one grid. Ericson (2005, Real-Time
 //! Collision Detection, section 7.2) calls this a hierarchical grid.
 
 use super::cells::CellGrid;

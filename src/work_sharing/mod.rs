@@ -14,9 +14,10 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
-/// Number of times that an idle thread searches for work before it rests. This takes some 2 ms if no other program uses
-/// the processor. The time between two shared loops of an engine is shorter. The time for which one thread may work
-/// alone is longer. The searches are counted instead of timed, because physics reads no clock.
+/// Number of times that an idle thread searches for work before it rests. The searches take some 2 ms if no other
+/// program uses the processor. This is longer than the pause between two shared loops of an engine, and short compared
+/// with the times for which one thread works alone. The searches are counted instead of timed, because physics reads no
+/// clock.
 const LOOKS: u32 = 5000;
 
 /// Rest between two searches after [`LOOKS`] searches without work.

@@ -123,8 +123,8 @@ pub fn cheapest_part(
     let rate = density * PI * diameter * diameter * square * speeds.mean * SQRT_2;
     let periods = (0..3).filter(|axis| domain.periodic[*axis]).map(|axis| domain.size[axis]);
     let period = periods.fold(f64::INFINITY, f64::min);
-    // two particles that approach each other through a side must be nearest images, whose distance is at most half a
-    // period
+    // two particles may meet only as nearest images, also if they approach each other through a side: their distance is
+    // at most half a period
     let room = (0.5 * period - diameter) / (2.0 * speeds.largest);
     if room <= 0.0 {
         return None;
