@@ -1,7 +1,7 @@
 //! The clock that times the parts of a run and reports the progress of the run.
 //!
-//! The run loop and the code below it do not read the time of day. The caller that starts a simulation gives it a
-//! clock or none, and only reports show the times measured.
+//! The run loop and the engines never read the time of day. The caller that starts a simulation passes a clock to it,
+//! or none. The measured times appear only in reports.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock};
@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 
 /// A clock that counts from a fixed start, or one that stands still and costs nothing.
 ///
-/// Two separate times pass through it: the time read from it is wall time, the time reported to it is simulated time.
+/// Two separate times are exchanged through a clock: wall time is read from it, simulated time is reported to it.
 #[derive(Clone, Debug, Default)]
 pub struct Clock {
     read: Option<fn() -> Duration>,
@@ -21,7 +21,7 @@ pub struct Clock {
 pub struct Reached(Arc<AtomicU64>);
 
 impl Reached {
-    /// [s] simulated time reported last; 0 before.
+    /// [s] simulated time reported last; 0 before the first report.
     pub fn time(&self) -> f64 {
         f64::from_bits(self.0.load(Ordering::Relaxed))
     }
@@ -39,7 +39,7 @@ impl Clock {
         self.read.map_or(Duration::ZERO, |read| read())
     }
 
-    /// Does `work` and adds its duration to `spent`.
+    /// Runs `work`, adds its duration to `spent` and returns its result.
     pub fn time<T>(&self, spent: &mut Duration, work: impl FnOnce() -> T) -> T {
         let began = self.now();
         let result = work();
@@ -47,15 +47,15 @@ impl Clock {
         result
     }
 
-    /// Reports that the run has reached simulated `time` [s]. It is one write to memory, so that engines can do it
-    /// within their windows, at every step or event.
+    /// Reports that the run has reached simulated `time` [s]. The report is one write to memory, so that engines can
+    /// make it at every step or event.
     pub fn tell(&self, time: f64) {
         if let Some(reached) = &self.reached {
             reached.0.store(time.to_bits(), Ordering::Relaxed);
         }
     }
 
-    /// The simulated time reported to this clock and its clones; `None` if it stands still.
+    /// The simulated time reported to this clock and to its clones; `None` if the clock stands still.
     pub fn reached(&self) -> Option<Reached> {
         self.reached.clone()
     }

@@ -1,28 +1,28 @@
-//! Communication among processes that share one run. The connection itself (MPI, or threads in tests) is given to a
-//! simulation.
+//! Communication among processes that share one run. The caller of a simulation passes the connection itself (MPI, or
+//! threads in tests).
 
 use crate::exact::ExactSum;
 
-/// Processes that share one run. All processes must call the same methods in the same order: a call returns when all
-/// have made it. Process 0 is the lead.
+/// The processes that share one run. All processes must call the same methods in the same order: a call returns when
+/// all processes have made it. Process 0 is the lead.
 pub trait Communicator: Send + Sync {
-    /// Number of this process, from 0.
+    /// Number of this process, counted from 0.
     fn rank(&self) -> usize;
 
-    /// Number of processes.
+    /// Number of processes that share the run.
     fn size(&self) -> usize;
 
-    /// Sends to each process the bytes at its number. Returns the bytes that each process sent to this one, in the
-    /// order of process numbers.
+    /// Sends `outgoing[k]` to process k, for all k. Returns the bytes that each process sent to this one, in the order
+    /// of process numbers.
     fn exchange(&self, outgoing: Vec<Vec<u8>>) -> Vec<Vec<u8>>;
 
-    /// Returns the bytes of the lead on all processes; the bytes of the others do not matter.
+    /// Returns the bytes of the lead on all processes; the arguments of the other processes are ignored.
     fn broadcast(&self, bytes: Vec<u8>) -> Vec<u8>;
 
     /// Replaces each number by its sum over all processes.
     fn sum(&self, numbers: &mut [i64]);
 
-    /// Replaces each value by the largest of all processes.
+    /// Replaces each value by its largest value on any process.
     fn largest(&self, values: &mut [f64]);
 
     /// True if this process is the lead.
@@ -43,7 +43,8 @@ pub trait Communicator: Send + Sync {
         }
     }
 
-    /// Sends bytes to the lead, which gets those of all in the order of process numbers; the others get none.
+    /// Sends bytes to the lead. Returns the bytes of all processes, in the order of their numbers, on the lead, and
+    /// nothing on the others.
     fn collect(&self, own: Vec<u8>) -> Vec<Vec<u8>> {
         let mut outgoing = vec![Vec::new(); self.size()];
         if let Some(lead) = outgoing.first_mut() {

@@ -1,4 +1,4 @@
-//! The box of a scene: its size, and its periodic sides.
+//! The box of a scene: its size and its periodic sides.
 
 pub mod blocks;
 
@@ -12,18 +12,18 @@ use serde::Serialize;
 pub struct Domain {
     /// [m] edge lengths along x, y, z.
     pub size: Vector3<f64>,
-    /// True for periodic axes.
+    /// True for each axis along which the box is periodic.
     pub periodic: [bool; 3],
-    /// [m] half the edge along periodic axes, infinity along others: beyond it another image is nearer.
+    /// [m] half the edge along periodic axes, infinity along others: at larger distances another image is nearer.
     #[serde(skip)]
     pub(crate) half: Vector3<f64>,
-    /// [m²] square of the shortest half edge: a particle within this distance is the nearest image.
+    /// [m²] square of the shortest half edge: if a particle is within this distance, no image of it is nearer.
     #[serde(skip)]
     direct: f64,
 }
 
 impl Domain {
-    /// A box of the given edge lengths [m].
+    /// Makes a box with the given edge lengths [m].
     pub fn new(size: Vector3<f64>, periodic: [bool; 3]) -> Self {
         let half = Vector3::from_fn(|axis, _| if periodic[axis] { 0.5 * size[axis] } else { f64::INFINITY });
         Self { size, periodic, half, direct: half.min().powi(2) }
@@ -34,12 +34,12 @@ impl Domain {
         self.size.x * self.size.y * self.size.z
     }
 
-    /// [m] vector from `b` to the nearest image of `a`; both within 1.5 periods of the box, as they are between two
-    /// wraps.
+    /// [m] vector from `b` to the nearest image of `a`. Both positions must be within 1.5 periods of the box, as they
+    /// are between two calls of [`Domain::wrap`].
     #[inline(always)]
     pub fn separation(&self, a: &Vector3<f64>, b: &Vector3<f64>) -> Vector3<f64> {
         let mut d = a - b;
-        // most are near, and then one comparison replaces those for three axes
+        // most pairs are near, and then one comparison replaces those of three axes
         if d.norm_squared() < self.direct {
             return d;
         }
@@ -53,7 +53,7 @@ impl Domain {
         d
     }
 
-    /// [m] image of `position` inside the box, along periodic axes.
+    /// [m] image of `position` that lies inside the box along the periodic axes.
     #[inline]
     pub fn wrap(&self, position: &Vector3<f64>) -> Vector3<f64> {
         Vector3::from_fn(|axis, _| {
@@ -62,7 +62,7 @@ impl Domain {
                 return x;
             }
             let wrapped = x - l * (x / l).floor();
-            // x slightly below zero rounds to l itself
+            // for x slightly below zero, x + l rounds to l
             if wrapped < l { wrapped } else { 0.0 }
         })
     }

@@ -1,33 +1,35 @@
-//! Memory that this process may still take, and what is said where it is not enough.
+//! Memory that this process may still use, and the message for runs that need more.
 //!
-//! An allocation that fails ends the program without a word. What is large is therefore compared with what is free before it is made.
+//! An allocation that fails ends the program without a message. The program therefore compares the size of large data
+//! with the free memory before it allocates them.
 
 use crate::experiment::Experiment;
 use crate::schedule::Schedule;
 
-/// [byte] per particle: the bound of `tests/memory.rs` for dense scenes of either model.
+/// [byte] per particle: the bound that `tests/memory.rs` checks for dense scenes of either model.
 const PARTICLE: f64 = 350.0;
 
-/// [byte] per slice and block of time: twenty sums, and as much again while averages are made of them (`statistics/profiles.rs`).
+/// [byte] per slice and block of time: twenty sums, and as much again while averages are computed from them
+/// (`statistics/profiles.rs`).
 const SLICE: f64 = 2.0 * 20.0 * 8.0;
 
-/// Blocks of time at most, however many samples there are (`statistics/profiles.rs`).
+/// Largest number of blocks of time into which the samples of a run are grouped (`statistics/profiles.rs`).
 const MOST_BLOCKS: f64 = 512.0;
 
-/// Memory that a run takes [byte].
+/// Memory that a run needs [byte].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Need {
-    /// [byte] of particles, their neighbours and contacts.
+    /// [byte] for particles, their neighbours and contacts.
     pub particles: f64,
-    /// [byte] of averages in slices.
+    /// [byte] for averages in slices.
     pub slices: f64,
 }
 
 impl Need {
-    /// The memory that an experiment takes.
+    /// Estimates the memory that an experiment needs.
     pub fn of(experiment: &Experiment) -> Self {
         let kinds = experiment.scene.species.len();
-        // a mixture has averages of each kind beside those of all
+        // a mixture has one table of averages per kind and one for all kinds
         let tables = if kinds > 1 { 1 + kinds } else { 1 } as f64;
         let samples = Schedule::new(experiment).samples as f64 + 1.0;
         let slices = experiment.statistics.slices as f64;
@@ -37,14 +39,15 @@ impl Need {
         }
     }
 
-    /// [byte] of all.
+    /// [byte] memory for particles and slices together.
     pub fn total(&self) -> f64 {
         self.particles + self.slices
     }
 }
 
-/// [byte] that this process may still take: what the machine has free, within the limit of the process (`ulimit -v`) and that of its container;
-/// `None` where the system does not tell.
+/// [byte] memory that this process may still use; `None` if the system does not report it. The smallest of three
+/// numbers counts: the free memory of the machine, and what is left of the limits of the process (`ulimit -v`) and of
+/// its container.
 #[cfg(target_os = "linux")]
 pub fn available() -> Option<f64> {
     use procfs::process::{LimitValue, Process};
@@ -62,19 +65,19 @@ pub fn available() -> Option<f64> {
     [of_machine, of_process, of_container].into_iter().flatten().min().map(|bytes| bytes as f64)
 }
 
-/// Elsewhere it is not known.
+/// `None`: on systems other than Linux the free memory is not known.
 #[cfg(not(target_os = "linux"))]
 pub fn available() -> Option<f64> {
     None
 }
 
-/// Why so many bytes cannot be had: how many there are; `None` if they can, or if that is not known.
+/// Words that compare `need` [byte] with the free memory; `None` if enough is free, or if the free memory is not known.
 pub fn lack(need: f64) -> Option<String> {
     let there = available().filter(|there| need > *there)?;
     Some(format!("about {} of memory, and {} are free for this process", size(need), size(there)))
 }
 
-/// Why a run cannot have the memory that it takes, and the remedy.
+/// The error message and the remedy for a run that needs more memory than is free; `None` if enough is free.
 pub fn refusal(experiment: &Experiment) -> Option<(String, String)> {
     let need = Need::of(experiment);
     let lack = lack(need.total())?;
@@ -92,7 +95,7 @@ pub fn refusal(experiment: &Experiment) -> Option<(String, String)> {
     ))
 }
 
-/// Bytes in words.
+/// The number of bytes in words, such as "3 MB".
 pub fn size(bytes: f64) -> String {
     match bytes {
         few if few < 1e6 => format!("{:.0} kB", (1e-3 * few).ceil()),

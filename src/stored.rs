@@ -1,13 +1,13 @@
-//! Data of an engine or an observer as bytes, so that they can be kept beside the state of the particles.
+//! Data of an engine or an observer as bytes, which a checkpoint stores together with the state of the particles.
 //!
-//! Only the type that wrote the bytes can read them. The format is that of `postcard`: numbers keep all of their
-//! bits, and the bytes do not describe their own meaning. Code that writes them to a file adds a version and a
-//! checksum.
+//! Only the type that was stored can be read from the bytes. The format is that of the library `postcard`: numbers keep
+//! all of their bits, and the bytes contain no names or types. Code that writes the bytes to a file adds a version and
+//! a checksum.
 
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-/// The data of one engine or observer.
+/// The stored data of one engine or observer.
 ///
 /// ```
 /// use diptych::Stored;
@@ -20,13 +20,13 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Stored(Vec<u8>);
 
-/// Data that cannot be stored, or bytes that are not those of the data asked for.
+/// The error for data that cannot be stored, or for bytes that do not belong to the requested type.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("stored data do not fit: {0}")]
 pub struct StoreError(#[from] postcard::Error);
 
 impl StoreError {
-    /// The error for data that can be read but belong to something else.
+    /// The error for bytes that can be read but do not belong to the requested type.
     pub(crate) fn misfit() -> Self {
         Self(postcard::Error::DeserializeBadEncoding)
     }
@@ -39,7 +39,7 @@ impl From<Vec<u8>> for Stored {
 }
 
 impl Stored {
-    /// The bytes.
+    /// The stored bytes.
     pub fn as_bytes(&self) -> &[u8] {
         &self.0
     }
@@ -47,16 +47,16 @@ impl Stored {
     /// Stores a value.
     ///
     /// # Errors
-    /// If the type has a part whose length or shape is not known beforehand; no type that derives `Serialize` plainly
-    /// has such a part.
+    /// If the value contains a sequence whose length is not known in advance. No type that derives `Serialize` without
+    /// further attributes contains one.
     pub fn of<T: Serialize + ?Sized>(value: &T) -> Result<Self, StoreError> {
         Ok(Self(postcard::to_stdvec(value)?))
     }
 
-    /// The value, of the type that was stored.
+    /// Reads the value; `T` must be the type that was stored.
     ///
     /// # Errors
-    /// If the bytes cannot be those of such a value, or are more than it needs.
+    /// If the bytes cannot be a value of type `T`, or if bytes are left after the value.
     pub fn read<T: DeserializeOwned>(&self) -> Result<T, StoreError> {
         let (value, rest) = postcard::take_from_bytes(&self.0)?;
         if rest.is_empty() { Ok(value) } else { Err(StoreError::misfit()) }

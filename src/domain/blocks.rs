@@ -4,16 +4,16 @@ use super::Domain;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Boundaries of the blocks.
+/// Boundaries of the blocks into which the box is cut, one block per process.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Blocks {
-    /// [m] upper ends of the blocks along each axis, except the last.
+    /// [m] upper ends of the blocks along each axis; the last block ends at the side of the box.
     ends: [Vec<f64>; 3],
 }
 
 impl Blocks {
-    /// One block per process, with nearly equal numbers of particles in the slices of each axis. Periodic axes are
-    /// cut before others, long pieces before short ones.
+    /// Makes one block per process, with nearly equal numbers of particles in the slices along each axis. If the box
+    /// has periodic axes, only these are cut; otherwise all may be. The axis with the longest pieces is cut first.
     pub fn of(positions: &[Vector3<f64>], processes: usize, domain: &Domain) -> Self {
         let blocks = along_axes(processes, domain);
         let ends = std::array::from_fn(|axis| {
@@ -27,14 +27,14 @@ impl Blocks {
         Self { ends }
     }
 
-    /// One block per process, all of one size.
+    /// Makes one block per process, all of equal size.
     pub fn of_one_size(processes: usize, domain: &Domain) -> Self {
         let blocks = along_axes(processes, domain);
         let end = |axis: usize, block: usize| domain.size[axis] * block as f64 / blocks[axis] as f64;
         Self { ends: std::array::from_fn(|axis| (1..blocks[axis]).map(|block| end(axis, block)).collect()) }
     }
 
-    /// Process whose block contains a position in the box.
+    /// Number of the process whose block contains the position `x` [m], which lies in the box.
     pub fn owner(&self, x: &Vector3<f64>) -> usize {
         let along = |axis: usize| self.ends[axis].partition_point(|end| *end <= x[axis]);
         self.number([along(0), along(1), along(2)])
@@ -47,13 +47,14 @@ impl Blocks {
         [0, 1].map(|side| Vector3::from_fn(|axis, _| self.span(axis, block[axis], domain)[side]))
     }
 
-    /// True if a position in the block with these corners is farther than `width` [m] from all other blocks.
+    /// True if the position `x` [m] is farther than `width` [m] from all other blocks. The two corners are those of the
+    /// block that contains `x`.
     pub fn is_deep(&self, x: &Vector3<f64>, [low, high]: &[Vector3<f64>; 2], width: f64) -> bool {
         let deep = |axis: usize| x[axis] - low[axis] > width && high[axis] - x[axis] > width;
         (0..3).all(|axis| self.ends[axis].is_empty() || deep(axis))
     }
 
-    /// Calls `visit` with every process whose block is within `width` [m] of a position in the box.
+    /// Calls `visit` with the number of every process whose block is within `width` [m] of the position `x` in the box.
     pub fn for_each_within(&self, x: &Vector3<f64>, width: f64, domain: &Domain, mut visit: impl FnMut(usize)) {
         let near: [Vec<usize>; 3] = std::array::from_fn(|axis| {
             let is_near = |block: &usize| {
@@ -81,14 +82,14 @@ impl Blocks {
         i + self.count(0) * (j + self.count(1) * k)
     }
 
-    /// [m] beginning and end of a block along an axis.
+    /// [m] coordinates of the beginning and the end of a block along an axis.
     fn span(&self, axis: usize, block: usize, domain: &Domain) -> [f64; 2] {
         let before = block.checked_sub(1).and_then(|before| self.ends[axis].get(before));
         [before.copied().unwrap_or(0.0), self.ends[axis].get(block).copied().unwrap_or(domain.size[axis])]
     }
 }
 
-/// Number of blocks along each axis.
+/// Number of blocks along each axis; the product is the number of processes.
 fn along_axes(processes: usize, domain: &Domain) -> [usize; 3] {
     let mut blocks = [1usize; 3];
     let any = domain.periodic.iter().any(|periodic| *periodic);
@@ -102,7 +103,7 @@ fn along_axes(processes: usize, domain: &Domain) -> [usize; 3] {
     blocks
 }
 
-/// Prime factors, the largest first.
+/// Prime factors of a number, the largest first.
 fn factors(number: usize) -> Vec<usize> {
     let (mut left, mut factors, mut factor) = (number, Vec::new(), 2);
     while left > 1 {
@@ -123,7 +124,7 @@ mod tests {
     #[test]
     fn every_place_has_one_owner_and_blocks_are_equally_full() {
         let domain = Domain::new(Vector3::new(4.0, 9.0, 8.0), [true, false, true]);
-        // crowded towards one end
+        // positions are denser towards the low end of z
         let places: Vec<Vector3<f64>> = (0..600)
             .map(|k| Vector3::new(f64::from(k % 40) / 10.0, 3.0, 8.0 * (f64::from(k) / 600.0).powi(2)))
             .collect();

@@ -1,8 +1,9 @@
-//! Driver of the windows of all engines: islands as long as they pay, then all particles at once by the classical
-//! algorithm.
+//! Driver of the windows of all engines. It solves islands for as long as they pay, and then moves all particles at
+//! once by the classical algorithm. An island is a group of particles that may meet within a part of a window.
 //!
-//! An engine is a [`Solver`]: it solves single islands, and all particles at once. State carried from one window to the
-//! next (contacts in progress, times of recent collisions) belongs to the driver, which passes it to the method in use.
+//! An engine is a driver with a [`Solver`], which solves single islands and moves all particles at once. The driver
+//! stores the state that is carried from one window to the next (contacts in progress, times of recent collisions). It
+//! passes this state to the method in use.
 
 use super::distributed::{Distributed, DistributedSolver};
 use super::islands::{IslandCost, IslandCounters, Islands, Solve, SpeedSummary};
@@ -18,50 +19,50 @@ use crate::stored::{StoreError, Stored};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-/// Data that an engine works on in a window.
+/// Data that an engine reads and changes during a window.
 pub struct Work<'a, C> {
-    /// The particles.
+    /// The particles, which the engine moves.
     pub particles: &'a mut Particles,
-    /// The scene.
+    /// The scene with walls, gravity and materials.
     pub scene: &'a Scene,
-    /// State carried from one window to the next, by index in the store.
+    /// State carried from one window to the next; it refers to particles by their index in the store.
     pub lasting: &'a mut Vec<C>,
     /// Log of the events in the window.
     pub log: &'a mut Log,
-    /// Record that receives the log in the end; a solver that fills the log within a window may pass it on earlier.
+    /// Record to which the log is added at the end of the window. A solver that fills the log may add it earlier.
     pub record: &'a mut Record,
 }
 
-/// State carried between windows, of the type of a solver.
+/// State that a solver of type `S` carries from one window to the next.
 pub type Lasting<S> = <<S as Solver>::Islands as Solve>::Carried;
 
 /// Result of trying islands in a window.
 #[derive(Clone, Copy)]
 pub struct Trial {
-    /// Time [s] covered by islands.
+    /// Simulated time [s] for which islands were solved.
     pub done: f64,
-    /// Counts before the trial.
+    /// Counts of island work before the trial.
     pub before: IslandCounters,
-    /// Counts after the trial.
+    /// Counts of island work after the trial.
     pub after: IslandCounters,
 }
 
-/// Solver of single islands and of all particles at once.
+/// The part of an engine that solves single islands and moves all particles at once.
 pub trait Solver {
-    /// Type that solves one island; several threads share it.
+    /// Type that solves one island; several threads use it at the same time.
     type Islands: Solve;
 
-    /// State that the solver keeps from one window to the next besides that of the driver.
+    /// State that the solver itself keeps from one window to the next, in addition to that of the driver.
     type State: Serialize + DeserializeOwned;
 
-    /// The solver of islands.
+    /// Returns the solver of islands.
     fn islands(&self) -> &Self::Islands;
 
-    /// Sets up the state at the start of a run, such as contacts in progress.
+    /// Sets up the carried state at the start of a run, such as contacts in progress.
     fn begin(&mut self, _work: &mut Work<Lasting<Self>>, _window: Window) {}
 
-    /// Largest cost of islands in this window, per particle and simulated time [ns/s]. `None`: islands are not tried.
-    /// Infinite: they are taken whenever possible.
+    /// Largest cost at which islands are used in this window, per particle and simulated time [ns/s]. With `None`
+    /// islands are not tried. With infinity they are used whenever possible.
     fn fallback_cost(
         &mut self,
         population: &PopulationSummary,
@@ -70,76 +71,76 @@ pub trait Solver {
         window: Window,
     ) -> Option<f64>;
 
-    /// Adapts to the result of trying islands.
+    /// Adapts later choices to the result of trying islands.
     fn judge(&mut self, _population: &PopulationSummary, _scene: &Scene, _trial: &Trial) {}
 
-    /// Hands over carried state that the classical algorithm has kept at the end of a window. State that is not asked
-    /// for stays where it is: a copy of all would need as much memory again.
+    /// Moves the carried state that the classical algorithm has kept to `lasting`. The driver calls this function only
+    /// when islands or other processes need the state, because a copy of it would need as much memory again.
     fn hand_over(&mut self, lasting: &mut Vec<Lasting<Self>>);
 
-    /// Calls `visit` with the state that [`hand_over`](Self::hand_over) would hand over.
+    /// Calls `visit` with each item of state that [`hand_over`](Self::hand_over) would move.
     fn for_each_kept(&self, visit: &mut dyn FnMut(Lasting<Self>));
 
-    /// Invalidates data kept about the store: islands have moved the particles, or tried to.
+    /// Marks data about the store as outdated, because islands may have moved or sorted the particles.
     fn disturb(&mut self);
 
     /// Moves all particles through the window by the classical algorithm.
     ///
     /// # Errors
-    /// The engine fails; the store then holds the state at that time.
+    /// The engine fails; the store then contains the state at the time of the failure.
     fn everyone(&mut self, work: &mut Work<Lasting<Self>>, window: Window) -> Result<(), Failure>;
 
-    /// Counts of the work of the classical algorithm, plus those of islands.
+    /// Counts of all work: that of the classical algorithm plus that in islands.
     fn counters(&self, islands: &IslandCounters) -> Counters;
 
-    /// Frees memory that only a further window would need, at the end of the run.
+    /// Frees memory that is needed only for a further window, at the end of the run.
     fn forget(&mut self) {}
 
-    /// Energy [J] stored in contacts, if all particles were moved at once last. `None` after islands; then it is the
-    /// energy of the carried state.
+    /// Energy [J] stored in contacts, if the classical algorithm moved the particles last. `None` after islands: the
+    /// energy is then computed from the carried state.
     fn elastic_energy(&self) -> Option<f64>;
 
-    /// Times the classical algorithm with this clock from now on.
+    /// Sets the clock that measures the time of the classical algorithm from now on.
     fn use_clock(&mut self, clock: Clock);
 
-    /// Returns `spent` plus the time of the classical algorithm.
+    /// Returns `spent` plus the time of the classical algorithm so far.
     fn spent(&self, spent: EngineTimes) -> EngineTimes;
 
-    /// State that the solver keeps from one window to the next.
+    /// Returns the state that the solver itself keeps from one window to the next.
     fn state(&self) -> Self::State;
 
-    /// Continues from a stored state.
+    /// Continues from a stored state of the solver.
     fn resume(&mut self, state: Self::State);
 }
 
-/// State of an engine between windows.
+/// State of an engine between windows, as it is stored.
 #[derive(Serialize, Deserialize)]
 struct DriverState<C, S> {
     /// Contacts in progress, or times of recent collisions.
     lasting: Vec<C>,
-    /// True if there has been a window.
+    /// True after the first window.
     begun: bool,
     /// Counts of the work in islands.
     islands: IslandCounters,
-    /// Time spent on islands.
+    /// Wall-clock time spent on islands.
     spent: EngineTimes,
-    /// State that the solver keeps itself.
+    /// State that the solver itself keeps.
     solver: S,
 }
 
-/// An engine made of a solver.
+/// An engine that consists of a solver and the common handling of windows.
 pub struct Driver<S: Solver> {
     pub(super) solver: S,
     pub(super) islands: Islands<Lasting<S>>,
     pub(super) lasting: Vec<Lasting<S>>,
     begun: bool,
-    /// True if the last window ended with all particles moved at once.
+    /// True if the classical algorithm moved the particles at the end of the last window.
     everyone_last: bool,
     log: Log,
 }
 
 impl<S: DistributedSolver> Driver<S> {
-    /// An engine before its first window.
+    /// Makes an engine before its first window.
     pub(super) fn with(solver: S) -> Self {
         Self {
             solver,
@@ -151,7 +152,7 @@ impl<S: DistributedSolver> Driver<S> {
         }
     }
 
-    /// Sets up the state at the start of a run.
+    /// Sets up the carried state in the first window.
     fn begin(&mut self, work: &mut Work<Lasting<S>>, window: Window) {
         if !std::mem::replace(&mut self.begun, true) && self.islands.processes.is_lead() {
             self.solver.begin(work, window);
@@ -169,7 +170,8 @@ impl<S: DistributedSolver> Driver<S> {
         Some(choice)
     }
 
-    /// Adapts to the result of trying islands: they have covered the time `done` [s].
+    /// Adapts to the result of trying islands; `done` is the simulated time [s] for which they were solved, or a
+    /// failure.
     fn judge(&mut self, choice: &IslandCost, scene: &Scene, before: IslandCounters, done: &Result<f64, Failure>) {
         self.islands.processes.share_counts(&mut self.islands.counters, &before);
         let after = self.islands.counters();
@@ -181,7 +183,7 @@ impl<S: DistributedSolver> Driver<S> {
         }
     }
 
-    /// Calls `visit` with all carried state, of the driver and of the solver.
+    /// Calls `visit` with each item of carried state, of the driver and of the solver.
     pub(super) fn for_each_lasting(&self, visit: &mut dyn FnMut(Lasting<S>)) {
         self.lasting.iter().copied().for_each(&mut *visit);
         self.solver.for_each_kept(visit);
@@ -252,7 +254,7 @@ impl<S: DistributedSolver> Engine for Driver<S> {
 
     fn stored(&self) -> Result<Stored, StoreError> {
         let mut lasting = Vec::new();
-        // if the run is cut, carried state is packed with the parts
+        // if processes share the run, each stores its carried state together with its particles
         if !self.is_cut() {
             self.for_each_lasting(&mut |carried| lasting.push(carried));
         }

@@ -1,8 +1,8 @@
-//! Collision models: engines that move spheres and compute their collisions.
+//! Engines: each is one way to move spheres and to compute their collisions.
 //!
-//! An [`Engine`] moves every particle through one window under gravity and impacts. It knows nothing of drag (the
-//! simulation kicks before and after the window), of sampling, of other engines, or of other processes. An engine whose
-//! run several processes can share is [`Distributed`](distributed::Distributed) besides.
+//! An [`Engine`] moves every particle through one window under gravity and impacts. Drag is applied by the simulation
+//! before and after the window. Sampling, other engines and other processes do not appear in an engine. An engine whose
+//! run several processes can share also implements [`Distributed`](distributed::Distributed).
 
 pub mod distributed;
 pub mod driver;
@@ -26,16 +26,16 @@ use crate::stored::{StoreError, Stored};
 use serde::{Deserialize, Serialize};
 use std::time::Duration;
 
-/// An interval of simulated time to be moved through.
+/// An interval of simulated time through which an engine moves the particles, between two exchanges with the gas.
 #[derive(Clone, Copy, Debug)]
 pub struct Window {
-    /// Simulated time [s] at its start.
+    /// Simulated time [s] at the start of the window.
     pub start: f64,
-    /// Length h [s].
+    /// Length h [s] of the window.
     pub duration: f64,
 }
 
-/// A collision model.
+/// A way to move spheres and to compute their collisions.
 ///
 /// ```
 /// use diptych::engine::{Engine, Window};
@@ -58,10 +58,10 @@ pub struct Window {
 /// # Ok::<(), diptych::Failure>(())
 /// ```
 pub trait Engine {
-    /// Moves every particle through the window, under gravity and impacts only. Events go to `record`.
+    /// Moves every particle through the window, under gravity and impacts only. Events are added to `record`.
     ///
     /// # Errors
-    /// A [`Failure`] with numbers. The store then holds the state at that time, [`Failure::time`].
+    /// A [`Failure`] with numbers. The store then contains the state at the time of the failure, [`Failure::time`].
     fn advance(
         &mut self,
         particles: &mut Particles,
@@ -70,30 +70,30 @@ pub trait Engine {
         record: &mut Record,
     ) -> Result<(), Failure>;
 
-    /// Frees memory that only a further window would need, at the end of the run; such a window then begins from
-    /// scratch. Counts and times stay.
+    /// Frees memory that is needed only for a further window, at the end of the run. A further window would then begin
+    /// without stored data. Counts and times are kept.
     fn forget(&mut self) {}
 
-    /// Work done so far: counts, equal on every machine, and wall-clock times of the parts common to engines. The rest of
-    /// the time is contacts and collisions.
+    /// Work done so far. The counts are equal on every machine. The wall-clock times are those of the parts of the work
+    /// that engines have in common; the rest of the time is spent on contacts and collisions.
     fn work_done(&self) -> (Counters, EngineTimes);
 
-    /// Energy [J] stored in contacts now (soft: springs); 0 if contacts are instantaneous.
+    /// Energy [J] that is now stored in contacts (soft spheres: in springs); 0 if contacts are instantaneous.
     fn elastic_energy(&self) -> f64;
 
-    /// Calls `visit` with the pairs in contact now, by index in the store (soft: contacts in progress at the last
-    /// check). There are none if contacts are instantaneous.
+    /// Calls `visit` with the pairs that are now in contact, by index in the store. For soft spheres these are the
+    /// contacts in progress at the last check. If contacts are instantaneous, `visit` is not called.
     fn for_each_touching(&self, visit: &mut dyn FnMut(Couple));
 
-    /// Indices of the particles that islands moved last; `None` if all were moved at once by the classical algorithm.
+    /// Indices of the particles that islands moved last; `None` if the classical algorithm moved all particles.
     fn in_islands(&self) -> Option<&[u32]>;
 
-    /// Gives the engine a clock for its times. Within long windows the engine tells the clock its simulated time.
-    /// Without a clock it measures no time.
+    /// Sets the clock with which the engine measures times, and to which it reports the simulated time within long
+    /// windows. Without a clock the engine measures no time.
     fn use_clock(&mut self, clock: Clock);
 
-    /// State between windows: all that an engine with equal settings needs to continue with the same bits. It may be
-    /// called between windows only.
+    /// State of the engine between windows. With this state, an engine with equal settings continues with equal bits.
+    /// The function may be called only between windows.
     ///
     /// # Errors
     /// The state cannot be stored.
@@ -102,60 +102,61 @@ pub trait Engine {
     /// Continues from the stored state of an engine with equal settings.
     ///
     /// # Errors
-    /// The bytes are not of such an engine; this engine then stays as it was.
+    /// The bytes are not the state of an engine of this type; this engine then remains unchanged.
     fn restore(&mut self, stored: &Stored) -> Result<(), StoreError>;
 }
 
 /// Overlap of two bodies.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Overlap {
-    /// Depth δ [m].
+    /// Depth δ [m] of the overlap.
     pub depth: f64,
-    /// Smaller of the two diameters [m].
+    /// Smaller of the diameters [m] of the two bodies; at a wall that of the particle.
     pub diameter: f64,
 }
 
-/// Wall-clock time by part of an engine's work.
+/// Wall-clock time spent on parts of an engine's work.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct EngineTimes {
-    /// Search for pairs that may touch.
+    /// Time spent on the search for pairs that may touch.
     pub neighbours: Duration,
-    /// Straight flight of all particles, if it is a separate part of the work.
+    /// Time spent on the straight flight of all particles, if this is a separate part of the work.
     pub flight: Duration,
 }
 
 impl EngineTimes {
-    /// Adds the time for builds of a neighbour list.
+    /// Adds the time spent on building a neighbour list.
     fn with_list(self, list: &NeighbourList) -> Self {
         Self { neighbours: self.neighbours + list.building(), ..self }
     }
 }
 
-/// Work done, in counts that do not depend on the machine.
+/// Amounts of work done, as counts that do not depend on the machine.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Counters {
-    /// Time steps of all particles (soft uniform, stepped hard) or of islands in contact (soft local).
+    /// Number of time steps: of all particles (soft uniform, stepped hard), or of islands in contact (soft local).
     pub steps: u64,
-    /// Steps of all particles among `steps` (soft); local stepping takes them if too many particles touch.
+    /// Number of `steps` in which all particles were moved (soft). Local stepping uses them if too many particles
+    /// touch.
     pub uniform_steps: u64,
-    /// Pairs and wall candidates with computed gap or touch time (soft uniform: those in the list, though most are
-    /// known to be too far apart).
+    /// Number of pairs, and particles with walls, whose gap or time of touch was computed. For soft uniform steps these
+    /// are the candidates in the neighbour list, although most are known to be too far apart.
     pub pair_checks: u64,
-    /// Contact forces computed (soft).
+    /// Number of contact forces computed (soft).
     pub force_evaluations: u64,
-    /// Impulses applied (hard).
+    /// Number of impulses applied (hard).
     pub events: u64,
-    /// Collisions without impulse, because the spheres were separating again at the next check (stepped hard).
+    /// Number of collisions without impulse, because the spheres already separated at the next check (stepped hard).
     pub missed_collisions: u64,
-    /// Neighbour lists and cell grids built.
+    /// Number of neighbour lists and cell grids built.
     pub neighbour_builds: u64,
-    /// Islands solved.
+    /// Number of islands solved.
     pub islands: u64,
-    /// Particles in all islands solved, summed.
+    /// Sum over all solved islands of the number of their particles.
     pub island_members: u64,
-    /// Particles of the largest island.
+    /// Number of particles in the largest island.
     pub largest_island: u64,
-    /// Islands solved again because something in them met an unexpected particle or speed.
+    /// Number of islands solved again, because a particle met an unexpected particle or exceeded its speed limit.
     pub islands_redone: u64,
 }
 
@@ -163,7 +164,7 @@ pub struct Counters {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, thiserror::Error)]
 #[serde(rename_all = "snake_case")]
 pub enum Failure {
-    /// A soft contact is deeper than the limit: stiffness too low for this speed.
+    /// A soft contact is deeper than the limit: the stiffness is too low for this speed.
     #[error(
         "at t = {time} s {}: raise soft stiffness",
         match (way, partner) {
@@ -180,21 +181,21 @@ pub enum Failure {
         time = nine(time)
     )]
     OverlapTooLarge {
-        /// Time [s].
+        /// Time [s] of the failure.
         time: f64,
-        /// Id of the particle.
+        /// Id of the particle whose overlap is too deep.
         particle: u32,
-        /// The particle or wall that it overlaps.
+        /// The particle or wall that this particle overlaps.
         partner: Partner,
-        /// [-] overlap over the (smaller) diameter.
+        /// [-] depth of the overlap over the (smaller) diameter.
         ratio: f64,
-        /// [-] limit of this ratio.
+        /// [-] limit of the ratio of overlap to diameter.
         limit: f64,
-        /// [-] path of the centre within the step over the diameter, if it passed through the surface of a wall between
-        /// two checks.
+        /// [-] path of the centre within the step over the diameter, if the centre passed through the surface of a wall
+        /// between two checks.
         way: Option<f64>,
     },
-    /// The soft time step is beyond the scheme's stability limit: the oscillation of any long contact would grow.
+    /// The soft time step exceeds the stability limit of the integrator: the oscillation of a long contact would grow.
     #[error(
         "at t = {time} s the time step {step:.4e} s is too long for the contact {}: ω_0 Δt = {reduced:.3}, {}",
         wall.map_or("of two particles".to_string(), |wall| format!("with wall {wall}")),
@@ -205,41 +206,42 @@ pub enum Failure {
         time = nine(time)
     )]
     StepTooLong {
-        /// Time [s].
+        /// Time [s] of the failure.
         time: f64,
         /// Wall of the contact; `None` for a contact of two particles of the lightest kind.
         wall: Option<u32>,
-        /// Time step Δt [s].
+        /// Time step Δt [s] that is too long.
         step: f64,
-        /// [-] ω_0 Δt.
+        /// [-] ω_0 Δt, the time step times the undamped angular frequency of the contact.
         reduced: f64,
-        /// [-] largest stable ω_0 Δt at the restitution of that contact; `None` if none is stable.
+        /// [-] largest stable ω_0 Δt for the restitution of that contact; `None` if no step is stable.
         limit: Option<f64>,
     },
-    /// A contact law supplied by the caller breaks a contract that engines rely on.
+    /// A contact law of the calling program violates a contract on which engines rely.
     #[error("at t = 0 s the contact law cannot be used ({law}): {broken}")]
     BrokenContract {
-        /// The law in words.
+        /// The name of the law in words.
         law: String,
-        /// The contract.
+        /// The violated contract.
         broken: BrokenContract,
     },
-    /// Kinetic and elastic energy grew by more than the work of drag and gravity and the error of the time integrator.
+    /// Kinetic and elastic energy grew by more than the work of drag and gravity plus the error of the time integrator.
     #[error(
         "at t = {time} s the energy has grown by {grown:.3e} J beyond what drag and gravity put in; the time integrator explains {explained:.3e} J: lower the time step ({remedy})",
         time = nine(time)
     )]
     EnergyGrew {
-        /// Time [s].
+        /// Time [s] of the failure.
         time: f64,
         /// Growth [J] beyond the work of drag and gravity.
         grown: f64,
-        /// Part of the growth [J] that the scheme explains.
+        /// Part of this growth [J] that the error of the time integrator explains.
         explained: f64,
-        /// Settings that lower the step of this case.
+        /// Settings that shorten the time step of this case.
         remedy: String,
     },
-    /// Impacts pile up (a Zeno series, or coming to rest): the intervals between them become too short to resolve.
+    /// Impacts accumulate, for instance when a sphere comes to rest: the intervals between them become too short to
+    /// resolve.
     #[error(
         "inelastic collapse at t = {time} s: particle {particle}, which now meets {partner}, met others {impacts} times within one window, the last time after {interval:.1e} s, at ({x:.6e}, {y:.6e}, {z:.6e}) m; {}: {}, or use the hybrid or the soft model",
         sliding.map_or(
@@ -253,75 +255,75 @@ pub enum Failure {
         time = nine(time)
     )]
     InelasticCollapse {
-        /// Time [s].
+        /// Time [s] of the failure.
         time: f64,
-        /// Id of the particle.
+        /// Id of the particle that collides too often.
         particle: u32,
         /// The particle or wall with which `particle` keeps colliding.
         partner: Partner,
-        /// Impacts of that particle within the window.
+        /// Number of impacts of that particle within the window.
         impacts: u64,
         /// Time [s] between the last two impacts.
         interval: f64,
-        /// Contact time t_c [s] of the TC model, if it was requested.
+        /// Contact time t_c [s] of the TC model; `None` if this model is not used.
         contact_time: Option<f64>,
-        /// Speed [m/s] of sliding along a curved wall, if that is why its impacts pile up.
+        /// Speed [m/s] at which the particle slides along a curved wall, if this is the reason for its many impacts.
         sliding: Option<f64>,
-        /// Position x [m].
+        /// Coordinate x [m] of the particle.
         x: f64,
-        /// Position y [m].
+        /// Coordinate y [m] of the particle.
         y: f64,
-        /// Position z [m].
+        /// Coordinate z [m] of the particle.
         z: f64,
     },
     /// A particle left the domain through a side that is not periodic.
     #[error("at t = {time} s particle {particle} is outside the domain, at ({x:.6e}, {y:.6e}, {z:.6e}) m", time = nine(time))]
     Escaped {
-        /// Time [s].
+        /// Time [s] of the failure.
         time: f64,
-        /// Id of the particle.
+        /// Id of the particle that left the domain.
         particle: u32,
-        /// Position x [m].
+        /// Coordinate x [m] of the particle.
         x: f64,
-        /// Position y [m].
+        /// Coordinate y [m] of the particle.
         y: f64,
-        /// Position z [m].
+        /// Coordinate z [m] of the particle.
         z: f64,
     },
-    /// The run was told to stop; nothing is wrong with it.
+    /// A signal from outside stopped the run; no error occurred.
     #[error("at t = {time} s it was stopped from outside (Ctrl-C or a signal to end); this is a part of the run", time = nine(time))]
     Stopped {
-        /// Time [s].
+        /// Time [s] at which the run stopped.
         time: f64,
     },
     /// Output of the run could not be written.
     #[error("at t = {time} s the run was stopped: {why}", time = nine(time))]
     Unwritten {
-        /// Time [s].
+        /// Time [s] of the failure.
         time: f64,
-        /// The output that failed, its location, and the system's message.
+        /// The output that failed, its location, and the message of the operating system.
         why: String,
     },
-    /// A position or velocity is no longer a finite number, or its square is not.
+    /// A position or velocity, or the square of a speed, is no longer a finite number.
     #[error(
         "at t = {time} s the position or velocity of particle {particle} is not a number, or too large to compute with",
         time = nine(time)
     )]
     NotANumber {
-        /// Time [s].
+        /// Time [s] of the failure.
         time: f64,
-        /// Id of the particle.
+        /// Id of the particle whose position or velocity is not a number.
         particle: u32,
     },
 }
 
-/// Time [s] for messages, rounded to nine digits: the last digits come from summing windows.
+/// Time [s] for messages, rounded to nine digits: further digits are rounding errors from summing windows.
 fn nine(time: &f64) -> f64 {
     format!("{time:.8e}").parse().unwrap_or(*time)
 }
 
 impl Failure {
-    /// Type of the failure as one word, as used in tables and JSON.
+    /// Type of the failure as one word, used in tables and JSON.
     pub fn kind(&self) -> &'static str {
         match self {
             Self::OverlapTooLarge { .. } => "overlap_too_large",
@@ -339,7 +341,7 @@ impl Failure {
     /// Simulated time [s] of the failure.
     pub fn time(&self) -> f64 {
         match self {
-            // found when the simulation is set up
+            // a broken contract is found when the simulation is set up
             Self::BrokenContract { .. } => 0.0,
             Self::OverlapTooLarge { time, .. }
             | Self::StepTooLong { time, .. }
@@ -353,20 +355,20 @@ impl Failure {
     }
 }
 
-/// Largest component [m/s] of a velocity, whether or not it can be squared.
+/// Largest component [m/s] of a particle's velocity; unlike the speed, it is finite if its square is not.
 fn speed(particles: &Particles, place: usize) -> f64 {
     particles.velocity.get(place).map_or(0.0, |velocity| velocity.amax())
 }
 
-/// Failure for the first particle, in the order of the store, with a position or velocity that is not a number. If
-/// there is none, it names the fastest particle.
+/// Makes the failure for the first particle, in the order of the store, whose position or velocity is not a finite
+/// number. If there is none, the failure names the fastest particle.
 fn not_a_number(particles: &Particles, time: f64) -> Failure {
     let bad = particles
         .position
         .iter()
         .zip(&particles.velocity)
         .position(|(x, v)| !(x.iter().chain(v.iter()).all(|value| value.is_finite())));
-    // if all are numbers, the square of a speed is not: that of the fastest particle
+    // if all numbers are finite, the square of the largest speed is not
     let fastest = || (0..particles.len()).max_by(|a, b| speed(particles, *a).total_cmp(&speed(particles, *b)));
     let place = bad.or_else(fastest).unwrap_or_default();
     Failure::NotANumber { time, particle: particles.id.get(place).copied().unwrap_or_default() }

@@ -1,18 +1,17 @@
-//! Motion shared by engines that move all particles at once.
+//! Motion of all particles at once, used by several engines.
 //!
-//! Within a window an engine works in the frame that falls freely with gravity from rest. In this frame particles
-//! without contact fly straight at constant velocity. Gravity costs nothing per particle there, and it is exact.
+//! Within a window an engine uses the frame that falls freely with gravity from rest. In this frame, particles without
+//! contact fly straight at constant velocity. Gravity then needs no computation per step, and it is exact.
 
 use crate::particles::{CHUNK, Particles};
 use crate::work_sharing;
 
 use nalgebra::Vector3;
 
-/// Particles that a thread moves at a time: a quarter of a chunk, because with few chunks a thread would wait for the
-/// last.
+/// Number of particles that a thread moves at a time. With larger pieces, threads would wait longer for the last one.
 const PART: usize = CHUNK / 4;
 
-/// x += v dt + shift for every particle; `shift` [m] is the fall of the frame in this time.
+/// Moves every particle: x += v dt + shift. `shift` [m] is the fall of the frame in the time `dt` [s].
 pub fn drift(particles: &mut Particles, dt: f64, shift: Vector3<f64>) {
     let each = |positions: &mut [Vector3<f64>], velocities: &[Vector3<f64>]| {
         for (x, v) in positions.iter_mut().zip(velocities) {
@@ -27,7 +26,7 @@ pub fn drift(particles: &mut Particles, dt: f64, shift: Vector3<f64>) {
     }
 }
 
-/// v += change [m/s] for every particle: leaves the falling frame.
+/// Changes every velocity: v += change [m/s]. This returns from the falling frame to the frame at rest.
 pub fn accelerate(particles: &mut Particles, change: Vector3<f64>) {
     if change != Vector3::zeros() {
         work_sharing::for_each(particles.velocity.chunks_mut(CHUNK), |part| part.iter_mut().for_each(|v| *v += change));

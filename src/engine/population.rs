@@ -1,5 +1,5 @@
-//! Summary of the particle sizes, for choices between methods of moving particles. It does not depend on the order of
-//! the store, and is equal on all processes that share a run.
+//! Summary of the particles' sizes, by which engines choose between methods. It does not depend on the order of the
+//! store, and is equal on all processes that share a run.
 
 use crate::neighbours::levels::Census;
 use crate::particles::{CHUNK, Sample};
@@ -8,33 +8,33 @@ use crate::work_sharing;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-/// All particles of a run in a few numbers.
+/// Summary of all particles of a run in a few numbers.
 #[derive(Clone, Serialize, Deserialize)]
 pub struct PopulationSummary {
-    /// Number of particles.
+    /// Number of particles of the run.
     pub count: usize,
-    /// Largest radius [m].
+    /// Largest radius [m] of any particle.
     pub largest: f64,
     /// Mass [kg] of the lightest particle.
     pub lightest: f64,
-    /// Means of the radius [m] and of its square [m²].
+    /// Means over all particles of the radius [m] and of its square [m²].
     pub mean_radius: [f64; 2],
-    /// Volume fraction [-] of the space open to particles that they fill.
+    /// Fraction [-] of the volume open to particles that they fill.
     pub filled: f64,
-    /// True if there are different radii.
+    /// True if the particles have different radii.
     pub mixed: bool,
-    /// Numbers of particles by size, if sizes are very different.
+    /// Numbers of particles by size, if the sizes differ so much that several grids are used.
     pub census: Option<Census>,
-    /// [1/m³] number density.
+    /// [1/m³] number of particles per volume open to them.
     pub density: f64,
 }
 
 impl PopulationSummary {
-    /// Summary of all particles of a run, of which other processes may have a part.
+    /// Summary of all particles of a run, some of which may be stored by other processes.
     pub fn of(sample: &Sample, scene: &Scene) -> Self {
         let (radius, mass, volume) = (&sample.particles.radius, &sample.particles.mass, scene.room());
         let ([mean, square, cube], count) = (sample.mean_radii(1.0), sample.count());
-        // maximum of negative values: the least is the largest with its sign changed
+        // the smallest value is found as the largest of the values with opposite sign
         let wider = |[a, b, c]: [f64; 3], [d, e, f]: [f64; 3]| [a.max(d), b.max(e), c.max(f)];
         let none = [0.0, f64::NEG_INFINITY, f64::NEG_INFINITY];
         let of_some = |(radius, mass): (&[f64], &[f64])| {

@@ -1,8 +1,9 @@
-//! Sums that do not depend on the order of the terms: they are exact, and rounded once, at the end.
+//! Sums that do not depend on the order of their terms: they are exact, and rounded once, at the end.
 //!
-//! A sum of floating-point numbers depends on the order of its terms. So it would depend on the order of the store
-//! and on the division of work. Sums over particles, islands and impacts are therefore added up here. [`ExactSum`]
-//! takes numbers one by one; [`add_rows`] adds up many at a time for a quarter of the instructions.
+//! A plain sum of floating-point numbers depends on the order of its terms. So it would depend on the order in which
+//! particles are stored, and on the division of work among threads. Sums over particles, islands and impacts are
+//! therefore added up here. [`ExactSum`] adds numbers one by one. [`add_rows`] adds many numbers at a time, in a
+//! quarter of the instructions.
 
 mod rows;
 
@@ -13,17 +14,17 @@ pub use rows::{
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-/// Bits of a digit.
+/// Number of bits of a digit.
 const BITS: u32 = 32;
-/// Number of digits that hold every finite number, and room above them for 2^40 numbers of the largest size.
+/// Number of digits: enough for every finite number, and for 2^40 numbers of the largest size.
 const DIGITS: usize = 67;
-/// Words after the digits: numbers of infinite, minus infinite, and not-a-number terms.
+/// Number of words after the digits. They count the terms that are infinite, minus infinite, and not a number.
 const SPECIAL: usize = 3;
-/// Words of a sum.
+/// Number of words of a sum.
 const WORDS: usize = DIGITS + SPECIAL;
-/// [-] exponent of two of the lowest bit of the first digit: half of the smallest number above 0.
+/// [-] exponent of two of the lowest bit of the first digit. 2^-1075 is half of the smallest `f64` above 0.
 const LOWEST: i32 = -1075;
-/// Number of terms that can be added before digits must be carried: each adds less than 2^52 to a digit.
+/// Number of terms that can be added before digits must be carried: each term adds less than 2^52 to a digit.
 const MOST: u32 = 1024;
 
 /// An exact sum of `f64`, rounded to the nearest (ties to even) when its value is read.
@@ -41,11 +42,11 @@ const MOST: u32 = 1024;
 /// ```
 #[derive(Clone, Debug)]
 pub struct ExactSum {
-    /// The sum is Σ `words[k]` 2^(32 k - 1075) over the digits.
+    /// Digits and special words: the sum is Σ `words[k]` 2^(32 k - 1075) over the digits.
     words: [i64; WORDS],
-    /// Bit k: `words[k]` may differ from 0.
+    /// Bit k is set if `words[k]` may differ from 0.
     used: u128,
-    /// Bound on the digits, in numbers added since they were carried.
+    /// Bound on the size of the digits: they are at most as large as after this many additions.
     added: u32,
 }
 
@@ -56,7 +57,7 @@ impl Default for ExactSum {
 }
 
 impl ExactSum {
-    /// Adds a number.
+    /// Adds a number to the sum.
     #[inline]
     pub fn add(&mut self, x: f64) {
         let bits = x.to_bits();
@@ -65,7 +66,7 @@ impl ExactSum {
         if exponent == 0x7ff {
             return self.add_special(x);
         }
-        // subnormal numbers have the exponent of the smallest normal number, and no leading one
+        // a subnormal number has the exponent of the smallest normal number, and no implicit leading one
         let (magnitude, exponent) = if exponent == 0 { (fraction, 1) } else { (fraction | 1 << 52, exponent) };
         if magnitude == 0 {
             return;
@@ -88,7 +89,7 @@ impl ExactSum {
         self.used |= 1 << place;
     }
 
-    /// Adds another sum.
+    /// Adds another sum to this sum.
     pub fn merge(&mut self, other: &Self) {
         if self.added + other.added > 2 * MOST - 2 {
             self.carry();
@@ -100,40 +101,40 @@ impl ExactSum {
         self.added += other.added;
     }
 
-    /// This sum less another.
+    /// This sum minus another.
     pub fn less(&self, other: &Self) -> Self {
         let mut other = other.clone();
         other.words[..DIGITS].iter_mut().for_each(|word| *word = -*word);
-        // terms that were not finite before the difference began do not belong to it
+        // terms of `other` that were not finite do not belong to the difference
         other.words[DIGITS..].iter_mut().for_each(|word| *word = -*word);
         other.merge(self);
         other
     }
 
-    /// Brings all digits into [-2^31, 2^31), which makes them unique for a number.
+    /// Carries, so that every digit lies in [-2^31, 2^31): the digits of a number are then unique.
     fn carry(&mut self) {
         let mut carried = 0;
         let first = self.used.trailing_zeros() as usize;
         for place in first..DIGITS {
             let word = self.words[place] + carried;
             carried = (word + (1 << (BITS - 1))) >> BITS;
-            // the last digit keeps all
+            // the last digit is not carried further
             self.words[place] = if place + 1 < DIGITS { word - (carried << BITS) } else { word };
         }
         self.used = (0..WORDS).filter(|&place| self.words[place] != 0).fold(0, |used, place| used | 1 << place);
         self.added = 1;
     }
 
-    /// Words of the sum. Those of up to 2^20 sums may be added word by word, by any means, and written back here. The
-    /// result is the sum of all of them, also where terms were not finite.
+    /// Words of the sum, to be added to those of other sums word by word, and written back here. The words of up to
+    /// 2^20 sums may be added. The result is the sum of all of them, also if terms were not finite.
     pub fn words(&mut self) -> &mut [i64; WORDS] {
         self.carry();
-        // the words that will be written are not known
+        // the caller may write any of the words
         (self.used, self.added) = ((1 << WORDS) - 1, MOST);
         &mut self.words
     }
 
-    /// The sum, correctly rounded; 0 if empty. Where terms were not finite, it is the result of a plain sum.
+    /// The sum, correctly rounded; 0 without terms. If terms were not finite, the result is that of a plain sum.
     pub fn value(&self) -> f64 {
         let special = &self.words[DIGITS..];
         if special.iter().any(|&count| count != 0) {
@@ -148,7 +149,7 @@ impl ExactSum {
         }
         let (first, last) =
             (self.used.trailing_zeros() as usize, u128::BITS as usize - self.used.leading_zeros() as usize);
-        // carried as in `carry`, over the words in use
+        // carries as `carry` does, but only over the words in use
         let (mut digits, mut carried, mut top) = ([0_i64; DIGITS], 0, first);
         for (place, (digit, word)) in digits.iter_mut().zip(&self.words).enumerate().skip(first) {
             if place >= last && carried == 0 {
@@ -160,7 +161,7 @@ impl ExactSum {
             top = if *digit != 0 { place } else { top };
         }
         let negative = digits[top] < 0;
-        // digits of the magnitude, none of them negative
+        // makes all digits of the magnitude positive or 0
         let mut borrowed = 0;
         for digit in &mut digits[first..=top] {
             let word = if negative { -*digit } else { *digit } + borrowed;
@@ -172,7 +173,7 @@ impl ExactSum {
     }
 }
 
-/// Positions of the bits that are set.
+/// Positions of the bits that are set in a number.
 fn places(mut bits: u128) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
         (bits != 0).then(|| {
@@ -183,16 +184,16 @@ fn places(mut bits: u128) -> impl Iterator<Item = usize> {
     })
 }
 
-/// The number with these digits from position `first` on, none of them negative, rounded to the nearest, ties to
-/// even.
+/// The number that has these digits from position `first` on, rounded to the nearest, ties to even. No digit is
+/// negative.
 fn round(digits: &[i64], first: i32) -> f64 {
     let Some(top) = digits.iter().rposition(|&digit| digit != 0) else { return 0.0 };
-    // the three leading digits, and a flag for lower digits
+    // the three leading digits, and a flag that tells if lower digits differ from 0
     let digit = |below: usize| top.checked_sub(below).map_or(0, |place| digits[place] as u128);
     let leading = digit(0) << (2 * BITS) | digit(1) << BITS | digit(2);
     let below = digits[..top.saturating_sub(2)].iter().any(|&digit| digit != 0);
     let lowest = LOWEST + BITS as i32 * (first + top as i32 - 2);
-    // last binary position of the result: 53 bits, or the smallest number
+    // position of the last bit of the result: 53 bits below the first, or that of the smallest number
     let length = 128 - leading.leading_zeros() as i32;
     let place = (lowest + length - f64::MANTISSA_DIGITS as i32).max(LOWEST + 1);
     let shift = place - lowest;
@@ -200,12 +201,12 @@ fn round(digits: &[i64], first: i32) -> f64 {
     let half = 1_u128 << (shift - 1);
     let up = rest > half || (rest == half && (below || kept & 1 == 1));
     let kept = kept as u64 + u64::from(up);
-    // an implicit leading one counts as one more in the exponent
+    // the implicit leading one adds one to the exponent
     let exponent = (place - LOWEST - 1) as u64;
     if exponent > 2045 { f64::INFINITY } else { f64::from_bits((exponent << 52) + kept) }
 }
 
-/// Compares values.
+/// Compares the exact values.
 impl PartialEq for ExactSum {
     fn eq(&self, other: &Self) -> bool {
         let [mut one, mut other] = [self, other].map(Self::clone);
@@ -215,7 +216,7 @@ impl PartialEq for ExactSum {
     }
 }
 
-/// Stores the index of each word in use, and the word. Readable formats get the value.
+/// Stores the index and the value of each word in use. Formats that people read get the rounded value.
 impl Serialize for ExactSum {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         if serializer.is_human_readable() {

@@ -1,39 +1,40 @@
 //! Exact sums of many numbers at a time.
 //!
-//! The leading bits of a block of numbers are cut off on a grid so coarse that floating-point sums of them are exact,
-//! then the next bits. This is the "error-free vector transformation" of S. M. Rump, T. Ogita and S. Oishi, "Accurate
-//! floating-point summation part I", SIAM J. Sci. Comput. 31, 189 (2008), algorithm 3.2. A block then adds only two
-//! numbers to the exact sum. If bits remain, as in blocks whose numbers differ by more than ten orders of magnitude,
-//! the numbers are added one by one.
+//! Adding and then subtracting a large number σ cuts off the leading bits of a number. The leading bits of all numbers
+//! of a block lie on one coarse grid, so their floating-point sum is exact. A second, smaller σ cuts off the next bits.
+//! This is the "error-free vector transformation" of S. M. Rump, T. Ogita and S. Oishi, "Accurate floating-point
+//! summation part I", SIAM J. Sci. Comput. 31, 189 (2008), algorithm 3.2. Then only two numbers per block are added to
+//! the exact sum. If bits remain, as in blocks whose numbers differ by more than ten orders of magnitude, the numbers
+//! are added one by one.
 
 use super::ExactSum;
 use crate::work_sharing;
 use std::array::from_fn;
 
-/// Number of rows of a block.
+/// Largest number of rows of a block.
 pub const BLOCK: usize = 128;
-/// [-] σ over the largest number of a block, rounded up to a power of two: at least `BLOCK` + 2.
+/// [-] ratio of the first σ to a power of two above the largest number of a block: at least `BLOCK` + 2.
 const ROOM: f64 = 256.0;
-/// [-] the second σ over the first: what the first leaves over is at most 2^-53 of it.
+/// [-] ratio of the second σ to the first: the first step leaves remainders of at most 2^-53 times its σ.
 const NEXT: f64 = ROOM * f64::EPSILON / 2.0;
-/// Range of the largest number of a block in which nothing overflows and no bit falls below the smallest number.
+/// Range that must contain the largest number of a block, so that nothing overflows and no bit is lost by underflow.
 const SAFE: std::ops::Range<f64> = 1e-250..1e290;
-/// Number of terms of one sum that are added side by side.
+/// Number of partial sums into which one sum is split, so that a processor can add to all of them at the same time.
 const LANES: usize = 4;
-/// Number of particles below which a second thread is not worth it.
+/// Number of terms in one piece of work of a thread: fewer are not worth a second thread.
 const CHUNK: usize = 8192;
 
-/// Two partial sums for each column of a block.
+/// Two partial sums for each of K columns of a block: of leading bits and of the next bits.
 struct Parts<const K: usize> {
     high: [f64; K],
     low: [f64; K],
-    /// Bits that neither sum holds, in any row. The sign of a zero may be among them, which adds nothing.
+    /// Bits that neither sum contains, combined over all rows. The sign bit of a zero may be set, which changes no sum.
     left: [u64; K],
-    /// Largest magnitude in each column.
+    /// Largest magnitude of the numbers in each column.
     largest: [f64; K],
 }
 
-/// Partial sums of T columns from `at` on: as many as a processor takes at once.
+/// Computes the partial sums of the T columns from column `at` on. T is limited by the registers of a processor.
 #[inline(always)]
 fn columns<const T: usize, const K: usize>(rows: &[[f64; K]], at: usize, parts: &mut Parts<K>) {
     let of = |row: &[f64; K]| -> [f64; T] { from_fn(|k| row[at + k]) };
@@ -69,7 +70,7 @@ fn columns<const T: usize, const K: usize>(rows: &[[f64; K]], at: usize, parts: 
 fn parts<const K: usize>(rows: &[[f64; K]]) -> Parts<K> {
     let mut parts = Parts { high: [0.0; K], low: [0.0; K], left: [0; K], largest: [0.0; K] };
     let mut at = 0;
-    // each addition waits for the one before: three side by side keep a processor busy
+    // each addition depends on the one before: twelve columns at a time keep a processor busy
     while at + 12 <= K {
         columns::<12, K>(rows, at, &mut parts);
         at += 12;
@@ -88,7 +89,7 @@ fn parts<const K: usize>(rows: &[[f64; K]]) -> Parts<K> {
     parts
 }
 
-/// Partial sums of all columns; the rows are computed twice.
+/// Partial sums of all columns at once. The rows are computed twice: for the largest numbers and for the sums.
 #[inline(always)]
 fn all_columns<const K: usize>(rows: impl Iterator<Item = [f64; K]> + Clone) -> Parts<K> {
     let mut largest = [0.0_f64; K];
@@ -114,7 +115,7 @@ fn all_columns<const K: usize>(rows: impl Iterator<Item = [f64; K]> + Clone) -> 
     Parts { high, low, left, largest }
 }
 
-/// Runs code with instructions that not every processor has: exact sums have the same bits.
+/// Runs code with the wide vector instructions that some processors have. Exact sums are the same without them.
 #[inline(always)]
 fn at_once<R>(make: impl FnOnce() -> R) -> R {
     #[cfg(target_arch = "x86_64")]
@@ -124,7 +125,7 @@ fn at_once<R>(make: impl FnOnce() -> R) -> R {
     make()
 }
 
-/// Adds up K columns at the same time, of at most [`BLOCK`] rows each.
+/// Adds the rows of one block, at most [`BLOCK`], to the sums of their K columns.
 fn add_block<const K: usize>(sums: [&mut ExactSum; K], rows: &[[f64; K]]) {
     add_parts(
         sums,
@@ -136,7 +137,7 @@ fn add_block<const K: usize>(sums: [&mut ExactSum; K], rows: &[[f64; K]]) {
     );
 }
 
-/// Adds partial sums, or the rows themselves if the partial sums are not complete.
+/// Adds the partial sums, or each row itself if the partial sums leave out bits.
 fn add_parts<const K: usize>(sums: [&mut ExactSum; K], parts: Parts<K>, rows: impl Iterator<Item = [f64; K]> + Clone) {
     let Parts { high, low, left, largest } = parts;
     for (k, sum) in sums.into_iter().enumerate() {
@@ -149,13 +150,13 @@ fn add_parts<const K: usize>(sums: [&mut ExactSum; K], parts: Parts<K>, rows: im
     }
 }
 
-/// A power of two above a number that is 0 or normal, and at most twice it.
+/// A power of two above `x` and at most twice as large; `x` is 0 or a normal positive number.
 #[inline]
 fn power_above(x: f64) -> f64 {
     f64::from_bits((x.to_bits() & 0x7ff << 52) + (1 << 52))
 }
 
-/// Adds up K columns at the same time.
+/// Adds rows to the sums of their K columns.
 #[inline]
 pub fn add_rows<const K: usize>(mut sums: [&mut ExactSum; K], rows: &[[f64; K]]) {
     rows.chunks(BLOCK).for_each(|block| add_block(sums.each_mut().map(|sum| &mut **sum), block));
@@ -186,23 +187,23 @@ pub fn add_all(sum: &mut ExactSum, numbers: &[f64]) {
     rest.iter().for_each(|&x| sum.add(x));
 }
 
-/// The value of each sum.
+/// The rounded value of each sum.
 pub fn values<const K: usize>(sums: &[ExactSum; K]) -> [f64; K] {
     from_fn(|k| sums[k].value())
 }
 
-/// Empty sums.
+/// K empty sums.
 pub fn none<const K: usize>() -> [ExactSum; K] {
     from_fn(|_| ExactSum::default())
 }
 
-/// Merged sums of two sets.
+/// Adds two sets of sums, sum by sum.
 pub fn merged<const K: usize>(mut one: [ExactSum; K], other: [ExactSum; K]) -> [ExactSum; K] {
     one.iter_mut().zip(&other).for_each(|(one, other)| one.merge(other));
     one
 }
 
-/// Sums of the rows that `of` gives for 0 .. `count`: equal for any order and any number of threads.
+/// Exact sums of the rows `of(0)` to `of(count - 1)`, column by column, on all threads.
 pub fn sums<const K: usize>(count: usize, of: impl Fn(usize) -> [f64; K] + Sync) -> [ExactSum; K] {
     let piece = |first: usize| {
         let (mut sums, mut rows) = (none(), [[0.0; K]; BLOCK]);
@@ -222,12 +223,13 @@ pub fn sums<const K: usize>(count: usize, of: impl Fn(usize) -> [f64; K] + Sync)
     work_sharing::map((0..count).step_by(CHUNK), piece).into_iter().fold(none(), merged)
 }
 
-/// Sum of one number per item.
+/// Exact sum of the numbers that `of` returns for the items.
 pub fn sum<T: Sync>(items: &[T], of: impl Fn(&T) -> f64 + Sync) -> ExactSum {
     sum_and_largest(items, of).0
 }
 
-/// Sum of one number per item, and the largest of them, at least 0; infinite if one is not a number.
+/// Exact sum of the numbers that `of` returns for the items, and the largest of them: at least 0, and infinite if a
+/// number is NaN.
 pub fn sum_and_largest<T: Sync>(items: &[T], of: impl Fn(&T) -> f64 + Sync) -> (ExactSum, f64) {
     let piece = |items: &[T]| {
         let (mut sums, mut numbers) = (none::<LANES>(), [0.0; BLOCK * LANES]);
@@ -242,7 +244,7 @@ pub fn sum_and_largest<T: Sync>(items: &[T], of: impl Fn(&T) -> f64 + Sync) -> (
             let mut last = [0.0; LANES];
             last[..rest.len()].copy_from_slice(rest);
             for row in rows.iter().chain([&last]) {
-                // the rounded sum reveals not-a-number, and the comparison does not
+                // a sum with a NaN is NaN, while a comparison with NaN is false and would hide it
                 most = from_fn(|k| if row[k] > most[k] { row[k] } else { most[k] });
                 rounded = from_fn(|k| rounded[k] + row[k]);
             }
@@ -265,8 +267,8 @@ pub fn sum_and_largest<T: Sync>(items: &[T], of: impl Fn(&T) -> f64 + Sync) -> (
     (all, most)
 }
 
-/// Sums of the K numbers that `of` makes of every N consecutive items. If the last group is shorter, it is filled
-/// with `T::default()`, which must add nothing.
+/// Sums of the K numbers that `of` computes from every N consecutive items. If the last group is shorter, it is filled
+/// with `T::default()`, for which `of` must return zeros.
 pub fn side_by_side<T: Copy + Default + Sync, const N: usize, const K: usize>(
     items: &[T],
     of: impl Fn(&[T; N]) -> [f64; K] + Sync,
@@ -298,13 +300,13 @@ pub fn side_by_side<T: Copy + Default + Sync, const N: usize, const K: usize>(
     }
 }
 
-/// Number of rows that wait in each group until they are worth a block.
+/// Number of rows that each group collects before they are added as one block.
 const WAITING: usize = 32;
 
-/// Sums of K columns for each of several groups, such as slices. A group without rows takes no memory.
+/// Sums of K columns for each of several groups, such as slices. A group without rows takes hardly any memory.
 pub struct Groups<const K: usize>(Vec<Option<Box<GroupSums<K>>>>);
 
-/// The sums of one group.
+/// The sums of one group, and the rows that are not added yet.
 struct GroupSums<const K: usize> {
     sums: [ExactSum; K],
     waiting: [[f64; K]; WAITING],
@@ -325,7 +327,7 @@ impl<const K: usize> GroupSums<K> {
         }
     }
 
-    /// Adds the waiting rows.
+    /// Adds the collected rows to the sums.
     fn take_in(&mut self) {
         add_block(self.sums.each_mut(), &self.waiting[..self.count]);
         self.count = 0;
@@ -333,7 +335,7 @@ impl<const K: usize> GroupSums<K> {
 }
 
 impl<const K: usize> Groups<K> {
-    /// `groups` groups without rows.
+    /// Makes `groups` groups without rows.
     pub fn new(groups: usize) -> Self {
         Self((0..groups).map(|_| None).collect())
     }
@@ -344,7 +346,7 @@ impl<const K: usize> Groups<K> {
         self.0[group].get_or_insert_with(|| Box::new(GroupSums::new())).add(row);
     }
 
-    /// Adds the sums of other groups.
+    /// Adds the sums of other groups to these, group by group.
     fn merge(&mut self, others: Self) {
         for (own, other) in self.0.iter_mut().zip(others.0) {
             let Some(mut other) = other else { continue };
@@ -358,7 +360,7 @@ impl<const K: usize> Groups<K> {
         }
     }
 
-    /// All sums of all groups.
+    /// All sums of all groups, group by group.
     pub fn each_mut(&mut self) -> Vec<&mut ExactSum> {
         let groups = self.0.iter_mut().map(|group| group.get_or_insert_with(|| Box::new(GroupSums::new())));
         groups
@@ -369,7 +371,7 @@ impl<const K: usize> Groups<K> {
             .collect()
     }
 
-    /// Values of the sums of each group.
+    /// Rounded values of the sums of each group.
     pub fn values(self) -> Vec<[f64; K]> {
         let of = |group: Option<Box<GroupSums<K>>>| {
             group.map_or([0.0; K], |mut group| {
@@ -381,7 +383,7 @@ impl<const K: usize> Groups<K> {
     }
 }
 
-/// Sums in groups: for each of 0 .. `count`, `of` gives the group and a row.
+/// Sums in groups. For each index from 0 to `count - 1`, `of` returns the number of a group and a row to add to it.
 pub fn sums_in_groups<const K: usize>(
     groups: usize,
     count: usize,
@@ -395,7 +397,7 @@ pub fn sums_in_groups<const K: usize>(
         }
         sums
     };
-    // as few pieces as there is work for: each has all sums of its own
+    // few pieces, since each piece has separate sums of all groups
     let pieces = count.div_ceil(CHUNK).clamp(1, 2 * rayon::current_num_threads());
     let start = |k: usize| count * k / pieces;
     let parts: Vec<_> = work_sharing::map(0..pieces, |k| piece(start(k), start(k + 1)));

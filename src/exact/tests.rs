@@ -3,7 +3,7 @@ use rand::seq::SliceRandom;
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-/// The sum by another method: partial sums that do not overlap (J. R. Shewchuk, Discrete Comput. Geom. 18, 305
+/// The sum by another method: partial sums whose bits do not overlap (J. R. Shewchuk, Discrete Comput. Geom. 18, 305
 /// (1997), "grow expansion"), rounded as in Python's `math.fsum`.
 fn reference(numbers: &[f64]) -> f64 {
     let mut partials: Vec<f64> = Vec::new();
@@ -28,7 +28,7 @@ fn reference(numbers: &[f64]) -> f64 {
         sum += next;
         let rest = next - (sum - before);
         if rest != 0.0 {
-            // halfway: the sign of what lies below decides
+            // exactly halfway: the sign of the lower partial sums decides
             if let Some(below) = partials.last()
                 && below.signum() == rest.signum()
             {
@@ -67,7 +67,7 @@ fn sums_are_exact_whatever_the_order_and_the_way() {
     for (low, high) in [(-2, 2), (-30, 30), (-80, 10), (-1080, -1000), (-1074, 960), (900, 1005)] {
         for count in [1, 2, 3, 7, 100, 5000] {
             let mut all = numbers(count, low, high, &mut random);
-            // half of the time, the remainder after most has cancelled
+            // in half of the cases most terms cancel
             if random.random::<bool>() {
                 all.extend(all.clone().iter().rev().skip(1).map(|x| -x));
             }
@@ -161,7 +161,7 @@ fn words_of_parts_add_up_to_those_of_the_whole() {
     }
     let mut added = ExactSum::default();
     *added.words() = words;
-    // as many as a machine may have processes
+    // as many sums as a machine may have processes
     let mut one = one_by_one(&[-1.5, 1e-300]);
     let mut many = ExactSum::default();
     let own = *one.words();
@@ -171,7 +171,7 @@ fn words_of_parts_add_up_to_those_of_the_whole() {
     assert!(merged == whole && added == whole && added.value() == whole.value());
     added.add(1.0);
     assert_eq!(added.value(), reference(&all.iter().copied().chain([1.0]).collect::<Vec<f64>>()));
-    // and what came later is the difference
+    // a sum minus the sum of its first terms is the sum of the later terms
     let before = one_by_one(&all[..1234]);
     assert!(whole.less(&before) == one_by_one(&all[1234..]) && whole.less(&whole).value() == 0.0);
 }
@@ -195,7 +195,7 @@ fn a_sum_is_stored_in_a_few_bytes_and_goes_on() {
 
 #[test]
 fn zeros_of_either_sign_are_condensed() {
-    // like the powers of contacts without losses
+    // as in contacts that lose no energy
     let mut rows: Vec<[f64; 3]> =
         (0..32).map(|k| [0.1 * f64::from(k), -0.0, if k % 2 == 0 { 0.0 } else { -0.0 }]).collect();
     let numbers: Vec<f64> = rows.iter().map(|row| row[0]).collect();
@@ -209,7 +209,7 @@ fn zeros_of_either_sign_are_condensed() {
 
 #[test]
 fn the_largest_of_numbers_is_found_beside_their_sum() {
-    // ends of blocks and of lanes, and more than one chunk
+    // counts at the ends of blocks and of lanes, and more than one chunk
     for count in [0usize, 1, 3, 4, 511, 513, 20_001] {
         let numbers: Vec<f64> = (0..count).map(|k| (0.754_877_7 * k as f64).fract()).collect();
         let largest = numbers.iter().copied().fold(0.0, f64::max);

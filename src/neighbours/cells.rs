@@ -1,4 +1,4 @@
-//! A uniform grid of cells, and positions sorted into it.
+//! A uniform grid of cells, and positions sorted into the cells.
 
 use super::region::Region;
 use crate::particles::CHUNK;
@@ -6,36 +6,36 @@ use crate::work_sharing;
 use nalgebra::Vector3;
 use std::ops::Range;
 
-/// Cells over a region, x fastest; `start[c] .. start[c + 1]` is the range of the cell order that belongs to cell
-/// `c`.
+/// A grid of cells over a region, numbered with x fastest. The *cell order* lists the items of one cell after the
+/// other; those of cell c are at `start[c] .. start[c + 1]`.
 #[derive(Clone, Debug, Default)]
 pub struct CellGrid {
     region: Region,
     count: [usize; 3],
     periodic: [bool; 3],
-    /// [1/m] cells per length.
+    /// [1/m] number of cells per length along each axis.
     per_length: Vector3<f64>,
     start: Vec<u32>,
-    /// Cell of each item during sorting; kept for its memory.
+    /// Cell of each item during sorting, stored here so that its memory is used again.
     cell: Vec<u32>,
 }
 
 impl CellGrid {
-    /// Divides a region into cells with edges of at least `edge` [m].
+    /// Sets the number of cells for a region, with edges of at least `edge` [m].
     fn divide(&mut self, region: &Region, edge: f64) {
         self.region = region.clone();
         self.periodic = region.periodic();
         self.count = std::array::from_fn(|axis| {
-            // the cap limits the number of cells, however empty the box
+            // 4096 limits the number of cells in a nearly empty box
             let fitting = (region.size()[axis] / edge).clamp(1.0, 4096.0) as usize;
-            // with two periodic cells each would be a neighbour of the other twice
+            // with two cells along a periodic axis, each would be a neighbour of the other on both sides
             if self.periodic[axis] && fitting < 3 { 1 } else { fitting }
         });
         self.per_length = Vector3::from_fn(|axis, _| self.count[axis] as f64 / region.size()[axis]);
     }
 
-    /// Sorts items inside a region into cells with edges of at least `edge` [m], by the positions [m] that `position`
-    /// gives. `order` receives the indices of the items in cell order.
+    /// Sorts items inside a region into cells with edges of at least `edge` [m]. `position` returns the position [m] of
+    /// an item. The indices of the items are written to `order`, in cell order.
     pub fn sort<T: Sync>(
         &mut self,
         items: &[T],
@@ -59,8 +59,8 @@ impl CellGrid {
         let count = self.count.iter().product::<usize>();
         self.start.resize(count + 1, 0);
         order.resize(items.len(), 0);
-        // Each thread sorts the items in its share of the cells. It visits only chunks that contain such items: few,
-        // if items are nearly in cell order already.
+        // Each thread sorts the items in its share of the cells. It visits only chunks that contain such items: these
+        // are few if items are nearly in cell order already.
         let shares = rayon::current_num_threads().min(items.len() / CHUNK).max(1);
         let width = count.div_ceil(shares);
         let chunks = |share: usize| {
@@ -91,7 +91,8 @@ impl CellGrid {
                 before += *count;
                 *count = before;
             }
-            // from the end: the order of items is kept, and `start` ends as its description says
+            // goes backwards, which keeps the order of items within a cell; afterwards `start` has its documented
+            // meaning
             for (chunk, (cells, _)) in chunks(share).rev() {
                 for (k, &c) in cells.iter().enumerate().rev() {
                     if let Some(start) = starts.get_mut((c as usize).wrapping_sub(share * width)) {
@@ -105,31 +106,31 @@ impl CellGrid {
         self.cell = cell;
     }
 
-    /// Frees the memory used for sorting.
+    /// Frees the memory that is used only for sorting.
     pub fn shed(&mut self) {
         self.cell = Vec::new();
     }
 
-    /// Sorts positions inside a region, as [`sort`](Self::sort). Returns the grid and the indices in cell order.
+    /// Sorts positions inside a region as [`sort`](Self::sort) does. Returns the grid and the indices in cell order.
     pub fn new(positions: &[Vector3<f64>], region: &Region, edge: f64) -> (Self, Vec<u32>) {
         let (mut grid, mut order) = (Self::default(), Vec::new());
         grid.sort(positions, |x| *x, region, edge, &mut order);
         (grid, order)
     }
 
-    /// Index of the cell at a position; beyond an open side it is the nearest cell. Clamping never separates
-    /// neighbours.
+    /// Index of the cell that contains a position. Beyond a side that is not periodic, it is the nearest cell, so that
+    /// neighbours remain in neighbouring cells.
     #[inline]
     fn cell_of(&self, x: &Vector3<f64>) -> usize {
         let x = if self.region.is_all() { *x } else { self.region.local(x) };
-        // by way of u32, because processors have an instruction for it, but none for usize
+        // converts by way of u32, for which processors have an instruction, unlike for usize
         let c: [usize; 3] =
             std::array::from_fn(|axis| ((x[axis] * self.per_length[axis]) as u32 as usize).min(self.count[axis] - 1));
         c[0] + self.count[0] * (c[1] + self.count[1] * c[2])
     }
 
-    /// Calls `visit` with ranges of the cell order that together hold all items within `radius` [m] of `x`, each
-    /// once. The flag is true if a range is seen through a periodic side.
+    /// Calls `visit` with ranges of the cell order. Together they contain all items within `radius` [m] of `x`, each
+    /// item once. The flag is true if a range may be nearer through a periodic side.
     #[inline(always)]
     pub fn for_each_near(&self, x: &Vector3<f64>, radius: f64, mut visit: impl FnMut(Range<usize>, bool)) {
         let x = self.region.local(x);
@@ -137,7 +138,7 @@ impl CellGrid {
         let [nx, ny, nz] = self.count.map(|n| n as isize);
         let all = [&cells, &rows, &layers].iter().any(|span| span.is_round);
         let (first, last) = (cells.first, cells.last);
-        // a run of cells that leaves the box returns at the other side
+        // a row of cells that leaves the box continues at the opposite side
         let runs = [(first + nx, last.min(-1) + nx), (first.max(0), last.min(nx - 1)), (first.max(nx) - nx, last - nx)];
         let used = usize::from(first >= 0)..2 + usize::from(last >= nx);
         for z in layers.first..=layers.last {
@@ -155,7 +156,7 @@ impl CellGrid {
         }
     }
 
-    /// Cells from one coordinate [m] to another along an axis.
+    /// Cells between two coordinates [m] along an axis.
     #[inline]
     fn span(&self, axis: usize, from: f64, to: f64) -> AxisCells {
         let n = self.count[axis] as isize;
@@ -170,7 +171,7 @@ impl CellGrid {
         }
     }
 
-    /// Calls `visit` with the items of every cell, from items in cell order.
+    /// Calls `visit` with the items of every cell; `order` contains the items in cell order.
     pub fn for_each_cell_of<T: Send>(&self, mut order: &mut [T], visit: impl Fn(&mut [T]) + Sync) {
         let cells: Vec<u32> = self.start.windows(2).map(|ends| ends[1] - ends[0]).collect();
         let piece = |cells: &'_ [u32]| order.split_off_mut(..cells.iter().sum::<u32>() as usize).unwrap_or_default();
@@ -181,20 +182,20 @@ impl CellGrid {
         });
     }
 
-    /// Rows of cells along x.
+    /// Number of rows of cells along x.
     pub fn rows(&self) -> usize {
         self.count[1] * self.count[2]
     }
 
-    /// Calls `visit(own, around, across)` for every non-empty cell of a row. `own` is the cell's range of the cell
-    /// order. `around` holds the ranges that may contain neighbours, chosen so that over all rows each pair of
-    /// neighbouring cells is seen once; the first begins where `own` ends. `across` is true if a neighbour may be
-    /// nearer through a periodic side.
+    /// Calls `visit(own, around, across)` for every non-empty cell of a row. `own` is the range of the cell in the cell
+    /// order. `around` contains the ranges of cells that may contain neighbours; the first begins at the end of `own`.
+    /// Over all rows, each pair of neighbouring cells occurs once. `across` is true if a neighbour may be nearer
+    /// through a periodic side.
     #[inline(always)]
     pub fn for_each_cell(&self, row: usize, mut visit: impl FnMut(Range<usize>, &mut Around, bool)) {
         let [nx, ny, _] = self.count;
         let (cy, cz) = (row % ny, row / ny);
-        // half of the rows around: the other half sees this row
+        // half of the surrounding rows: the pairs with the other half are found from those rows
         let ahead = [(1isize, 0isize), (-1, 1), (0, 1), (1, 1)]
             .map(|(dy, dz)| Some(nx * (self.shifted(1, cy, dy)? + ny * self.shifted(2, cz, dz)?)));
         let base = nx * row;
@@ -224,12 +225,12 @@ impl CellGrid {
         }
     }
 
-    /// True if a cell with this coordinate along an axis is beside a periodic side.
+    /// True if cells with this coordinate along an axis are next to a periodic side.
     fn is_at_side(&self, axis: usize, at: usize) -> bool {
         self.periodic[axis] && (at == 0 || at + 1 == self.count[axis])
     }
 
-    /// Coordinate `step` cells further along `axis`, if there is such a cell other than the first one.
+    /// Coordinate `step` cells further along `axis`; `None` if no cell other than the first is there.
     fn shifted(&self, axis: usize, from: usize, step: isize) -> Option<usize> {
         if step == 0 {
             return Some(from);
@@ -245,17 +246,16 @@ impl CellGrid {
         }
     }
 
-    /// Range of the cell order that belongs to cells `first ..= last` of one row.
+    /// Range in the cell order of the cells `first ..= last` of one row.
     fn places(&self, first: usize, last: usize) -> Range<usize> {
         self.start[first] as usize..self.start[last + 1] as usize
     }
 }
 
-/// Largest number of ranges around a cell: in its own row and in four rows ahead, and as many through a periodic
-/// side.
+/// Largest number of ranges around a cell: one in its row and four in other rows, and as many through a periodic side.
 const RANGES: usize = 10;
 
-/// Ranges of the cell order around a cell.
+/// Ranges of the cell order in which neighbours of a cell are searched.
 pub struct Around {
     first: [usize; RANGES],
     end: [usize; RANGES],
@@ -269,22 +269,22 @@ impl Around {
         self.count += 1;
     }
 
-    /// Sets the beginning of the first range: after an item of the cell itself.
+    /// Sets the beginning of the first range, to a place after an item of the cell itself.
     #[inline(always)]
     pub fn begin_at(&mut self, first: usize) {
         self.first[0] = first;
     }
 
-    /// All ranges.
+    /// All ranges in which neighbours are searched.
     #[inline(always)]
     pub fn ranges(&self) -> impl Iterator<Item = Range<usize>> {
         self.first.iter().zip(&self.end).take(self.count).map(|(&first, &end)| first..end)
     }
 }
 
-/// Cells along an axis.
+/// The cells between two coordinates along an axis.
 struct AxisCells {
-    /// First and last cell; beyond a periodic side the count continues.
+    /// First and last cell; cells beyond a periodic side have numbers below 0 or above the last.
     first: isize,
     last: isize,
     /// True if the cells cover the whole period of the axis.
@@ -298,7 +298,7 @@ fn below(x: f64) -> isize {
     whole - isize::from(whole as f64 > x)
 }
 
-/// Index of a cell, counted on by up to one period, among `n` cells; the flag is true if it was beyond the box.
+/// Index among `n` cells of a cell that may be up to one period outside the box; the flag is true if it is outside.
 #[inline]
 fn turned(cell: isize, n: isize) -> (isize, bool) {
     if cell < 0 {
@@ -324,11 +324,11 @@ mod tests {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(2);
         let mut anywhere = || domain.size.map(|length| length * random.random_range(0.0..1.0));
         let mut items: Vec<Vector3<f64>> = (0..5 * CHUNK + 17).map(|_| anywhere()).collect();
-        // first in no order, then in that of cells but for two, each of them just in the other half of the cells
+        // first in random order, then in cell order except for two items, each in the other half of the cells
         for _ in 0..2 {
             let sort = |threads: usize| {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-                // the same memory once more, for other cells
+                // uses the same grid again, for other cells
                 let (mut grid, mut order) = CellGrid::new(&items[..100], &region, 1.0);
                 pool.install(|| grid.sort(&items, |x| *x, &region, 0.5, &mut order));
                 (grid, order)

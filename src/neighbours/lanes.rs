@@ -1,37 +1,38 @@
-//! One ball compared with eight others at once, in single precision.
+//! Comparison of one ball with eight others at the same time, in single precision.
 //!
-//! If the processor has vectors of eight numbers (AVX2, tested at run time), they are used. Otherwise equal
-//! operations are done in equal order on four numbers at a time, so that the result does not change.
+//! If the processor has vectors of eight numbers (AVX2, tested at run time), the code uses them. Otherwise the same
+//! operations are done on four numbers at a time, in the same order, so that the results are equal.
 
 use wide::f32x4;
 
-/// Number of balls that are compared with one at a time.
+/// Number of balls that are compared with one ball at the same time. A lane is the place of one number in a vector of
+/// the processor.
 pub const LANES: usize = 8;
 
 /// [m] centres along x, y, z and radii of `LANES` balls.
 pub type Spots<'a> = [&'a [f32; LANES]; 4];
 
-/// Bits of the first `count` lanes.
+/// Bit mask in which the bits of the first `count` lanes are set.
 #[inline(always)]
 fn first(count: usize) -> usize {
     (1 << count.min(LANES)) - 1
 }
 
-/// Comparison of balls in several lanes at once.
+/// Comparison of one ball with several others, one in each lane of a vector.
 pub trait Lanes: Copy {
-    /// One number in all lanes.
+    /// Vector with one number per lane.
     type Wide: Copy;
 
-    /// `number` in all lanes.
+    /// Vector that contains `number` in all lanes.
     fn splat(self, number: f32) -> Self::Wide;
 
-    /// Bits of those among the first `count` balls that overlap a ball with a given centre and radius [m]; the first
-    /// ball has the lowest bit. `period` [m] is the distance of images along each axis. It is used only with
-    /// `ACROSS`, if the balls may be on different sides of the box.
+    /// Bit mask of those of the first `count` balls that overlap the ball `one` (centre and radius, [m]). The lowest
+    /// bit belongs to the first ball. `period` [m] is the distance between images along each axis. It is used only with
+    /// `ACROSS`, which must be true if the balls may be on different sides of the box.
     fn near<const ACROSS: bool>(self, one: &[Self::Wide; 4], others: Spots, count: usize, period: &[f32; 3]) -> usize;
 }
 
-/// Comparison of four balls at a time.
+/// Comparison with vectors of four numbers.
 #[derive(Clone, Copy)]
 pub struct FourLanes;
 
@@ -73,14 +74,14 @@ impl Lanes for FourLanes {
     }
 }
 
-/// Comparison of eight balls at a time.
+/// Comparison with vectors of eight numbers.
 #[cfg(target_arch = "x86_64")]
 pub mod eight {
     use super::{Lanes, Spots, first};
     use pulp::x86::V3;
     use std::arch::x86_64::{__m256, _CMP_LT_OQ};
 
-    /// Comparison with AVX2 instructions, which the processor has.
+    /// Comparison with AVX2 instructions. A value of type `V3` exists only if the processor has these instructions.
     #[derive(Clone, Copy)]
     pub struct Eight(pub V3);
 
@@ -124,7 +125,7 @@ mod tests {
     fn eight_at_a_time_find_the_same_as_four() {
         let Some(simd) = pulp::x86::V3::try_new() else { return };
         let eight = eight::Eight(simd);
-        // a Kronecker sequence: all numbers differ
+        // uses a Kronecker sequence, in which all numbers differ
         let number = |k: usize| (0.754_877_7 * k as f32).fract();
         let mut all = 0;
         for k in 0..400 {

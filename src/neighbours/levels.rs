@@ -1,10 +1,10 @@
-//! Spheres of very different sizes in cells: a grid for each size.
+//! Cells for spheres of very different sizes: a separate grid for each range of sizes.
 //!
-//! Cells must be as large as the largest sphere in them. In a single grid, cells as large as the largest sphere would
-//! each hold many small ones: at a size ratio of ten, a thousand times as many. So spheres are sorted into levels by
-//! size, each with a grid of its own. Pairs within a level are found as in a single grid. Each sphere searches for
-//! smaller ones in their grids, within its own reach. If all sizes are within a factor of two there is one level,
-//! which is a single grid. Ericson (2005, Real-Time Collision Detection, section 7.2) calls this a hierarchical grid.
+//! Cells must be as large as the largest sphere in them. In a single grid, such cells would contain many small spheres:
+//! at a size ratio of ten, a thousand times as many. So spheres are sorted by size into levels, each with a separate
+//! grid. Pairs within a level are found as in a single grid. For each sphere, smaller spheres are searched in the grids
+//! of their levels. If all sizes are within a factor of two, there is one level and one grid. Ericson (2005, Real-Time
+//! Collision Detection, section 7.2) calls this a hierarchical grid.
 
 use super::cells::CellGrid;
 use super::region::Region;
@@ -15,16 +15,18 @@ use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use std::ops::Range;
 
-/// Largest number of levels. Sizes of one level are within a factor of two; the last level takes all smaller ones.
+/// Largest number of levels. Sizes in a level are within a factor of two, except that the last contains all smaller
+/// ones.
 const MOST_LEVELS: usize = 12;
 
-/// Spheres of similar size in cells.
+/// Spheres of similar size, sorted into cells. The *reach* of a sphere is its radius, or the radius of a ball that
+/// contains its path. Two spheres are a pair if their centres are nearer than the sum of both reaches and the skin.
 #[derive(Clone, Debug, Default)]
 struct SizeLevel {
     grid: CellGrid,
-    /// Indices in cell order.
+    /// Indices of the spheres, in cell order.
     order: Vec<u32>,
-    /// Number of indices before this level in the order of all levels.
+    /// Number of spheres in the levels before this one.
     first: usize,
     /// [m] largest reach of any sphere of the level.
     reach: f64,
@@ -36,31 +38,32 @@ pub struct SizeLevels {
     levels: Vec<SizeLevel>,
 }
 
-/// Items to be sorted into cells.
+/// Sizes of the items to be sorted into cells.
 pub struct SortedSizes<'a> {
     /// [m] radius of each item, which determines its level.
     pub radius: &'a [f64],
-    /// [m] largest and smallest radius.
+    /// [m] largest and smallest radius of all items.
     pub range: [f64; 2],
-    /// [m] gap up to which pairs are searched.
+    /// [m] gap between surfaces up to which pairs are searched.
     pub skin: f64,
-    /// Number of spheres of each level on all processes, if others have some of them: cells are chosen for all.
+    /// Sizes of the spheres on all processes, by which cells are chosen; `None` if this process stores all spheres.
     pub everyone: Option<&'a Everyone>,
 }
 
-/// Spheres of each level on all processes.
+/// Sizes of the spheres on all processes, by level.
 #[derive(Clone, Debug)]
 pub struct Everyone {
-    /// [m] largest and smallest radius.
+    /// [m] largest and smallest radius of all spheres.
     pub range: [f64; 2],
-    /// Number of spheres per level.
+    /// Number of spheres in each level.
     pub count: [i64; MOST_LEVELS],
-    /// [m] largest radius per level.
+    /// [m] largest radius in each level.
     pub largest: [f64; MOST_LEVELS],
 }
 
 impl Everyone {
-    /// Counts spheres with these radii [m]; `range` [m] is the largest and the smallest radius of all.
+    /// Counts the spheres of this process, whose radii are `radius` [m]. `range` [m] is the largest and the smallest
+    /// radius on all processes.
     pub fn of(radius: &[f64], range: [f64; 2]) -> Self {
         let sizes = SortedSizes { radius, range, skin: 0.0, everyone: None };
         let mut all = Self { range, count: [0; MOST_LEVELS], largest: [0.0; MOST_LEVELS] };
@@ -74,12 +77,12 @@ impl Everyone {
 }
 
 impl<'a> SortedSizes<'a> {
-    /// Items with these radii [m], to be searched up to a gap of `skin` [m].
+    /// Sizes of items with these radii [m], for a search of pairs up to a gap of `skin` [m].
     pub fn new(radius: &'a [f64], skin: f64) -> Self {
         Self { radius, range: range(radius), skin, everyone: None }
     }
 
-    /// Level of a radius [m].
+    /// Number of the level to which a radius [m] belongs.
     fn level(&self, radius: f64) -> usize {
         let mut least = 0.5 * self.range[0];
         let mut level = 0;
@@ -100,23 +103,23 @@ pub fn range(radius: &[f64]) -> [f64; 2] {
     [most, least.min(most)]
 }
 
-/// True if spheres with radii in that range [m] are of more than one level.
+/// True if radii from the smallest to the largest [m] belong to more than one level.
 pub fn is_wide([most, least]: [f64; 2]) -> bool {
     least <= 0.5 * most
 }
 
-/// Number and size of the spheres of each level, for the cost of a search.
+/// Number and size of the spheres of each level, from which the cost of a search is estimated.
 #[derive(Clone, Serialize, Deserialize)]
 pub struct Census {
-    /// Number and largest diameter [m] of each level.
+    /// Number of spheres and largest diameter [m] of each level.
     levels: Vec<(f64, f64)>,
     /// [m³] volume of the box.
     volume: f64,
 }
 
 impl Census {
-    /// Counts spheres with radii between the largest and the smallest of `range` [m], in a box of that volume [m³];
-    /// `None` if they are of one level.
+    /// Counts the spheres of each level, on all processes. `range` [m] is the largest and the smallest radius, `volume`
+    /// [m³] that of the box. `None` if all spheres belong to one level.
     pub fn of(sample: &Sample, range: [f64; 2], volume: f64) -> Option<Self> {
         if !is_wide(range) {
             return None;
@@ -135,8 +138,9 @@ impl Census {
         Some(Self { levels, volume })
     }
 
-    /// [-] pairs per sphere that a search tests, if every sphere's reach is larger by half of `wider` [m]: in the 27
-    /// cells about it, each pair once, and around larger spheres.
+    /// [-] number of pairs per sphere that a search tests if every sphere's reach grows by half of `wider` [m]. For
+    /// each sphere these are the spheres of its level in the 27 cells around it, each pair once, and smaller spheres
+    /// within its reach.
     pub fn looked_at(&self, wider: f64) -> f64 {
         let all: f64 = self.levels.iter().map(|(count, _)| count).sum();
         let mut pairs = 0.0;
@@ -152,8 +156,8 @@ impl Census {
 }
 
 impl SizeLevels {
-    /// Sorts items inside a region by the positions [m] that `position` gives; `reach` gives the reach [m] of the
-    /// item at an index.
+    /// Sorts items inside a region into levels and cells. `position` returns the position [m] of an item, and `reach`
+    /// the reach [m] of the item at an index.
     pub fn sort<T: Sync>(
         &mut self,
         items: &[T],
@@ -163,7 +167,7 @@ impl SizeLevels {
         region: &Region,
     ) {
         let edge = |reach: f64, count: usize| {
-            // about one particle per cell if that makes cells larger: empty cells cost too
+            // cells with about one particle, if these are larger: empty cells cost time too
             let spacing = (region.volume() / count.max(1) as f64).cbrt();
             (2.0 * reach + sizes.skin).max(0.8 * spacing)
         };
@@ -200,7 +204,8 @@ impl SizeLevels {
         }
     }
 
-    /// Sorts items of one level inside a region, each by its position and reach [m].
+    /// Sorts items inside a region into one level, whatever their sizes. `position` and `reach` are used as in
+    /// [`sort`](Self::sort).
     pub fn sort_alike<T: Sync>(
         &mut self,
         items: &[T],
@@ -212,8 +217,8 @@ impl SizeLevels {
         self.sort(items, &sizes, position, reach, region);
     }
 
-    /// Sorts the items of each cell by `key`: results that depend on the order of all then do not depend on how they
-    /// were stored before.
+    /// Sorts the items of each cell by `key`. Results that depend on the order of the items then do not depend on the
+    /// order in which the items were stored before.
     pub fn sort_cells(&mut self, key: &[u32]) {
         for level in &mut self.levels {
             let SizeLevel { grid, order, .. } = level;
@@ -221,12 +226,12 @@ impl SizeLevels {
         }
     }
 
-    /// [m] largest reach of all levels.
+    /// [m] largest reach of any sphere in any level.
     pub fn largest_reach(&self) -> f64 {
         self.levels.iter().map(|level| level.reach).fold(0.0, f64::max)
     }
 
-    /// All indices, in the cell order of one level after the other.
+    /// Indices of all items: the cell orders of all levels, one after the other.
     pub fn order(&self) -> Cow<'_, [u32]> {
         match self.levels.as_slice() {
             [one] => Cow::Borrowed(&one.order),
@@ -234,7 +239,7 @@ impl SizeLevels {
         }
     }
 
-    /// Returns all indices in [`order`](Self::order), and frees the memory for them: only the cells remain.
+    /// Returns the indices in the order of [`order`](Self::order), and frees their memory; only the grids remain.
     pub fn take_order(&mut self) -> Vec<u32> {
         self.levels.iter_mut().for_each(|level| level.grid.shed());
         match self.levels.as_mut_slice() {
@@ -243,7 +248,7 @@ impl SizeLevels {
         }
     }
 
-    /// Indices at a range of the order.
+    /// Indices of the items at a range of the order of all levels; the range must be within one level.
     #[inline]
     pub fn places(&self, range: Range<usize>) -> &[u32] {
         let of = |level: &SizeLevel| level.first <= range.start && range.start < level.first + level.order.len();
@@ -251,33 +256,34 @@ impl SizeLevels {
         level.map_or(&[], |level| &level.order[range.start - level.first..range.end - level.first])
     }
 
-    /// Rows of cells along x of all levels, as level and row.
+    /// All rows of cells along x, each as the number of its level and the number of the row in the level.
     pub fn rows(&self) -> Vec<(usize, usize)> {
         let rows =
             |(k, level): (usize, &SizeLevel)| (0..level.grid.rows()).map(move |row| (k, row)).collect::<Vec<_>>();
         self.levels.iter().enumerate().flat_map(rows).collect()
     }
 
-    /// Grid of a level, indices in cell order, and number of indices before them in the order of all levels.
+    /// Grid of a level, its indices in cell order, and the number of items in the levels before it.
     pub fn level(&self, level: usize) -> (&CellGrid, &[u32], usize) {
         let SizeLevel { grid, order, first, .. } = &self.levels[level];
         (grid, order, *first)
     }
 
-    /// True if there are levels of smaller spheres than those of `level`.
+    /// True if levels of smaller spheres follow after `level`.
     #[inline]
     pub fn has_smaller(&self, level: usize) -> bool {
         level + 1 < self.levels.len()
     }
 
-    /// Calls `visit` with ranges of the order that hold all items of smaller levels which an item at `x` with `reach`
-    /// [m], skin included, may touch. The flag is true if a range is seen through a periodic side.
+    /// Calls `visit` with ranges of the order. Together they contain all items of smaller levels that an item at `x`
+    /// may touch, whose `reach` [m] includes the skin. The flag is true if a range may be nearer through a periodic
+    /// side.
     #[inline(always)]
     pub fn for_each_smaller(&self, level: usize, x: &Vector3<f64>, reach: f64, visit: impl FnMut(Range<usize>, bool)) {
         near(&self.levels[level + 1..], x, reach, visit);
     }
 
-    /// Calls `visit` as [`for_each_smaller`](Self::for_each_smaller), for all levels.
+    /// Calls `visit` as [`for_each_smaller`](Self::for_each_smaller) does, but for all levels.
     #[inline(always)]
     pub fn for_each_near(&self, x: &Vector3<f64>, reach: f64, visit: impl FnMut(Range<usize>, bool)) {
         near(&self.levels, x, reach, visit);

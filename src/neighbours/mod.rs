@@ -1,8 +1,9 @@
-//! Neighbour lists: particles that may touch one another, or a wall.
+//! Neighbour lists: pairs of particles, and particles and walls, that may touch soon.
 //!
-//! A [`NeighbourList`] holds every pair of particles, and every particle and wall, with a gap below a skin. It stays
-//! complete until some particle has moved half the skin relative to a common frame. The list itself adds up this
-//! travel: an engine reports how far its particles may move, and the list tells when it must be rebuilt.
+//! A [`NeighbourList`] contains every pair of particles, and every particle and wall, whose gap is below a length
+//! called skin. The list is complete until some particle has moved by half the skin relative to a common frame. The
+//! list adds up this distance: an engine reports how far its particles may move, and the list reports if it must be
+//! rebuilt.
 
 pub mod cells;
 mod lanes;
@@ -26,26 +27,26 @@ use serde::{Deserialize, Serialize};
 use std::ops::Range;
 use std::time::Duration;
 
-/// Number of rows of cells per parallel task.
+/// Number of rows of cells that one piece of parallel work contains.
 const ROWS: usize = 64;
 
-/// Two particles that may touch, by index in the store.
+/// Two particles that may touch, by their indices in the store.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Pair {
-    /// One particle.
+    /// Index of the first particle.
     pub i: u32,
-    /// The other.
+    /// Index of the second particle.
     pub j: u32,
 }
 
 impl Pair {
-    /// [m] distance of the centres at which the particles touch.
+    /// [m] distance between the centres at which the particles touch.
     #[inline(always)]
     pub fn reach(&self, particles: &Particles) -> f64 {
         particles.radius[self.i as usize] + particles.radius[self.j as usize]
     }
 
-    /// True if the distance of the centres is below `reach` [m] now.
+    /// True if the distance between the centres is now below `reach` [m].
     #[inline(always)]
     fn is_within(&self, reach: f64, particles: &Particles, scene: &Scene) -> bool {
         let (a, b) = (&particles.position[self.i as usize], &particles.position[self.j as usize]);
@@ -58,12 +59,12 @@ impl Pair {
 pub struct NearWall {
     /// Index of the particle.
     pub particle: u32,
-    /// The wall, and the number of its contact.
+    /// The wall, and the number of the contact with it.
     pub at: AtWall,
 }
 
 impl NearWall {
-    /// [m] present gap between particle and wall; less where the wall is too far away to be searched.
+    /// [m] present gap between particle and wall; too small a value if the wall is too far away to be searched.
     #[inline]
     pub fn gap(&self, particles: &Particles, scene: &Scene) -> f64 {
         let place = self.particle as usize;
@@ -72,23 +73,23 @@ impl NearWall {
     }
 }
 
-/// Candidates for contacts. A *slot* is their common index: pairs first, then walls.
+/// Candidates for contacts. A *slot* is the number of a candidate: pairs are counted first, then particles and walls.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct NeighbourList {
     /// Pairs with a gap below the skin, grouped by `i`.
     pub pairs: Vec<Pair>,
-    /// Particles with a gap to a wall below the skin.
+    /// Particles and walls with a gap below the skin.
     pub walls: Vec<NearWall>,
-    /// Clock that times the building of lists.
+    /// Clock that measures the time spent on building lists.
     #[serde(skip)]
     pub clock: Clock,
     /// `pairs[first_pair[i] .. first_pair[i + 1]]` are the pairs of particle `i`.
     first_pair: Vec<u32>,
-    /// [m] distance of centres at which two particles touch, if it is equal for all pairs: radii need not be read
-    /// then.
+    /// [m] distance between the centres at which two particles touch; `None` if it differs between pairs. If it is
+    /// known, radii need not be read.
     common_reach: Option<f64>,
     skin: f64,
-    /// [-] number of times the list can be used at the speeds at which it was built.
+    /// [-] number of times that the list can be used before it is rebuilt, at the speeds at which it was built.
     uses: f64,
     travelled: f64,
     frame: Vector3<f64>,
@@ -97,7 +98,8 @@ pub struct NeighbourList {
 }
 
 impl NeighbourList {
-    /// [m/s] reference velocity of the travel: the mean velocity, without components that approach a wall.
+    /// [m/s] velocity of the frame in which the travel is measured. It is the mean velocity of the particles, without
+    /// components that approach a wall.
     pub fn frame(&self) -> Vector3<f64> {
         self.frame
     }
@@ -112,13 +114,13 @@ impl NeighbourList {
         self.travelled
     }
 
-    /// [m] gap below which pairs are worth an inner list, made from this list; `None` if an inner list is not
-    /// worthwhile.
+    /// [m] gap up to which an inner list should contain pairs; `None` if an inner list does not pay. An inner list is a
+    /// shorter list of pairs, made from this list.
     ///
-    /// With a gap s the inner list holds s/skin of the pairs and lasts for `uses`·s/skin uses. In that time all pairs
-    /// are tested once, and those of the inner list at every use. This costs least at s = skin/sqrt(uses).
+    /// With a gap s, the inner list contains s/skin of the pairs and lasts for `uses`·s/skin uses. In that time all
+    /// pairs are tested once, and those of the inner list at every use. The cost is least for s = skin/sqrt(uses).
     pub fn inner_skin(&self) -> Option<f64> {
-        // with fewer uses there is no gain; speeds may grow, so the inner skin does not get as thin as it could
+        // fewer uses give no gain; the limit of 400 leaves room for speeds that grow
         (self.uses >= 8.0).then(|| self.skin / self.uses.min(400.0).sqrt())
     }
 
@@ -127,46 +129,46 @@ impl NeighbourList {
         self.builds
     }
 
-    /// Wall-clock time spent on building lists.
+    /// Wall-clock time spent on building lists so far.
     pub fn building(&self) -> Duration {
         self.building
     }
 
-    /// Number of candidates: pairs and walls.
+    /// Number of slots: pairs, and particles with walls.
     pub fn slots(&self) -> usize {
         self.pairs.len() + self.walls.len()
     }
 
-    /// True if the list stays complete when every particle moves up to `distance` [m] more relative to the frame.
+    /// True if the list stays complete while every particle moves up to `distance` [m] further relative to the frame.
     pub fn allows(&self, distance: f64) -> bool {
         self.builds > 0 && 2.0 * (self.travelled + distance) <= self.skin
     }
 
-    /// [m] distance that every particle may still move relative to the frame before the list is incomplete.
+    /// [m] distance that every particle may still move relative to the frame while the list stays complete.
     pub fn room(&self) -> f64 {
         if self.builds > 0 { 0.5 * self.skin - self.travelled } else { 0.0 }
     }
 
-    /// Marks the list as outdated, because other code has moved or reordered the particles. It must be rebuilt before
-    /// it is used again.
+    /// Marks the list as outdated, because other code has moved or reordered the particles. The list must then be
+    /// rebuilt before it is used.
     pub fn invalidate(&mut self) {
         self.travelled = f64::INFINITY;
     }
 
-    /// Adds to the account that particles may have moved up to `distance` [m] relative to the frame.
+    /// Adds `distance` [m] to the distance that particles may have moved relative to the frame.
     pub fn travel(&mut self, distance: f64) {
         self.travelled += distance;
     }
 
-    /// Builds the list for the present positions, with the skin that costs least when the list is used every
-    /// `between_uses` [s]. The list lasts for at least one use at the present speeds. The store is put in cell order:
-    /// the particle now at index `k` was at index `order[k]` of the returned order.
+    /// Builds the list for the present positions. The skin is the cheapest one for a list that is used every
+    /// `between_uses` [s]. The list lasts for at least one use at the present speeds. The particles are sorted into
+    /// cell order: the particle now at index `k` was at index `order[k]`, where `order` is the returned list.
     pub fn build(&mut self, particles: &mut Particles, scene: &Scene, between_uses: f64) -> Vec<u32> {
         self.build_in(&Region::from(&scene.domain), particles, scene, between_uses)
     }
 
-    /// Builds the list as [`build`](Self::build), for particles that are all in one region of the box, with cells
-    /// only there.
+    /// Builds the list as [`build`](Self::build) does, for particles that are all in one region of the box. Only this
+    /// region is divided into cells.
     pub fn build_in(
         &mut self,
         region: &Region,
@@ -180,8 +182,8 @@ impl NeighbourList {
         self.build_by(region, particles, scene, &plan)
     }
 
-    /// Builds the list for the present positions by a plan that other processes use for their parts too. If the cells
-    /// are those of the whole box, the local pairs and their order are those of the list of all particles.
+    /// Builds the list for the present positions with settings that all processes of a run share. If the cells cover
+    /// the whole box, the pairs of this process have the order that they would have in a list of all particles.
     pub fn build_by(
         &mut self,
         region: &Region,
@@ -215,13 +217,13 @@ impl NeighbourList {
         order
     }
 
-    /// Copy of the list without pairs and walls: the data that all parts of a run have in common.
+    /// Copy of the list without pairs and walls. It contains the data that are equal on all processes of a run.
     pub fn without_pairs(&self) -> Self {
         let (clock, first_pair) = (self.clock.clone(), Vec::new());
         Self { pairs: Vec::new(), walls: Vec::new(), clock, first_pair, ..*self }
     }
 
-    /// Rebuilds the list from the positions at which it was built, and keeps the travel since then.
+    /// Rebuilds the list from the positions at which it was built, but keeps the distance travelled since then.
     pub fn build_again(&mut self, particles: &mut Particles, scene: &Scene) -> Vec<u32> {
         let (travelled, builds) = (self.travelled, self.builds);
         let plan =
@@ -233,7 +235,7 @@ impl NeighbourList {
 
     fn find_pairs(&mut self, levels: &SizeLevels, region: &Region, particles: &Particles, scene: &Scene, skin: f64) {
         let mut packed = PackedBalls::default();
-        // the store is in cell order by now
+        // the particles are sorted into cell order already
         let places: Vec<u32> = (0..particles.len() as u32).collect();
         packed.fill(&places, |i| (particles.position[i], particles.radius[i] + 0.5 * skin), region);
         drop(places);
@@ -254,7 +256,7 @@ impl NeighbourList {
             pairs.shrink_to_fit();
             pairs
         };
-        // a group of rows at a time, so that most pairs are in memory only once
+        // one group of rows at a time, so that most pairs are stored only once in memory
         self.pairs.clear();
         for rows in levels.rows().chunks(4 * ROWS * rayon::current_num_threads()) {
             let parts: Vec<Vec<Pair>> = work_sharing::map(rows.chunks(ROWS), find);
@@ -267,7 +269,7 @@ impl NeighbourList {
         self.note_first_pairs(particles.len());
     }
 
-    /// Removes all pairs and walls without a chosen particle.
+    /// Removes all pairs and walls that involve no chosen particle; `chosen` is indexed by particle.
     pub fn keep_of(&mut self, chosen: &[bool]) {
         let is_chosen = |place: u32| chosen[place as usize];
         self.pairs.retain(|pair| is_chosen(pair.i) || is_chosen(pair.j));
@@ -303,7 +305,7 @@ impl NeighbourList {
         self.walls.dedup_by_key(|near| place(near));
     }
 
-    /// The two bodies at a slot: the pairs come first, then the walls.
+    /// The two bodies at a slot.
     #[inline]
     pub fn couple(&self, slot: usize) -> Couple {
         match self.pairs.get(slot) {
@@ -315,7 +317,7 @@ impl NeighbourList {
         }
     }
 
-    /// The slot of two bodies, in either order; `None` if they are too far apart to be listed.
+    /// The slot of two bodies, given in either order; `None` if they are not in the list.
     pub fn slot(&self, couple: &Couple) -> Option<usize> {
         match couple.other {
             Other::Particle(j) => self.pair_slot(couple.i, j),
@@ -338,7 +340,7 @@ impl NeighbourList {
             .map(|k| self.pairs.len() + k)
     }
 
-    /// Slots whose surfaces overlap now, in ascending order.
+    /// Writes the slots whose bodies now overlap into `slots`, in ascending order.
     pub fn overlapping(&self, particles: &Particles, scene: &Scene, slots: &mut Vec<u32>) {
         slots.clear();
         let all = self.slots();
@@ -354,7 +356,7 @@ impl NeighbourList {
         slots.extend(parts.iter().flatten());
     }
 
-    /// Appends the slots of a range whose surfaces overlap now, in ascending order.
+    /// Appends the slots of a range whose bodies now overlap, in ascending order.
     pub fn overlapping_within(&self, range: Range<usize>, particles: &Particles, scene: &Scene, slots: &mut Vec<u32>) {
         let end = range.end;
         let walls = range.start.max(self.pairs.len());
@@ -379,7 +381,7 @@ impl NeighbourList {
         }
     }
 
-    /// Appends those of the given slots of pairs that overlap now, in their order.
+    /// Appends those of the given slots of pairs that now overlap, in the given order.
     pub fn overlapping_of(&self, some: &[u32], particles: &Particles, scene: &Scene, slots: &mut Vec<u32>) {
         let some = some.iter().map(|&slot| (slot, &self.pairs[slot as usize]));
         match self.common_reach {
@@ -388,7 +390,7 @@ impl NeighbourList {
         }
     }
 
-    /// Appends the slots of a range that are walls which overlap with their particle now, in ascending order.
+    /// Appends the slots of a range in which a particle and a wall now overlap, in ascending order.
     pub fn walls_within(&self, range: Range<usize>, particles: &Particles, scene: &Scene, slots: &mut Vec<u32>) {
         let pairs = self.pairs.len();
         let mut apart: Option<Couple> = None;
@@ -407,20 +409,20 @@ impl NeighbourList {
     }
 }
 
-/// Selects some of many items in their order without branches. It stores each item and advances only after wanted
-/// ones. This costs less than a branch that the processor predicts wrongly.
+/// Selects some of many items, in their order, without branches. Each item is stored, but the count advances only after
+/// items that are wanted. This costs less than a branch that the processor predicts wrongly.
 struct Sieve<T> {
     held: [T; 64],
     count: usize,
 }
 
 impl<T: Copy> Sieve<T> {
-    /// An empty sieve; `any` fills the unused entries.
+    /// Makes an empty sieve, whose unused entries contain `any`.
     fn new(any: T) -> Self {
         Self { held: [any; 64], count: 0 }
     }
 
-    /// Stores the next item, and keeps it if it is wanted.
+    /// Stores the next item, and keeps the item if it is wanted.
     #[inline(always)]
     fn offer(&mut self, item: T, wanted: bool, picked: &mut Vec<T>) {
         self.held[self.count] = item;
@@ -430,14 +432,14 @@ impl<T: Copy> Sieve<T> {
         }
     }
 
-    /// Moves the items selected so far to `picked`.
+    /// Appends the items selected so far to `picked`, and removes them from the sieve.
     fn empty(&mut self, picked: &mut Vec<T>) {
         picked.extend_from_slice(&self.held[..self.count]);
         self.count = 0;
     }
 }
 
-/// Appends the slots of the pairs whose centres are nearer than `reach` [m].
+/// Appends the slots of the pairs whose centres are nearer to each other than `reach` [m].
 #[inline(always)]
 fn within<'a>(
     some: impl Iterator<Item = (u32, &'a Pair)>,
@@ -452,7 +454,7 @@ fn within<'a>(
     sieve.empty(slots);
 }
 
-/// Overlapping bodies, by index in a store whose order does not change.
+/// All pairs of bodies that overlap, by their indices in `particles`.
 pub fn overlapping(particles: &Particles, scene: &Scene) -> Vec<Couple> {
     let (mut sorted, mut list, mut slots) = (particles.clone(), NeighbourList::default(), Vec::new());
     let order = list.build(&mut sorted, scene, 0.0);
@@ -460,14 +462,14 @@ pub fn overlapping(particles: &Particles, scene: &Scene) -> Vec<Couple> {
     slots.iter().map(|&slot| list.couple(slot as usize).moved(|place| order[place as usize])).collect()
 }
 
-/// Component of a common velocity (or acceleration) that changes no gap to any wall: parallel to all planes; zero if
-/// a wall is not a plane.
+/// Component of a common velocity or acceleration that changes no gap to any wall. It is parallel to all planes, and
+/// zero if a wall is not a plane.
 pub fn along_walls(scene: &Scene, vector: Vector3<f64>) -> Vector3<f64> {
     let mut normals: Vec<Vector3<f64>> = Vec::new();
     let mut rest = vector;
     for wall in &scene.walls {
         let Some(plane) = wall.geometry.plane() else { return Vector3::zeros() };
-        // Gram-Schmidt: the part of this normal that is not yet removed
+        // Gram-Schmidt: the component of this normal that is perpendicular to the earlier ones
         let new = normals.iter().fold(plane.normal, |n, m| n - m * n.dot(m));
         if new.norm() > 1e-9 {
             let new = new.normalize();

@@ -1,5 +1,5 @@
-//! Balls in cell order, close together in memory and in single precision: most pairs are rejected here, eight at a
-//! time.
+//! A fast first test for overlap of balls. The balls are stored in cell order and in single precision, and are tested
+//! eight at a time; this rejects most pairs.
 
 #[cfg(target_arch = "x86_64")]
 use super::lanes::eight::Eight;
@@ -11,18 +11,19 @@ use crate::work_sharing;
 use nalgebra::Vector3;
 use std::ops::Range;
 
-/// Number of lanes from which overlapping balls are picked at a time.
+/// Number of lanes (places in a vector of the processor) from which the indices of overlapping balls are stored at a
+/// time.
 const AT_ONCE: usize = 4;
 
-/// A ball that is compared with others.
+/// A ball, prepared for comparison with several others at the same time.
 struct PackedBall<W> {
     /// Index of the ball in the store.
     place: u32,
-    /// [m] centre and radius, each repeated in all lanes.
+    /// [m] centre and radius, each repeated in all lanes of a vector.
     spot: [W; 4],
 }
 
-/// Numbers of the set bits, in ascending order, for every set of bits.
+/// Numbers of the lanes whose bits are set, in ascending order, for every bit mask of four lanes.
 const LANES_OF: [[usize; AT_ONCE]; 1 << AT_ONCE] = {
     let mut all = [[0; AT_ONCE]; 1 << AT_ONCE];
     let mut bits = 0;
@@ -40,11 +41,12 @@ const LANES_OF: [[usize; AT_ONCE]; 1 << AT_ONCE] = {
     all
 };
 
-/// Number of balls that are picked before they are passed on.
+/// Number of indices that are collected before they are passed to the caller.
 const ROOM: usize = 64;
 
-/// Indices of balls that may overlap another ball, selected without branches. Four are stored each time, and the
-/// count advances only by those that overlap. This costs less than a branch that the processor predicts wrongly.
+/// Indices of balls that may overlap another ball, selected without branches. Four indices are stored at a time, but
+/// the count advances only by those of balls that overlap. This costs less than a branch that the processor predicts
+/// wrongly.
 struct Picked {
     places: [u32; ROOM],
     count: usize,
@@ -61,7 +63,7 @@ impl Picked {
         self.count += bits.count_ones() as usize;
     }
 
-    /// Passes all picked balls on, and begins anew.
+    /// Passes all collected indices to `visit`, and empties the collection.
     #[inline(always)]
     fn hand_over(&mut self, one: u32, visit: &mut impl FnMut(u32, &[u32])) {
         visit(one, self.places.get(..self.count).unwrap_or_default());
@@ -69,37 +71,39 @@ impl Picked {
     }
 }
 
-/// Eight consecutive numbers.
+/// Eight consecutive numbers from index `first` on; `None` if fewer are left.
 #[inline(always)]
 fn eight_of(numbers: &[f32], first: usize) -> Option<&[f32; LANES]> {
     numbers.get(first..)?.first_chunk()
 }
 
-/// [m] a ball in single precision, with its radius enlarged by `rounding` [m].
+/// [m] centre and radius of a ball in single precision, relative to the region; the radius is enlarged by `rounding`
+/// [m].
 #[inline(always)]
 fn spot_of((middle, radius): (Vector3<f64>, f64), region: &Region, rounding: f64) -> [f32; 4] {
     let middle = region.local(&middle);
     [middle.x as f32, middle.y as f32, middle.z as f32, (radius + rounding) as f32]
 }
 
-/// Balls in cell order.
+/// Balls in cell order, for fast tests of overlap.
 #[derive(Default)]
 pub struct PackedBalls {
-    /// Indices in the store; the padding behind the last has no meaning.
+    /// Indices of the balls in the store; the padding at the end has no meaning.
     places: Vec<u32>,
-    /// [m] centres along x, y, z, and radii, as four lists, so that eight consecutive numbers are loaded at once; the
-    /// padding behind the last has no meaning.
+    /// [m] centres along x, y, z, and radii. They are four lists, so that eight consecutive numbers are loaded at the
+    /// same time; the padding at the end has no meaning.
     spots: [Vec<f32>; 4],
-    /// [m] distance of images along each axis; infinite where there are none.
+    /// [m] distance between images along each axis; infinite along axes without images.
     period: [f32; 3],
-    /// [m] enlargement of the radii, because coordinates are rounded.
+    /// [m] enlargement of the radii that covers the rounding of coordinates.
     rounding: f64,
 }
 
 impl PackedBalls {
-    /// Takes balls in the order of `places`; `ball` gives the centre and the radius [m] of the ball at an index.
+    /// Stores the balls with the indices `places`, in this order; `ball` returns the centre and the radius [m] of the
+    /// ball at an index.
     pub fn fill(&mut self, places: &[u32], ball: impl Fn(usize) -> (Vector3<f64>, f64) + Sync, region: &Region) {
-        // each thread fills its part of the lists, so that its cache holds what it needs later
+        // each thread fills a part of the lists, so that its cache contains what the thread needs later
         for numbers in &mut self.spots {
             numbers.resize(places.len() + LANES, 0.0);
         }
@@ -107,7 +111,7 @@ impl PackedBalls {
         let periodic = region.periodic();
         self.period =
             std::array::from_fn(|axis| if periodic[axis] { region.size()[axis] as f32 } else { f32::INFINITY });
-        // coordinates and periods are rounded to single precision: 2 x 3 coordinates and a difference of periods
+        // 8 roundings to single precision: of 2 times 3 coordinates, and of a difference of periods
         let rounding = 8.0 * f64::from(f32::EPSILON) * region.size().amax();
         self.rounding = rounding;
         let [x, y, z, radii] = self.spots.each_mut().map(|numbers| numbers.chunks_mut(CHUNK));
@@ -120,7 +124,7 @@ impl PackedBalls {
         });
     }
 
-    /// The ball with a number in cell order.
+    /// The ball at a place of the cell order.
     #[inline(always)]
     fn one<L: Lanes>(&self, number: usize, lanes: L) -> PackedBall<L::Wide> {
         let [x, y, z, radii] = &self.spots;
@@ -128,11 +132,12 @@ impl PackedBalls {
         PackedBall { place: self.places[number], spot: spot.map(|number| lanes.splat(number)) }
     }
 
-    /// Calls `visit` with the index of each ball of a row of cells and the indices of balls that may overlap it. The
-    /// row is given by its level and number. Each pair comes once, and all pairs of one ball come together. `smaller`
-    /// gives the centre and the reach [m] with which the ball at an index searches smaller levels, whose cells are
-    /// made for another reach than the radii of the balls. `CROWDED` tells that one of four balls often overlaps
-    /// another; it does not change the result. Returns the number of pairs tested.
+    /// Calls `visit` with the index of each ball of a row of cells, and the indices of balls that may overlap it. `row`
+    /// is the number of a level and that of a row in the level. Each pair occurs once. The pairs of one ball may come
+    /// in several calls, but these follow one another. `smaller` returns the centre and the reach [m] with which a ball
+    /// searches the levels of smaller balls; their cells are made for another reach than the radii. `CROWDED` should be
+    /// true if often one of four balls overlaps another; results do not depend on it. Returns the number of pairs
+    /// tested.
     #[inline(always)]
     pub fn for_each_near<const CROWDED: bool>(
         &self,
@@ -198,7 +203,7 @@ impl PackedBalls {
         checks
     }
 
-    /// Calls `visit` with the indices of balls that may overlap a ball with a given centre and radius [m].
+    /// Calls `visit` with the indices of balls that may overlap a ball with the given centre and radius [m].
     #[inline(always)]
     pub fn for_each_beside(
         &self,
@@ -241,15 +246,15 @@ impl PackedBalls {
         picked.hand_over(one.place, &mut visit);
     }
 
-    /// Eight balls of the order, from a given number on.
+    /// Eight consecutive balls in cell order, from `number` on.
     #[inline(always)]
     fn eight(&self, number: usize) -> Option<Spots<'_>> {
         let [x, y, z, radii] = &self.spots;
         Some([eight_of(x, number)?, eight_of(y, number)?, eight_of(z, number)?, eight_of(radii, number)?])
     }
 
-    /// Picks the balls of a range of the order that may overlap a ball; some of them only nearly do. `across` is true
-    /// if images must be considered.
+    /// Collects the balls of a range that may overlap the ball `one`; some of them only nearly overlap it. `across` is
+    /// true if images through periodic sides must be considered.
     #[inline(always)]
     fn pick<const CROWDED: bool, L: Lanes>(
         &self,
@@ -291,7 +296,7 @@ mod tests {
     use rand::{RngExt, SeedableRng};
     use rand_xoshiro::Xoshiro256PlusPlus;
 
-    /// Random balls in a box, in cells.
+    /// Random balls in a box: the box, centres and radii.
     fn balls(count: usize, radii: Range<f64>) -> (Domain, Vec<Vector3<f64>>, Vec<f64>) {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(count as u64);
         let domain = Domain::new(Vector3::new(10.0, 8.0, 9.0), [true, false, true]);
@@ -299,7 +304,7 @@ mod tests {
         (domain, middles, (0..count).map(|_| random.random_range(radii.clone())).collect())
     }
 
-    /// All pairs found, with the smaller index first, in order.
+    /// All pairs found, each with the smaller index first, in ascending order.
     fn found<const CROWDED: bool>(
         packed: &mut PackedBalls,
         domain: &Domain,
@@ -323,7 +328,7 @@ mod tests {
 
     #[test]
     fn every_pair_that_overlaps_is_found_once_and_none_that_is_clearly_apart() {
-        // crowded and empty cells, one size and many; in memory that has held others before
+        // crowded and empty cells, one size and several; the memory has been used for other balls before
         let mut packed = PackedBalls::default();
         for (count, radii) in [(200, 0.3..0.31), (3000, 0.3..0.31), (3000, 0.05..0.6), (20, 1.0..1.3)] {
             let (domain, middles, radii) = balls(count, radii);
@@ -334,7 +339,7 @@ mod tests {
                 let (i, j) = (i as usize, j as usize);
                 domain.separation(&middles[i], &middles[j]).norm() - (radii[i] + radii[j])
             };
-            // coordinates are rounded to 2^-24 of the box, 16 times in all
+            // coordinates are rounded to 2^-24 of the box, 16 times in total
             assert!(pairs.iter().all(|&(i, j)| gap(i, j) < 32.0 * 10.0 * f64::from(f32::EPSILON)));
             let places = 0..count as u32;
             let overlap = places.clone().flat_map(|i| (i + 1..count as u32).map(move |j| (i, j)));

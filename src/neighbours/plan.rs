@@ -1,5 +1,5 @@
-//! Settings for building a neighbour list: its frame and skin, and the sizes of all particles if a process has only
-//! some.
+//! Settings for building a neighbour list: its frame and its skin, and the sizes of all particles if several processes
+//! share a run.
 
 use super::along_walls;
 use super::levels::{Everyone, range};
@@ -10,23 +10,23 @@ use crate::particles::Particles;
 use crate::scene::Scene;
 use nalgebra::Vector3;
 
-/// Settings of a neighbour list, equal for all parts that processes have.
+/// Settings of a neighbour list, equal on all processes that share a run.
 #[derive(Clone, Debug)]
 pub struct ListSettings {
-    /// [m/s] reference velocity of the travel.
+    /// [m/s] velocity of the frame in which travel is measured.
     pub frame: Vector3<f64>,
     /// [m/s] largest speed of any particle relative to the frame.
     pub largest_speed: f64,
     /// [m] gap up to which pairs are listed.
     pub skin: f64,
-    /// [-] number of times the list can be used at those speeds.
+    /// [-] number of times that the list can be used at these speeds.
     pub uses: f64,
-    /// Sizes of all particles, if other processes have some of them.
+    /// Sizes of the particles on all processes; `None` if this process stores all particles.
     pub everyone: Option<Everyone>,
 }
 
 impl ListSettings {
-    /// Settings for the present velocities, with the skin that costs least when the list is used every `between_uses`
+    /// Settings for the present velocities. The skin is the cheapest one for a list that is used every `between_uses`
     /// [s]. The list lasts for at least one use at the present speeds.
     pub fn of(particles: &Particles, scene: &Scene, between_uses: f64) -> Self {
         let frame = along_walls(scene, particles.mean_velocity());
@@ -34,8 +34,8 @@ impl ListSettings {
         Self::new((frame, particles.largest_speed(frame)), sizes, scene, between_uses)
     }
 
-    /// Settings as in [`of`](Self::of) for all particles of processes that share a run, of which this process has
-    /// `particles`. There are `count` particles in total, with the mean radius `mean_radius` [m].
+    /// Settings as in [`of`](Self::of), but for the particles of all processes that share a run. `particles` are those
+    /// of this process. There are `count` particles in total, with the mean radius `mean_radius` [m].
     pub fn together(
         particles: &Particles,
         (count, mean_radius): (usize, f64),
@@ -47,7 +47,7 @@ impl ListSettings {
         communicator.total(&mut sums.each_mut());
         let frame = along_walls(scene, Vector3::from(exact::values(&sums)) / count.max(1) as f64);
         let [most, least] = range(&particles.radius);
-        // for a process without particles the smallest is not a radius
+        // a process without particles has no smallest radius
         let least = if particles.is_empty() { f64::INFINITY } else { least };
         let mut largest = [particles.largest_speed(frame), most, -least];
         communicator.largest(&mut largest);
@@ -66,13 +66,13 @@ impl ListSettings {
     }
 }
 
-/// [m] skin that costs least: a list with a thicker skin is built less often but holds more pairs.
+/// [m] cheapest skin: a list with a thicker skin is built less often but contains more pairs.
 ///
-/// There are `count` particles with the mean radius `mean_radius` [m]. `travel` [m] is the distance that particles
-/// may move relative to the frame between two uses of the list. Costs are in pair checks per particle. The weights
-/// were measured once and do not depend on the machine, so that results do not either.
+/// There are `count` particles with the mean radius `mean_radius` [m]. `travel` [m] is the distance that particles may
+/// move relative to the frame between two uses of the list. Costs are counted in tests of pairs per particle. The
+/// weights were measured once and are the same on every machine, so that results do not depend on the machine.
 fn cheapest_skin((count, mean_radius): (usize, f64), domain: &Domain, travel: f64) -> f64 {
-    /// Cost of building, in pair checks per particle (docs/design/neighbours.md, "Skin").
+    /// Cost of building a list, in tests of pairs per particle (docs/design/neighbours.md, "Skin").
     const BUILD: f64 = 60.0;
     let count = count.max(1) as f64;
     let diameter = 2.0 * mean_radius;
@@ -89,11 +89,12 @@ fn cheapest_skin((count, mean_radius): (usize, f64), domain: &Domain, travel: f6
         }
         uses *= 1.25;
     }
-    // Positions are wrapped when the list is built. Two that move apart by more than half a period later are further
-    // than 1.5 periods apart, and `separation` no longer finds the nearest image.
+    // Positions are wrapped when the list is built. If two particles then move apart by more than half a period, their
+    // coordinates may differ by more than 1.5 periods, and `separation` no longer finds the nearest image.
     let periods = (0..3).filter(|axis| domain.periodic[*axis]).map(|axis| domain.size[axis]);
     let longest = periods.fold(f64::INFINITY, f64::min) * 0.5;
     let skin = best.1.min(longest).max(2.0 * travel);
-    // spheres at rest need some skin, or every use would rebuild; the last factor allows for rounding in the travel
+    // without some skin, spheres at rest would cause a rebuild at every use; the last factor covers rounding of the
+    // travel
     skin.max(1e-3 * diameter) * (1.0 + 1e-9)
 }

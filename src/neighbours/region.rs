@@ -1,16 +1,16 @@
-//! The part of the box that is sorted into cells: the whole box, or a block of it if processes share a run.
+//! The region of the box that is sorted into cells: the whole box, or a block of it if processes share a run.
 
 use crate::domain::Domain;
 use nalgebra::Vector3;
 
-/// A block of the box.
+/// A block of the box, whose particles are sorted into cells.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Region {
-    /// [m] lowest corner, inside the box.
+    /// [m] lowest corner of the block, relative to that of the box.
     low: Vector3<f64>,
     /// [m] edges of the block.
     size: Vector3<f64>,
-    /// [m] edge of the box along periodic axes that the block does not fill; `None` along the others.
+    /// [m] edge of the box along periodic axes that the block does not fill; `None` along other axes.
     period: [Option<f64>; 3],
     /// True for periodic axes along which the block fills the box.
     periodic: [bool; 3],
@@ -19,14 +19,15 @@ pub struct Region {
 }
 
 impl From<&Domain> for Region {
-    /// The whole box.
+    /// Makes a region that is the whole box.
     fn from(domain: &Domain) -> Self {
         Self { low: Vector3::zeros(), size: domain.size, period: [None; 3], periodic: domain.periodic, is_all: true }
     }
 }
 
 impl Region {
-    /// The region within `width` [m] of the block from `low` to `high` [m], which is inside the box.
+    /// Makes the region within `width` [m] of the block from corner `low` to corner `high` [m], which is inside the
+    /// box.
     pub fn around(domain: &Domain, [low, high]: [Vector3<f64>; 2], width: f64) -> Self {
         let mut region = Self::from(domain);
         for axis in 0..3 {
@@ -57,7 +58,7 @@ impl Region {
         self.size.product()
     }
 
-    /// True for axes along which a particle that leaves on one side enters on the other.
+    /// True for axes along which a particle that leaves the block on one side enters it on the other.
     pub fn periodic(&self) -> [bool; 3] {
         self.periodic
     }
@@ -84,8 +85,8 @@ impl Region {
         self.is_all
     }
 
-    /// [m] distance of `x` from the nearest side of the block beyond which the box continues; infinite for the whole
-    /// box, negative outside.
+    /// [m] distance of `x` from the nearest side of the block beyond which the box continues. It is infinite for the
+    /// whole box, and negative outside the block.
     pub fn depth(&self, x: &Vector3<f64>, domain: &Domain) -> f64 {
         let local = self.local(x);
         (0..3).fold(f64::INFINITY, |least, axis| {
@@ -110,10 +111,10 @@ mod tests {
         assert_eq!((region.size(), region.periodic()), (Vector3::new(7.0, 3.0, 6.0), [false, false, true]));
         assert_eq!(region.local(&Vector3::new(9.5, 1.0, 5.0)), Vector3::new(0.5, 1.0, 5.0));
         assert_eq!(region.local(&Vector3::new(5.5, 1.0, 0.5)), Vector3::new(6.5, 1.0, 0.5));
-        // beyond each side in turn, up to half of the remaining box
+        // beyond each side in turn, up to half of the rest of the box
         assert_eq!(region.local(&Vector3::new(8.9, 1.0, 0.5)).x.round(), 0.0);
         assert_eq!(region.depth(&Vector3::new(9.5, 1.0, 5.0), &domain), 0.5);
-        // the wall at y = 0 is not a side beyond which the box continues
+        // at the wall at y = 0 the box ends, so it does not count as a side
         assert_eq!(region.depth(&Vector3::new(2.5, 0.1, 0.0), &domain), 2.9);
         assert_eq!(region.depth(&Vector3::new(2.5, 2.9, 0.0), &domain), 3.0 - 2.9);
         let all = Region::around(&domain, block, 3.0);

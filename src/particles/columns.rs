@@ -1,13 +1,13 @@
 //! Columns of a particle store, declared once.
 //!
-//! The macro [`columns`] makes a struct of arrays, and everything that has to be done with each of its columns, from
-//! one list. A column that only some laws need is an `Option<Vec<T>>`: where it is `None` it takes no memory and every
-//! operation leaves it out. A store that has no such column takes it over from one that it copies from, with zeros for
-//! the particles it has already.
+//! From one list of columns, the macro [`columns`] makes a struct of arrays and all operations on it. A column that
+//! only some laws need is an `Option<Vec<T>>`. If it is `None`, it takes no memory and operations skip it. A store
+//! without such a column makes it when it copies from a store with that column; particles already in the store then get
+//! zeros.
 //!
-//! What moves is marked `as moving`, and `as moving by kicks` where forces change it at once. From these marks follow
-//! `Motion`, the moving state of one particle, and all that takes, puts, sends, keeps or checks it. Nothing else lists
-//! what moves.
+//! Columns of quantities that change with time are marked `as moving`. Those that forces change directly (velocity and
+//! spin) are marked `as moving by kicks`. From these marks the macro makes `Motion`, the moving state of one particle,
+//! and all code that reads, sets, sends, saves or checks this state. No other code lists the moving columns.
 
 use super::CHUNK;
 use super::values::AsBytes;
@@ -15,38 +15,38 @@ use crate::work_sharing;
 
 /// Operations on one column of a store.
 pub trait Column {
-    /// Type of one value.
+    /// Type of the value of one particle.
     type Value: Copy + Default + AsBytes + Send + Sync;
 
-    /// True if stores may lack the column.
+    /// True if a store may lack the column.
     const IS_OPTIONAL: bool;
 
-    /// Values that follow one another, to be changed; nothing of a column that is not there.
+    /// Mutable part of a column: the values of consecutive particles, or nothing if the store lacks the column.
     type Chunk<'a>
     where
         Self: 'a;
 
-    /// The values, if there is such a column.
+    /// The values; `None` if the store lacks the column.
     fn values(&self) -> Option<&Vec<Self::Value>>;
 
-    /// The values for changes, if there is such a column.
+    /// The values, mutable; `None` if the store lacks the column.
     fn values_mut(&mut self) -> Option<&mut Vec<Self::Value>>;
 
-    /// All values, to be changed.
+    /// All values of the column as one chunk.
     fn whole(&mut self) -> Self::Chunk<'_>;
 
-    /// Takes the first `count` values, or all there are, out of a chunk.
+    /// Splits off and returns the first `count` values of a chunk, or all if it has fewer; the others stay in `rest`.
     fn split<'a>(rest: &mut Self::Chunk<'a>, count: usize) -> Self::Chunk<'a>
     where
         Self: 'a;
 
-    /// Changes the value at an index of a chunk.
+    /// Sets the value at an index of a chunk.
     fn put(chunk: &mut Self::Chunk<'_>, index: usize, value: Self::Value);
 
-    /// Makes the column, with `count` values of 0, if it is missing and `wanted`.
+    /// Makes the column, with `count` values of 0, if the store lacks it and `wanted` is true.
     fn adopt(&mut self, wanted: bool, count: usize);
 
-    /// Puts the value that stands at `order[k]` at place `k`, for every `k`.
+    /// Moves the value at index `order[k]` to index `k`, for every `k`.
     fn reorder(&mut self, order: &[u32]) {
         if let Some(values) = self.values_mut() {
             let mut anew = vec![Self::Value::default(); order.len()];
@@ -57,7 +57,8 @@ pub trait Column {
         }
     }
 
-    /// Appends the values of a column like it that stand at those places; `count` are in the store already.
+    /// Appends the values at the indices `places` of the corresponding column of another store. This store has `count`
+    /// particles.
     fn copy_from(&mut self, other: &Self, places: &[u32], count: usize) {
         self.adopt(other.values().is_some(), count);
         let Some(own) = self.values_mut() else { return };
@@ -74,12 +75,12 @@ pub trait Column {
         }
     }
 
-    /// [bytes] that so many values take, behind a byte that says whether there are any.
+    /// [bytes] size of `count` packed values, and of a byte that tells if the column exists.
     fn packed_size(&self, count: usize) -> usize {
         1 + self.values().map_or(0, |_| count * Self::Value::SIZE)
     }
 
-    /// Appends the values at those places to bytes, behind a byte that says whether there are any.
+    /// Appends a byte that tells if the column exists, and then the values at the indices `places`.
     fn pack(&self, places: &[u32], bytes: &mut Vec<u8>) {
         bytes.push(u8::from(self.values().is_some()));
         if let Some(values) = self.values() {
@@ -87,8 +88,8 @@ pub trait Column {
         }
     }
 
-    /// Appends `count` values from the beginning of bytes that a column like it has packed, and returns the rest;
-    /// `None` if they are too few. `before` are in the store already.
+    /// Appends `count` values that [`pack`](Self::pack) wrote to the beginning of `bytes`, and returns the remaining
+    /// bytes; `None` if there are too few. This store has `before` particles.
     fn unpack<'a>(&mut self, bytes: &'a [u8], count: usize, before: usize) -> Option<&'a [u8]> {
         let (is_there, rest) = bytes.split_first()?;
         if *is_there > 1 || (*is_there == 0 && !Self::IS_OPTIONAL) {
@@ -97,7 +98,7 @@ pub trait Column {
         self.adopt(*is_there == 1, before);
         let Some(values) = self.values_mut() else { return Some(rest) };
         if *is_there == 0 {
-            // a column that is always there has shown that there are bytes for so many
+            // columns that are not optional have been read before: the bytes hold at least `count` values of them
             values.resize(values.len() + count, Self::Value::default());
             return Some(rest);
         }
@@ -106,7 +107,8 @@ pub trait Column {
         Some(rest)
     }
 
-    /// Reads the value at a place from the beginning of bytes and returns the rest; `None` if they are too few.
+    /// Reads the value of one particle from the beginning of `bytes` and returns the remaining bytes; `None` if there
+    /// are too few.
     fn unpack_at<'a>(&mut self, place: usize, bytes: &'a [u8]) -> Option<&'a [u8]> {
         let Some(values) = self.values_mut() else { return Some(bytes) };
         let (own, rest) = bytes.split_at_checked(Self::Value::SIZE)?;
@@ -115,7 +117,7 @@ pub trait Column {
     }
 }
 
-/// Takes the first `count` values, or all there are, out of a slice.
+/// Splits off and returns the first `count` values of a slice, or all if it has fewer; the others stay in `rest`.
 fn split_slice<'a, T>(rest: &mut &'a mut [T], count: usize) -> &'a mut [T] {
     let all = std::mem::take(rest);
     let (first, others) = all.split_at_mut(count.min(all.len()));
@@ -199,9 +201,9 @@ impl<T: Copy + Default + AsBytes + Send + Sync> Column for Option<Vec<T>> {
     }
 }
 
-/// Makes a store, and the moving state of one of its particles, from a list of columns. `=> ["x", "y", "z"]` behind a
-/// column says that it belongs to a saved state, as numbers of these names; `as moving` that it moves, `by kicks` that
-/// forces change it at once.
+/// Makes a store, and the moving state of one of its particles, from a list of columns. `=> ["x", "y", "z"]` after a
+/// column means that saved states contain it, as numbers with these names. `as moving` means that its values change
+/// with time, and `by kicks` that forces change them directly.
 macro_rules! columns {
     (
         $(#[$of_motion:meta])*
@@ -236,7 +238,7 @@ macro_rules! columns {
         }
 
         impl $chunk<'_> {
-            /// Gives the particle at an index of the chunk a moving state.
+            /// Sets the moving state of the particle at an index of the chunk.
             #[inline(always)]
             pub fn set(&mut self, index: usize, motion: &$motion) {
                 $($(
@@ -247,7 +249,8 @@ macro_rules! columns {
         }
 
         impl $store {
-            /// Moving state of all particles, in chunks of that many which can be changed beside one another.
+            /// Moving state of all particles in chunks of `size` particles, which several threads can change at the
+            /// same time.
             pub fn motion_chunks(&mut self, size: usize) -> Vec<$chunk<'_>> {
                 let chunks = self.count().div_ceil(size);
                 let mut rest = $chunk {
@@ -265,7 +268,7 @@ macro_rules! columns {
                 (0..chunks).map(next).collect()
             }
 
-            /// Moving state of the particle at an index; 0 in columns that the store has not.
+            /// Moving state of the particle at an index; 0 in columns that the store lacks.
             #[inline]
             pub fn motion(&self, index: usize) -> $motion {
                 $motion {
@@ -278,7 +281,7 @@ macro_rules! columns {
                 }
             }
 
-            /// Gives the particle at an index a moving state.
+            /// Sets the moving state of the particle at an index.
             #[inline]
             pub fn set_motion(&mut self, index: usize, motion: &$motion) {
                 $($(
@@ -289,9 +292,9 @@ macro_rules! columns {
                 )?)+
             }
 
-            /// Calls `visit` with every number of the moving state of the particle at an index. A zero of a column that
-            /// stores may lack counts as none: a state of spheres that could rotate and do not is the state of spheres
-            /// that cannot.
+            /// Calls `visit` with every number of the moving state of the particle at an index. Zeros in an optional
+            /// column are skipped. So spheres that could rotate but do not have the same checksum as spheres that
+            /// cannot.
             pub(crate) fn for_each_moving_number(&self, index: usize, visit: &mut impl FnMut(f64)) {
                 $($(
                     let _ = stringify!($moving);
@@ -304,7 +307,7 @@ macro_rules! columns {
                 )?)+
             }
 
-            /// Appends the moving state of the particle at an index to bytes.
+            /// Appends the moving state of the particle at an index to `bytes`.
             pub(crate) fn pack_motion(&self, index: usize, bytes: &mut Vec<u8>) {
                 $($(
                     let _ = stringify!($moving);
@@ -314,8 +317,8 @@ macro_rules! columns {
                 )?)+
             }
 
-            /// Reads the moving state of the particle at an index from the beginning of bytes that a store with the
-            /// same columns has packed, and returns the rest; `None` if they are too few.
+            /// Reads the moving state of the particle at an index from the beginning of `bytes`, and returns the
+            /// remaining bytes; `None` if there are too few. The store that wrote them must have had the same columns.
             pub(crate) fn unpack_motion<'a>(&mut self, index: usize, bytes: &'a [u8]) -> Option<&'a [u8]> {
                 $($(
                     let _ = stringify!($moving);
@@ -324,7 +327,7 @@ macro_rules! columns {
                 Some(bytes)
             }
 
-            /// Appends what forces change at once of the particle at an index to bytes.
+            /// Appends the quantities of one particle that forces change directly (velocity and spin) to `bytes`.
             pub(crate) fn pack_kicked(&self, index: usize, bytes: &mut Vec<u8>) {
                 $($($(
                     let _ = stringify!($kicks);
@@ -334,7 +337,8 @@ macro_rules! columns {
                 )?)?)+
             }
 
-            /// Reads what [`pack_kicked`](Self::pack_kicked) wrote; `None` if the bytes are too few.
+            /// Reads the bytes that [`pack_kicked`](Self::pack_kicked) wrote, and returns the remaining bytes; `None`
+            /// if there are too few.
             pub(crate) fn unpack_kicked<'a>(&mut self, index: usize, bytes: &'a [u8]) -> Option<&'a [u8]> {
                 $($($(
                     let _ = stringify!($kicks);
@@ -343,7 +347,8 @@ macro_rules! columns {
                 Some(bytes)
             }
 
-            /// Keeps what forces change at once, of all particles, in a store that holds nothing else.
+            /// Copies the quantities that forces change directly, of all particles, into `kept`; its other columns are
+            /// not used.
             pub(crate) fn keep_kicked(&self, kept: &mut Self) {
                 $($($(
                     let _ = stringify!($kicks);
@@ -351,8 +356,8 @@ macro_rules! columns {
                 )?)?)+
             }
 
-            /// Takes back what forces have changed since [`keep_kicked`](Self::keep_kicked); `kept` then holds what
-            /// they had made of it.
+            /// Restores the quantities copied by [`keep_kicked`](Self::keep_kicked). Afterwards `kept` contains the
+            /// values from before this call.
             pub(crate) fn take_back(&mut self, kept: &mut Self) {
                 $($($(
                     let _ = stringify!($kicks);
@@ -367,19 +372,19 @@ macro_rules! columns {
         }
 
         impl $store {
-            /// Removes all particles and keeps the memory.
+            /// Removes all particles, but keeps the memory allocated.
             pub fn clear(&mut self) {
                 $(if let Some(values) = Column::values_mut(&mut self.$column) {
                     values.clear();
                 })+
             }
 
-            /// Number of particles, by the first column.
+            /// Number of particles, which is the length of the first column in use.
             fn count(&self) -> usize {
                 [$(Column::values(&self.$column).map(Vec::len)),+].into_iter().flatten().next().unwrap_or(0)
             }
 
-            /// Takes out all particles from the place `count` on.
+            /// Removes all particles from index `count` on.
             pub fn truncate(&mut self, count: usize) {
                 $(if let Some(values) = Column::values_mut(&mut self.$column) {
                     values.truncate(count);
@@ -391,20 +396,20 @@ macro_rules! columns {
                 $(Column::values(&self.$column).is_none_or(|values| values.len() == count))&&+
             }
 
-            /// Appends one particle with all values 0.
+            /// Appends one particle with zero in every column.
             fn grow(&mut self) {
                 $(if let Some(values) = Column::values_mut(&mut self.$column) {
                     values.push(Default::default());
                 })+
             }
 
-            /// Moves the particle at index `order[k]` to index `k`, for every `k`. `order` is a permutation of 0 .. N
-            /// or a part of one; particles that it lacks are removed.
+            /// Moves the particle at index `order[k]` to index `k`, for every `k`. `order` contains each index at most
+            /// once; particles whose indices are missing are removed.
             pub fn reorder(&mut self, order: &[u32]) {
                 $(Column::reorder(&mut self.$column, order);)+
             }
 
-            /// Appends copies of the particles at the given indices of another store with equal columns.
+            /// Appends copies of the particles at the given indices of another store.
             pub fn copy_from(&mut self, other: &Self, places: &[u32]) {
                 let count = self.count();
                 $(Column::copy_from(&mut self.$column, &other.$column, places, count);)+
@@ -417,27 +422,29 @@ macro_rules! columns {
                 })+
             }
 
-            /// Frees the memory that the store does not need.
+            /// Frees allocated memory that is not in use.
             pub(crate) fn shrink(&mut self) {
                 $(if let Some(values) = Column::values_mut(&mut self.$column) {
                     values.shrink_to_fit();
                 })+
             }
 
-            /// Moves each particle from the first index of a pair to the second, and overwrites the particle there.
+            /// Moves each particle from the first index of a pair to the second, and overwrites the particle at the
+            /// second.
             pub(crate) fn relocate(&mut self, moves: &[(u32, u32)]) {
                 $(Column::relocate(&mut self.$column, moves);)+
             }
 
             /// Appends the particles at the given indices to `bytes`.
             pub(crate) fn pack(&self, places: &[u32], bytes: &mut Vec<u8>) {
-                // no more room than it takes: of millions that matters
+                // reserves exactly the bytes needed, because for millions of particles more would be too much
                 bytes.reserve_exact(size_of::<u64>() $(+ Column::packed_size(&self.$column, places.len()))+);
                 bytes.extend_from_slice(&(places.len() as u64).to_le_bytes());
                 $(Column::pack(&self.$column, places, bytes);)+
             }
 
-            /// Appends all particles of bytes that such a store has packed; `None` if these are not of one.
+            /// Appends all particles that [`pack`](Self::pack) wrote to `bytes`; `None` if `bytes` cannot be the result
+            /// of `pack`.
             pub(crate) fn unpack(&mut self, bytes: &[u8]) -> Option<()> {
                 let (count, bytes) = bytes.split_first_chunk()?;
                 let (count, before) = (u64::from_le_bytes(*count) as usize, self.count());
@@ -445,7 +452,7 @@ macro_rules! columns {
                 bytes.is_empty().then_some(())
             }
 
-            /// Names of the numbers per particle in a saved state.
+            /// Names of the numbers that a saved state contains for each particle.
             pub fn state_names(&self) -> Vec<&'static str> {
                 let mut names = Vec::new();
                 $($(if Column::values(&self.$column).is_some() {

@@ -1,4 +1,4 @@
-//! The particle store: the only thing in a simulation that changes.
+//! The particle store: the only data of a scene that change during a run.
 
 mod columns;
 mod sample;
@@ -16,20 +16,21 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use values::{AsBytes, AsNumbers};
 
-/// Length of a parallel chunk of particles or pairs; much smaller work is not worth a second thread. Chunks do not
-/// depend on the number of threads, so neither do results.
+/// Number of particles or pairs in a piece of parallel work; fewer are not worth a second thread. Pieces do not depend
+/// on the number of threads, so the results do not either.
 pub const CHUNK: usize = 8192;
 
 columns! {
-    /// Moving state of one particle: all that a step, a collision or another process may change.
+    /// Moving state of one particle: the quantities that a step, a collision or another process may change.
     pub struct Motion;
 
-    /// Moving state of particles that follow one another in a store.
+    /// Mutable moving state of consecutive particles of a store.
     pub struct MotionChunk;
 
-    /// Spheres as a struct of arrays. All arrays have the same length.
+    /// Spheres as a struct of arrays; all arrays have equal lengths.
     ///
-    /// Engines may reorder the store for speed; `id` keeps the identity (0 .. N in the order of the initial state).
+    /// Engines may reorder the store for speed. `id` identifies a particle: ids are 0 .. N in the order of the initial
+    /// state.
     ///
     /// ```
     /// use diptych::{Particles, Vector3};
@@ -41,38 +42,38 @@ columns! {
     /// ```
     #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
     pub struct Particles {
-        /// [m] centres; along a periodic axis they may have left the box since the last
+        /// [m] positions of the centres. Along a periodic axis a centre may have left the box since the last
         /// [`wrap`](crate::domain::Domain::wrap).
         pub position: Vec<Vector3<f64>> => ["x", "y", "z"] as moving,
-        /// [m/s] velocities.
+        /// [m/s] velocities of the centres.
         pub velocity: Vec<Vector3<f64>> => ["vx", "vy", "vz"] as moving by kicks,
-        /// [m] radii.
+        /// [m] radii of the spheres.
         pub radius: Vec<f64>,
         /// [rad/s] spins; `None` where spheres do not rotate.
         pub spin: Option<Vec<Vector3<f64>>> => ["wx", "wy", "wz"] as moving by kicks,
         /// [kg m²] moments of inertia about the centre; `None` where spheres do not rotate.
         pub inertia: Option<Vec<f64>>,
-        /// [kg] masses.
+        /// [kg] masses of the spheres.
         pub mass: Vec<f64>,
-        /// Index into [`Scene::species`](crate::scene::Scene::species).
+        /// Index of each particle's species in [`Scene::species`](crate::scene::Scene::species).
         pub species: Vec<u16>,
-        /// Identity of the particle, which does not change when the store is reordered.
+        /// Identity of each particle, which stays with the particle when the store is reordered.
         pub id: Vec<u32>,
     }
 }
 
 impl Particles {
-    /// Number of particles.
+    /// Number of particles in the store.
     pub fn len(&self) -> usize {
         self.position.len()
     }
 
-    /// True if there is no particle.
+    /// True if the store has no particle.
     pub fn is_empty(&self) -> bool {
         self.position.is_empty()
     }
 
-    /// Appends a sphere; its id is its index. Lengths in m, velocity in m/s, mass in kg.
+    /// Appends a sphere, whose id is its index. Lengths in m, velocity in m/s, mass in kg.
     pub fn push(&mut self, position: Vector3<f64>, velocity: Vector3<f64>, radius: f64, mass: f64, species: u16) {
         let place = self.len();
         self.grow();
@@ -84,7 +85,7 @@ impl Particles {
         self.id[place] = place as u32;
     }
 
-    /// Appends all particles of another store; their ids are their new indices.
+    /// Appends all particles of another store; their ids become their new indices.
     pub fn append(&mut self, other: &Self) {
         let (first, count) = (self.len() as u32, other.len() as u32);
         self.copy_from(other, &(0..count).collect::<Vec<u32>>());
@@ -92,19 +93,19 @@ impl Particles {
         self.id.extend(first..first + count);
     }
 
-    /// Sorts the particles by id, the order of the initial state.
+    /// Sorts the particles by id, which is the order of the initial state.
     pub fn sort_by_id(&mut self) {
         let mut order: Vec<u32> = (0..self.len() as u32).collect();
         order.sort_unstable_by_key(|&place| self.id[place as usize]);
         self.reorder(&order);
     }
 
-    /// A checksum of the state, FNV-1a over the bits of all that moves in the order of ids.
+    /// Checksum of the state: FNV-1a over the bits of all moving quantities, in the order of ids.
     pub fn fingerprint(&self) -> u64 {
         fingerprint_of(self, None)
     }
 
-    /// Brings all positions into the box along its periodic axes.
+    /// Moves every position outside a periodic side to its image inside the box.
     pub fn wrap(&mut self, domain: &Domain) {
         work_sharing::for_each(self.position.chunks_mut(CHUNK), |chunk| {
             for x in chunk {
@@ -113,7 +114,7 @@ impl Particles {
         });
     }
 
-    /// [kg m/s] total momentum.
+    /// [kg m/s] total momentum of all particles.
     pub fn momentum(&self) -> Vector3<f64> {
         let sums = exact::sums(self.len(), |k| {
             let p = self.velocity[k] * self.mass[k];
@@ -134,8 +135,8 @@ impl Particles {
         sum
     }
 
-    /// Gives each sphere a spin of 0 and the moment of inertia factor·m r² [kg m²] of its species, if it has none.
-    /// `factors` [-] stand in the order of [`Scene::species`](crate::scene::Scene::species).
+    /// Adds spin and moment of inertia to spheres that lack them: a spin of 0 and I = q m r² [kg m²]. `factors` are the
+    /// inertia factors q [-] in the order of [`Scene::species`](crate::scene::Scene::species).
     pub fn let_rotate(&mut self, factors: &[f64]) {
         let count = self.len();
         self.spin.get_or_insert_with(|| vec![Vector3::zeros(); count]);
@@ -169,7 +170,7 @@ impl Particles {
         self.rotational_energies().value()
     }
 
-    /// [kg] total mass.
+    /// [kg] total mass of all particles.
     pub fn total_mass(&self) -> f64 {
         exact::sum(&self.mass, |mass| *mass).value()
     }
@@ -202,18 +203,18 @@ impl Particles {
     }
 
     /// [m²/s²] exact sum of the squares of the velocities relative to `frame` [m/s], and the largest speed in that
-    /// frame [m/s]; infinite if a velocity is not a number.
+    /// frame [m/s]. The largest speed is infinite if a velocity is not a number.
     pub fn square_speeds_and_largest(&self, frame: Vector3<f64>) -> (ExactSum, f64) {
         let (squares, largest) = exact::sum_and_largest(&self.velocity, |v| (v - frame).norm_squared());
         (squares, largest.sqrt())
     }
 
-    /// Means of the radii and of their squares and cubes, in `unit` [m]; 0 without particles.
+    /// Means of r, r² and r³ over all particles, r being the radius in `unit` [m]; 0 without particles.
     pub fn mean_radii(&self, unit: f64) -> [f64; 3] {
         exact::values(&self.radius_sums(unit)).map(|sum| sum / self.len().max(1) as f64)
     }
 
-    /// Exact sums of the radii and of their squares and cubes, in `unit` [m].
+    /// Exact sums of r, r² and r³ over all particles, r being the radius in `unit` [m].
     pub fn radius_sums(&self, unit: f64) -> [ExactSum; 3] {
         let per_unit = 1.0 / unit;
         let four = exact::side_by_side(
@@ -230,7 +231,7 @@ impl Particles {
         sums
     }
 
-    /// [m/s] largest speed of any particle relative to `frame` [m/s]; infinite if one is not a number.
+    /// [m/s] largest speed of any particle relative to `frame` [m/s]; infinite if a velocity is not a number.
     pub fn largest_speed(&self, frame: Vector3<f64>) -> f64 {
         let largest = |chunk: &[Vector3<f64>]| {
             chunk.iter().fold(0.0f64, |most, v| {

@@ -1,40 +1,40 @@
-//! Sums over all particles of a run, held by one process or divided among several.
+//! Sums over all particles of a run, which one process stores or several processes share.
 
 use super::Particles;
 use crate::communicator::Communicator;
 use crate::exact::{self, ExactSum};
 use nalgebra::Vector3;
 
-/// The particles of one instant. Where processes share a run, each holds a part of the particles. All processes must
-/// ask for equal sums in equal order, and each gets the sum over all. Sums are exact, so the result does not depend
-/// on how the particles are divided.
+/// The particles at one instant. If several processes share a run, each process stores a part of the particles. All
+/// processes must call the methods in the same order, and each gets the sum over all particles. Sums are exact, so they
+/// do not depend on the division of the particles among processes.
 #[derive(Clone, Copy)]
 pub struct Sample<'a> {
     /// Particles of this process.
     pub particles: &'a Particles,
-    /// Connection to the processes that hold the other particles.
+    /// Connection to the processes that store the other particles; `None` if this process stores all.
     communicator: Option<&'a dyn Communicator>,
 }
 
 impl<'a> From<&'a Particles> for Sample<'a> {
-    /// A sample of one process that holds all particles.
+    /// Makes a sample for one process that stores all particles.
     fn from(particles: &'a Particles) -> Self {
         Self::part(particles, None)
     }
 }
 
 impl<'a> Sample<'a> {
-    /// The part of this process, with the connection to the other processes.
+    /// Makes a sample from the particles of this process and the connection to the other processes.
     pub fn part(particles: &'a Particles, communicator: Option<&'a dyn Communicator>) -> Self {
         Self { particles, communicator }
     }
 
-    /// True if other processes hold a part.
+    /// True if other processes store some of the particles.
     pub fn is_part(&self) -> bool {
         self.communicator.is_some()
     }
 
-    /// A sample of other particles, derived from these, on the same processes.
+    /// A sample of other particles, derived from those of this sample, on the same processes.
     pub fn with<'b>(&self, particles: &'b Particles) -> Sample<'b>
     where
         'a: 'b,
@@ -42,21 +42,22 @@ impl<'a> Sample<'a> {
         Sample { particles, communicator: self.communicator }
     }
 
-    /// Adds up over all processes.
+    /// Replaces each sum of this process by the total over all processes.
     pub fn total(&self, sums: &mut [&mut ExactSum]) {
         if let Some(communicator) = self.communicator {
             communicator.total(sums);
         }
     }
 
-    /// Sums over all particles of the values that `of` gives for each index.
+    /// Sums over all particles of the values that `of` returns for the index of a particle.
     pub fn sums<const K: usize>(&self, of: impl Fn(usize) -> [f64; K] + Sync) -> [f64; K] {
         let mut sums = exact::sums(self.particles.position.len(), of);
         self.total(&mut sums.each_mut());
         exact::values(&sums)
     }
 
-    /// Sums per group: for each index `of` gives the group and the values to add.
+    /// Sums over all particles, per group. For the index of a particle, `of` returns the number of a group and the
+    /// values to add.
     pub fn sums_in_groups<const K: usize>(
         &self,
         groups: usize,
@@ -75,21 +76,21 @@ impl<'a> Sample<'a> {
         count as usize
     }
 
-    /// [m/s] mean of all velocities; 0 without particles.
+    /// [m/s] mean of all velocities over all processes; 0 without particles.
     pub fn mean_velocity(&self) -> Vector3<f64> {
         let mut sums = self.particles.velocity_sums();
         self.total(&mut sums.each_mut());
         Vector3::from(exact::values(&sums)) / self.count().max(1) as f64
     }
 
-    /// [m/s] root mean square of the velocities about their mean; 0 without particles.
+    /// [m/s] agitation over all processes: root mean square of the velocities about their mean; 0 without particles.
     pub fn agitation(&self) -> f64 {
         let mut sum = self.particles.square_speeds(self.mean_velocity());
         self.total(&mut [&mut sum]);
         (sum.value() / self.count().max(1) as f64).sqrt()
     }
 
-    /// The largest of each value over all processes.
+    /// Replaces each value by its largest value on any process.
     pub fn largest<const K: usize>(&self, mut values: [f64; K]) -> [f64; K] {
         if let Some(communicator) = self.communicator {
             communicator.largest(&mut values);
@@ -105,26 +106,26 @@ impl<'a> Sample<'a> {
         whole.map(|count| count as f64)
     }
 
-    /// [kg] total mass.
+    /// [kg] total mass of the particles on all processes.
     pub fn total_mass(&self) -> f64 {
         let [mass] = self.sums(|place| [self.particles.mass[place]]);
         mass
     }
 
-    /// [kg m/s] total momentum.
+    /// [kg m/s] total momentum of the particles on all processes.
     pub fn momentum(&self) -> Vector3<f64> {
         let [x, y, z] = self.sums(|place| (self.particles.velocity[place] * self.particles.mass[place]).into());
         Vector3::new(x, y, z)
     }
 
-    /// Means of the radii and of their squares and cubes, in `unit` [m]; 0 without particles.
+    /// Means of r, r² and r³ over all particles, r being the radius in `unit` [m]; 0 without particles.
     pub fn mean_radii(&self, unit: f64) -> [f64; 3] {
         let mut sums = self.particles.radius_sums(unit);
         self.total(&mut sums.each_mut());
         exact::values(&sums).map(|sum| sum / self.count().max(1) as f64)
     }
 
-    /// [J] total rotational energy; 0 where spheres do not rotate. All processes rotate or none.
+    /// [J] total rotational energy; 0 where spheres do not rotate. Either all processes store spins or none does.
     pub fn rotational_energy(&self) -> f64 {
         if self.particles.spin.is_none() {
             return 0.0;
@@ -134,7 +135,7 @@ impl<'a> Sample<'a> {
         sum.value()
     }
 
-    /// [J] total kinetic energy of the centres.
+    /// [J] total kinetic energy of the centres, over all processes.
     pub fn kinetic_energy(&self) -> f64 {
         let mut sum = self.particles.kinetic_energies();
         self.total(&mut [&mut sum]);

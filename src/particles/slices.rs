@@ -1,15 +1,15 @@
-//! All particles of a run in the order of their ids, in slices that fit in memory, from all processes that hold them.
+//! All particles of a run in the order of their ids, collected from all processes, in slices that fit in memory.
 
 use super::{CHUNK, Particles};
 use crate::communicator::Communicator;
 
-/// Number of particles of a slice put together from several processes: few enough for the memory of one, and many
-/// enough for few messages.
+/// Number of particles of a slice that is collected from several processes: few enough for the memory of one process,
+/// and many enough that few messages are sent.
 const SLICE: usize = 1 << 17;
 
-/// Calls `visit` with slices of the particles of all processes, one after the other in the order of ids. Only the
-/// lead process calls `visit`. All processes must call this function, each with its part, and ids are 0 .. N. Without
-/// a communicator `particles` are all there are.
+/// Calls `visit` with slices of the particles of all processes, in the order of ids. Only the lead process calls
+/// `visit`. All processes must call this function, each with its particles; together their ids are 0 .. N. Without a
+/// communicator `particles` contains all particles.
 pub fn for_each_slice(
     particles: &Particles,
     communicator: Option<&dyn Communicator>,
@@ -36,7 +36,7 @@ pub fn for_each_slice(
         particles.pack(own, &mut bytes);
         slice.clear();
         for bytes in communicator.collect(bytes) {
-            // what a process has packed can be read
+            // unpacking cannot fail, since `pack` wrote these bytes
             let _ = slice.unpack(&bytes);
         }
         if communicator.is_lead() {
@@ -46,8 +46,8 @@ pub fn for_each_slice(
     }
 }
 
-/// Checksum of the particles of all processes, as [`Particles::fingerprint`]. All processes must call it and get the
-/// result.
+/// Checksum of the particles of all processes, equal to [`Particles::fingerprint`] of a store with all of them. All
+/// processes must call this function, and all get the result.
 pub fn fingerprint_of(particles: &Particles, communicator: Option<&dyn Communicator>) -> u64 {
     let mut hash: u64 = 0xcbf2_9ce4_8422_2325; // offset basis, Fowler, Noll & Vo
     for_each_slice(particles, communicator, &mut |slice| {

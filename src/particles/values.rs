@@ -1,8 +1,8 @@
-//! Values of columns as bytes, from process to process, and as numbers, in saved states.
+//! Values of columns as bytes, for messages between processes, and as numbers, for saved states.
 
 use nalgebra::Vector3;
 
-/// A value that is sent between processes as it stands in memory. For a million particles, text or numbers of
+/// A value that is sent between processes as the bytes of its memory. For a million particles, text or numbers of
 /// variable length would take longer to encode than to send.
 pub trait AsBytes: Sized {
     /// [bytes] size of one value.
@@ -11,7 +11,7 @@ pub trait AsBytes: Sized {
     /// Appends the value to `bytes`.
     fn pack(&self, bytes: &mut Vec<u8>);
 
-    /// Reads the value from `bytes`, which has exactly its size.
+    /// Reads the value from `bytes`, whose length must be [`SIZE`](Self::SIZE).
     fn unpack(bytes: &[u8]) -> Self;
 }
 
@@ -47,10 +47,10 @@ impl AsBytes for Vector3<f64> {
 
 /// A value that consists of one or several numbers.
 pub trait AsNumbers {
-    /// Its numbers, in the order of the names that the column is declared with.
+    /// The numbers of the value, in the order of the names in the declaration of the column.
     fn numbers(&self) -> &[f64];
 
-    /// Its numbers, to be changed.
+    /// The numbers of the value, mutable.
     fn numbers_mut(&mut self) -> &mut [f64];
 }
 

@@ -1,4 +1,4 @@
-//! Random positions of particles before overlaps are removed, their sizes and velocities.
+//! Random positions, sizes and velocities of particles, before overlaps are removed.
 
 use super::{FreeRoom, MARGIN};
 use crate::experiment::{Amount, Experiment, Population};
@@ -10,12 +10,12 @@ use rand::{RngExt, SeedableRng};
 use rand_distr::{Distribution, StandardNormal};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-/// Changes a seed, so that spins have random numbers of their own: a word without a meaning.
+/// Constant that turns the seed of a run into a separate seed for spins; its value has no meaning.
 const SPINS: u64 = 0x5350_494e_5350_494e;
 
-/// Random particles of each population in its room, with the ids that they have among all particles. Only particles
-/// whose position [m] is to be kept are returned, and all placed particles. If there are placed particles, all must
-/// be kept.
+/// Draws random particles of each population in its room, with the ids that they have among all particles. Returns the
+/// drawn particles for whose position [m] `is_kept` is true, and all particles with given positions. If there are such
+/// particles, `is_kept` must be true everywhere.
 pub fn draw(
     experiment: &Experiment,
     rooms: &[&FreeRoom],
@@ -25,7 +25,7 @@ pub fn draw(
     let (mut particles, mut id) = (Particles::default(), 0);
     let rotates = experiment.scene.rotation.is_some();
     particles.spin = rotates.then(Vec::new);
-    // spins have random numbers of their own: positions and velocities are those of spheres that do not rotate
+    // separate random numbers for spins: positions and velocities are then equal with and without rotation
     let mut of_spins = Xoshiro256PlusPlus::seed_from_u64(experiment.run.seed ^ SPINS);
     for (population, room) in experiment.start.iter().zip(rooms) {
         let species = &room.scene.species[population.species as usize];
@@ -40,13 +40,13 @@ pub fn draw(
                 let mut velocities = Normals::new((*velocity_mean, *velocity_fluctuation), *count, random);
                 let spread = (*spin_mean, Vector3::repeat(*spin_fluctuation));
                 let mut spins = rotates.then(|| Normals::new(spread, *count, &mut of_spins));
-                // reserve exactly this memory, instead of up to twice as much
+                // reserves exactly this memory, since a growing vector may take up to twice as much
                 particles.reserve(*count);
                 for _ in 0..*count {
                     let (diameter, velocity) = (diameters.next(), velocities.next());
                     let spin = spins.as_mut().map(Normals::next);
                     let (radius, mass) = (0.5 * diameter, species.of_one_size(diameter).mass());
-                    // as large as it is during the placement
+                    // with the radius enlarged as during the placement
                     let position = room.somewhere(radius * (1.0 + MARGIN), random);
                     if is_kept(&position) {
                         particles.push(position, velocity, radius, mass, population.species);
@@ -66,18 +66,18 @@ pub fn draw(
     particles
 }
 
-/// Diameters of the spheres of a population, one after the other.
+/// Diameters of the spheres of a population, returned one after the other.
 enum Diameters {
-    /// [m] diameter of all spheres.
+    /// [m] equal diameter of all spheres.
     Same(f64),
-    /// [m] diameters still to come, the last first.
+    /// [m] diameters that are not returned yet; the last of the list is returned next.
     Spread(Vec<f64>),
 }
 
 impl Diameters {
-    /// Diameters of `count` spheres of a species, in random order. If they are spread, the distribution is cut into
-    /// `count` parts of equal share, and one diameter is drawn from each. So even a few spheres represent the
-    /// distribution.
+    /// Diameters of `count` spheres of a species, in random order. If the species has a distribution of sizes, it is
+    /// cut into `count` parts of equal probability, and one diameter is drawn from each part. So even a few spheres
+    /// represent the distribution.
     fn new(species: &Species, count: usize, random: &mut Xoshiro256PlusPlus) -> Self {
         let Some(sizes) = &species.sizes else { return Self::Same(species.diameter) };
         let mut draw = |part: usize| sizes.quantile((part as f64 + random.random::<f64>()) / count as f64);
@@ -95,25 +95,25 @@ impl Diameters {
     }
 }
 
-/// Gaussian velocities or spins, shifted and scaled so that every component has exactly the mean and the standard
-/// deviation asked for. The standard deviation is the root of the mean square about the mean, over the number of
-/// spheres. One sphere alone has no spread: it keeps the velocity drawn.
+/// Gaussian velocities or spins, shifted and scaled so that every component has exactly the required mean and standard
+/// deviation. The standard deviation is the square root of the mean square about the mean, over the number of spheres.
+/// A single sphere cannot have a standard deviation: its drawn value is only scaled and shifted.
 ///
-/// The velocities are drawn three times: for their mean, for their spread, and for use. To keep them would take more
-/// memory than the particles, if only a part of these is kept.
+/// The values are drawn three times: for their mean, for their spread, and for use. Storing them would take more memory
+/// than the particles, if only a part of the particles is kept.
 struct Normals {
-    /// Random generator before the next velocity.
+    /// Random generator in the state before the next value.
     random: Xoshiro256PlusPlus,
-    /// [-] mean of the numbers drawn.
+    /// [-] mean of all drawn numbers.
     drawn: Vector3<f64>,
-    /// Mean asked for, in the unit of the values.
+    /// Required mean, in the unit of the values.
     mean: Vector3<f64>,
-    /// Factor for the difference from the mean, in the unit of the values.
+    /// Factor for the difference of a drawn number from the mean of all, in the unit of the values.
     factor: Vector3<f64>,
 }
 
 impl Normals {
-    /// `count` values with a mean and with the standard deviation of each component; as many are drawn from `random`.
+    /// `count` values with the given mean and standard deviation of each component, drawn from `random`.
     fn new((mean, deviation): (Vector3<f64>, Vector3<f64>), count: usize, random: &mut Xoshiro256PlusPlus) -> Self {
         let before = random.clone();
         let (mut drawn, mut stretch) = (Vector3::zeros(), Vector3::repeat(1.0));
@@ -126,7 +126,8 @@ impl Normals {
                 v.component_mul(&v)
             };
             let squares = (0..count).map(square).sum::<Vector3<f64>>() / count as f64;
-            // equal draws have no spread to scale; no generator gives them, but a quotient by zero must be avoided
+            // equal draws have no spread that could be scaled: this cannot happen, but a division by zero must be
+            // avoided
             stretch = squares.map(|square| if square > 0.0 { 1.0 / square.sqrt() } else { 0.0 });
         }
         Self { random: before, drawn, mean, factor: deviation.component_mul(&stretch) }
@@ -137,7 +138,7 @@ impl Normals {
     }
 }
 
-/// Three independent numbers of mean 0 and variance 1.
+/// Three independent Gaussian numbers of mean 0 and variance 1.
 fn normal(random: &mut Xoshiro256PlusPlus) -> Vector3<f64> {
     Vector3::from_fn(|_, _| StandardNormal.sample(random))
 }

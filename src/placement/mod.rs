@@ -1,8 +1,8 @@
-//! Initial positions of the particles.
+//! Initial state of the particles: random positions without overlap, equal for every model.
 //!
-//! Random positions without overlap, equal for every model. The method is sequential insertion while that is quick.
-//! At higher density random positions are pushed apart until nothing overlaps, and the densest starts use a
-//! relaxation of all particles at once.
+//! At low density, overlapping particles draw new random positions until nothing overlaps (sequential insertion). At
+//! higher density, overlapping pairs are pushed apart. At the highest densities, all particles are moved at once like
+//! soft spheres (relaxation).
 
 mod draw;
 mod parts;
@@ -23,27 +23,27 @@ use rand::SeedableRng;
 use rand_xoshiro::Xoshiro256PlusPlus;
 use room::{FreeRoom, regions};
 
-/// [-] volume fraction above which insertion gets slow: random sequential addition of spheres jams at 0.382 (Talbot,
+/// [-] volume fraction above which insertion gets slow. Random sequential addition of spheres jams at 0.382 (Talbot,
 /// Schaaf & Tarjus 1991).
 const INSERTION_LIMIT: f64 = 0.2;
 
-/// Number of rounds before a placement is given up.
+/// Number of rounds after which a placement is given up. A round treats all overlaps of all particles once.
 const ROUNDS: usize = 5000;
 
-/// Number of rounds in which spheres within much larger ones draw a new position, where all are pushed apart. Without
-/// them crowds around the larger spheres remain, which take long to spread. After eight rounds fewer than one in 10⁴
-/// is still within a larger sphere at a volume fraction of 0.3.
+/// Number of rounds in which spheres that overlap much larger ones draw a new position, although pairs are pushed
+/// apart. Without these draws, dense groups remain around the larger spheres and take long to spread. After eight
+/// rounds fewer than one in 10⁴ spheres still overlaps a larger sphere, at a volume fraction of 0.3.
 const ROUNDS_OF_INSERTION: usize = 8;
 
-/// Pairs of a list that count as much effort as one particle of a round: about as many as a particle has in a dense
-/// start.
+/// Number of pairs in the neighbour list that count as much effort as one particle. A particle in a dense start has
+/// about as many pairs.
 const PER_PARTICLE: u64 = 32;
 
-/// [-] fraction by which spheres are enlarged during placement, so that none start in touch; half of it remains as a
-/// gap.
+/// [-] fraction by which spheres are enlarged during placement, so that none start in touch. At least half of the
+/// enlargement remains as a gap.
 const MARGIN: f64 = 1e-3;
 
-/// A start that could not be made.
+/// The error for a start that could not be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error(
     "{}: the particles fill {wanted:.3e} of the {room:.3e} m^3 that walls and bodies in the box leave them, and {}; ask for fewer particles, make that room larger (a larger box around a vessel is of no use), or give positions in a file",
@@ -51,15 +51,15 @@ const MARGIN: f64 = 1e-3;
     self.bound()
 )]
 pub struct Crowded {
-    /// [-] volume of the particles over that of their room.
+    /// [-] volume of the particles over that of the room in which they start.
     pub wanted: f64,
-    /// [-] volume of the particles that overlap nothing over that of their room.
+    /// [-] volume of the particles without overlap over the volume of the room.
     pub reached: f64,
-    /// [m³] free volume of the room.
+    /// [m³] free volume of the room in which the particles start.
     pub room: f64,
-    /// True if the search was given up for its effort before all rounds were done.
+    /// True if the search stopped because the allowed effort was spent, before all rounds were done.
     pub given_up: bool,
-    /// [-] volume fraction that no arrangement of these spheres exceeds, if they are to fill more.
+    /// [-] largest volume fraction of any arrangement of these spheres, if the particles would exceed it.
     pub most: Option<f64>,
 }
 
@@ -78,7 +78,7 @@ impl Crowded {
         }
     }
 
-    /// Refuses particles that fill more of their room than any arrangement does, before any is sought.
+    /// Returns an error if the particles fill more of their room than any arrangement can, before a search begins.
     fn refuse_overfull(wanted: f64, room: &FreeRoom) -> Result<(), Self> {
         let most = room.most();
         if wanted <= most {
@@ -88,7 +88,7 @@ impl Crowded {
     }
 }
 
-/// The initial state: equal for every model, made from the seed alone.
+/// Makes the initial state, which is equal for every model and depends only on the experiment and its seed.
 ///
 /// # Errors
 /// If random positions without overlap are not found in a bounded number of rounds.
@@ -96,11 +96,11 @@ pub fn initial_state(experiment: &Experiment) -> Result<Particles, Crowded> {
     initial_state_within(experiment, u64::MAX)
 }
 
-/// The initial state, given up after a limited `effort`, for a caller that only tests whether a start is found soon.
-/// A position tried for a sphere counts 1, a round over all particles their number.
+/// Makes the initial state within a limited `effort`, for a caller that only tests if a start is found soon. A position
+/// tried for a sphere counts 1, a round counts the number of particles and a share of the pairs.
 ///
 /// # Errors
-/// If random positions without overlap are not found with that effort.
+/// If random positions without overlap are not found within that effort.
 pub fn initial_state_within(experiment: &Experiment, effort: u64) -> Result<Particles, Crowded> {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(experiment.run.seed);
     let regions = regions(&experiment.start);
@@ -110,7 +110,7 @@ pub fn initial_state_within(experiment: &Experiment, effort: u64) -> Result<Part
     let region_of = |population: usize| regions.iter().position(|(_, of)| of.contains(&population)).unwrap_or_default();
     let room_of: Vec<&FreeRoom> = (0..experiment.start.len()).map(|population| &rooms[region_of(population)]).collect();
     let mut particles = draw::draw(experiment, &room_of, &mut random, &|_| true);
-    // particles of one region are moved while all others stay
+    // moves the particles of one region while those of other regions stay
     for ((_, populations), room) in regions.iter().zip(&rooms) {
         let mut is_free = Vec::with_capacity(particles.len());
         for (index, population) in experiment.start.iter().enumerate() {
@@ -127,12 +127,12 @@ pub fn initial_state_within(experiment: &Experiment, effort: u64) -> Result<Part
     Ok(particles)
 }
 
-/// [-] volume of all particles over the free volume of a room that has all of them.
+/// [-] volume of all particles over the free volume of a room that contains all of them.
 fn filled(experiment: &Experiment, room: &FreeRoom) -> f64 {
     volume(experiment, |_| true) / room.volume()
 }
 
-/// [m³] volume of the particles of some populations, by index.
+/// [m³] volume of the particles of those populations for whose index `is_meant` is true.
 fn volume(experiment: &Experiment, is_meant: impl Fn(usize) -> bool) -> f64 {
     let species = &experiment.scene.species;
     let meant = experiment.start.iter().enumerate().filter(|(index, _)| is_meant(*index));
@@ -143,8 +143,8 @@ fn volume(experiment: &Experiment, is_meant: impl Fn(usize) -> bool) -> f64 {
     meant.map(|(_, population)| of(population)).fold(0.0, |sum, volume| sum + volume)
 }
 
-/// Moves the free particles until nothing overlaps, and returns them in the order of ids. They fill `fraction` [-] of
-/// the room.
+/// Moves the free particles until nothing overlaps, and sorts the particles by id. The particles of the room fill the
+/// fraction `fraction` [-] of it.
 fn separate(
     particles: &mut Particles,
     is_free: &[bool],
@@ -157,7 +157,7 @@ fn separate(
     for r in &mut particles.radius {
         *r *= 1.0 + MARGIN;
     }
-    // at rest while the list is built: only positions matter here
+    // velocities are zero while neighbour lists are built, because only positions matter here
     let velocity = std::mem::replace(&mut particles.velocity, vec![Vector3::zeros(); true_radius.len()]);
     let mut list = NeighbourList::default();
     let there =
@@ -190,7 +190,7 @@ fn separate(
             draw_strays_again(particles, is_free, room, random);
         }
     }
-    // the list takes more memory than the particles, which can use it after this
+    // frees the list, which takes more memory than the particles, before the particles are sorted
     drop(list);
     particles.sort_by_id();
     particles.radius = true_radius;
@@ -205,16 +205,16 @@ fn separate(
 
 /// Particles that a search for overlaps considers.
 struct There<'a> {
-    /// Region that holds the particles.
+    /// Region that contains the particles.
     region: Region,
     /// True for the ids of particles that may be moved.
     may_move: &'a dyn Fn(u32) -> bool,
-    /// True for positions [m] that are counted here, and not by another process.
+    /// True for positions [m] whose overlaps this process counts; another process counts the others.
     is_counted: &'a dyn Fn(&Vector3<f64>) -> bool,
 }
 
-/// Pairs, by index, that overlap and of which at least one particle may move. Also the number of such overlaps, with
-/// particles and with walls, that are deeper than allowed. Sorts the particles.
+/// Finds overlapping pairs of which at least one particle may move. Returns the indices of both particles of each pair,
+/// and the number of overlaps, with particles and with walls, that are deeper than allowed. Sorts the particles.
 fn look_for_overlaps(
     particles: &mut Particles,
     list: &mut NeighbourList,
@@ -222,18 +222,18 @@ fn look_for_overlaps(
     room: &FreeRoom,
 ) -> (Vec<(u32, u32)>, usize) {
     let (scene, mut slots) = (&room.scene, Vec::new());
-    // nothing moves before the next search
+    // skin 0, because nothing moves before the next search
     list.build_in(&there.region, particles, scene, 0.0);
     list.overlapping(particles, scene, &mut slots);
     let pairs = slots.iter().take_while(|slot| (**slot as usize) < list.pairs.len());
-    // placed particles may nearly touch: they stay as they are
+    // pairs of given particles may nearly touch, and are not moved
     let moves = |place: u32| (there.may_move)(particles.id[place as usize]);
     let counted = |place: usize| (there.is_counted)(&particles.position[place]);
     let overlaps: Vec<(u32, u32)> = pairs
         .map(|slot| (list.pairs[*slot as usize].i, list.pairs[*slot as usize].j))
         .filter(|&(i, j)| moves(i) || moves(j))
         .collect();
-    // pushing apart approaches touch of the enlarged spheres without reaching it
+    // pushing apart brings enlarged spheres ever closer to touch: half of the enlargement must be reached
     let deep = |&&(i, j): &&(u32, u32)| {
         let (i, j) = (i as usize, j as usize);
         let reach = (particles.radius[i] + particles.radius[j]) * (1.0 - 0.5 * MARGIN);
@@ -258,8 +258,8 @@ fn are_unequal(particles: &Particles, (i, j): (u32, u32)) -> bool {
     a.min(b) <= 0.5 * a.max(b)
 }
 
-/// Draws a new position for one particle of each overlapping pair: the smaller of those that may move, or the later
-/// of equal ones.
+/// Draws a new position for one particle of each overlapping pair. This is the smaller one of those that may move, or
+/// of two equal particles the one with the higher id.
 fn insert_again(
     particles: &mut Particles,
     overlaps: &[(u32, u32)],
@@ -274,13 +274,13 @@ fn insert_again(
     }
 }
 
-/// Ids and indices of particles that draw a new position, in the order of ids, so that the draw does not depend on
+/// Ids and indices of the particles that draw a new position. They are sorted by id, so that the draws do not depend on
 /// the order of the store.
 fn displaced(particles: &Particles, overlaps: &[(u32, u32)], may_move: &dyn Fn(u32) -> bool) -> Vec<(u32, u32)> {
     let mut again: Vec<(u32, u32)> = overlaps
         .iter()
         .map(|&(i, j)| {
-            // a much larger sphere finds no position among small ones that have theirs
+            // a much larger sphere would find no free position among small ones
             let smallness = |place: u32| -particles.radius[place as usize];
             let rank =
                 |place: u32| (may_move(particles.id[place as usize]), smallness(place), particles.id[place as usize]);
@@ -293,7 +293,7 @@ fn displaced(particles: &Particles, overlaps: &[(u32, u32)], may_move: &dyn Fn(u
     again
 }
 
-/// Draws a new position for each particle that was pushed out of the walls around its region.
+/// Draws a new position for each particle that was pushed out of the walls that enclose its region.
 fn draw_strays_again(particles: &mut Particles, is_free: &[bool], room: &FreeRoom, random: &mut Xoshiro256PlusPlus) {
     let is_stray = |particles: &Particles, place: usize| {
         is_free[particles.id[place] as usize] && !room.holds(&particles.position[place])
@@ -305,11 +305,11 @@ fn draw_strays_again(particles: &mut Particles, is_free: &[bool], room: &FreeRoo
     }
 }
 
-/// Moves overlapping particles apart along the line of centres, one pair after the other, each from its latest
-/// position. If all moved at once, the sum of the pushes would throw a sphere among several others too far, and it
-/// would never settle. Walls push back.
+/// Moves overlapping particles apart along the line of their centres, one pair after the other, each pair from the
+/// latest positions. If all pairs were moved at once, a sphere among several others would be pushed too far and would
+/// never settle. Particles that overlap a wall are moved along its normal.
 fn push_apart(particles: &mut Particles, overlaps: &[(u32, u32)], is_free: &[bool], room: &FreeRoom) {
-    /// A little more than needed, or the last overlaps would shrink for ever.
+    /// Factor on the distance needed: with 1, the last overlaps would shrink without end.
     const OVERSHOOT: f64 = 1.05;
     let scene = &room.scene;
     let mut walls = Vec::new();
@@ -318,7 +318,7 @@ fn push_apart(particles: &mut Particles, overlaps: &[(u32, u32)], is_free: &[boo
         let apart = scene.domain.separation(&particles.position[i], &particles.position[j]);
         let distance = apart.norm();
         let overlap = particles.radius[i] + particles.radius[j] - distance;
-        // weighted as if by mass, so that a large sphere stays among the small ones it parts
+        // weighted as if by mass, so that a large sphere hardly moves when it touches small ones
         let smaller = particles.radius[i].min(particles.radius[j]);
         let lightness = |place: usize| (smaller / particles.radius[place]).powi(3);
         let free = |place: usize| if is_free[particles.id[place] as usize] { lightness(place) } else { 0.0 };
@@ -337,10 +337,10 @@ fn push_apart(particles: &mut Particles, overlaps: &[(u32, u32)], is_free: &[boo
         }
         let radius = particles.radius[place];
         let mut position = particles.position[place];
-        // if its centre is free, one wall pushes it by at most a radius, and then another may be in the way
+        // one wall moves a free centre by at most a radius, and another wall may then be in the way
         room.near.list(&position, 3.0 * radius, &mut walls);
         for wall in &walls {
-            // from the position after the last wall
+            // the position includes the push of the walls before this one
             let shape = scene.walls[*wall as usize].geometry.law();
             if shape.is_clear(&position, radius) {
                 continue;

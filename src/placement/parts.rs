@@ -1,5 +1,5 @@
-//! Random starts that several processes make together: each draws all particles and keeps those in and around its
-//! block of the box.
+//! Random starts that several processes make together. Each process draws all particles and keeps those in and around
+//! its block of the box.
 
 use super::draw::draw;
 use super::{
@@ -16,29 +16,29 @@ use rand::SeedableRng;
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rustc_hash::FxHashMap;
 
-/// Initial state of a run.
+/// Initial state of a run, complete or divided among processes.
 #[derive(Clone, Debug)]
 pub struct Start {
-    /// All particles in the order of their ids, or those in the block of this process among [blocks of one
-    /// size](Blocks::of_one_size).
+    /// All particles in the order of their ids, or those in the block of this process. Blocks are then those of
+    /// [`Blocks::of_one_size`].
     pub particles: Particles,
-    /// Number of particles on all processes.
+    /// Number of particles of the start on all processes.
     pub count: usize,
-    /// Checksum of all particles, [`Particles::fingerprint`].
+    /// Checksum of the particles of all processes, as [`Particles::fingerprint`].
     pub fingerprint: u64,
-    /// True if each process has a part.
+    /// True if `particles` are only those in the block of this process.
     pub is_part: bool,
 }
 
 impl From<Particles> for Start {
-    /// A start with all particles.
+    /// Makes a start from all particles.
     fn from(particles: Particles) -> Self {
         Self { count: particles.len(), fingerprint: particles.fingerprint(), is_part: false, particles }
     }
 }
 
 impl Start {
-    /// The complete start of an experiment, made from the seed alone.
+    /// Makes the complete start of an experiment; it depends only on the experiment and its seed.
     ///
     /// # Errors
     /// As for [`initial_state`].
@@ -46,11 +46,11 @@ impl Start {
         initial_state(experiment).map(Self::from)
     }
 
-    /// The part of this process of the start of an experiment, if the start [`comes_in_parts`]; otherwise all of it.
-    /// All processes must call this.
+    /// Makes the start of an experiment for this process: its part if [`comes_in_parts`] is true, otherwise the
+    /// complete start. All processes must call this function.
     ///
     /// # Errors
-    /// As for [`initial_state`], on all processes alike.
+    /// As for [`initial_state`]; either all processes return an error or none does.
     pub fn part(experiment: &Experiment, communicator: &dyn Communicator) -> Result<Self, Crowded> {
         if !comes_in_parts(experiment) {
             return Self::whole(experiment);
@@ -61,8 +61,9 @@ impl Start {
     }
 }
 
-/// True if a start can be made in parts, without a list of all particles. All particles must be drawn at random, in a
-/// scene so dilute that overlapping ones draw again, and all of a species must have equal size.
+/// True if processes can make a start in parts, so that no process stores all particles. All particles must be drawn at
+/// random, anywhere in the box, and all of a species must have equal size. The scene must be so dilute that overlapping
+/// particles draw new positions.
 pub fn comes_in_parts(experiment: &Experiment) -> bool {
     let drawn = experiment.start.iter().all(|population| matches!(population.amount, Amount::Count(_)));
     let anywhere = experiment.start.iter().all(|population| population.region.is_none());
@@ -70,13 +71,13 @@ pub fn comes_in_parts(experiment: &Experiment) -> bool {
     is_simple && filled(experiment, &FreeRoom::of(&experiment.scene)) <= INSERTION_LIMIT
 }
 
-/// Particles in the block of this process, in the order of their ids.
+/// Makes the particles in the block of this process, in the order of their ids.
 fn part(experiment: &Experiment, communicator: &dyn Communicator) -> Result<Particles, Crowded> {
     let (room, rank) = (FreeRoom::of(&experiment.scene), communicator.rank());
     let domain = &room.scene.domain;
     let blocks = Blocks::of_one_size(communicator.size(), domain);
     let largest = room.scene.species.iter().map(|species| species.largest()).fold(0.0, f64::max);
-    // all particles that may overlap a particle of the block, while it is enlarged
+    // contains all particles that may overlap a particle of the block, with enlarged radii
     let around = Region::around(domain, blocks.corners(rank, domain), largest * (1.0 + 2.0 * MARGIN));
     let is_near = |x: &Vector3<f64>| around.depth(x, domain) >= 0.0;
     let is_mine = |x: &Vector3<f64>| blocks.owner(x) == rank;
@@ -122,13 +123,13 @@ fn keep(particles: &mut Particles, stays: impl Fn(&Particles, usize) -> bool) {
     particles.reorder(&places);
 }
 
-/// Particles that any process has at the given indices, each once, in the order of their ids.
+/// Particles at the given indices of this and the other processes, each particle once, in the order of their ids.
 fn gathered(particles: &Particles, places: &[u32], communicator: &dyn Communicator) -> Particles {
     let mut bytes = Vec::new();
     particles.pack(places, &mut bytes);
     let mut all = Particles::default();
     for bytes in communicator.exchange(vec![bytes; communicator.size()]) {
-        // bytes that a process has packed can be read
+        // unpacking cannot fail, since `pack` wrote these bytes
         let _ = all.unpack(&bytes);
     }
     all.sort_by_id();

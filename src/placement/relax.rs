@@ -1,4 +1,4 @@
-//! Dense starts: overlapping spheres push each other apart like soft spheres, until nothing overlaps.
+//! Dense starts: overlapping spheres repel each other like soft spheres, until nothing overlaps.
 
 use super::{FreeRoom, MARGIN, PER_PARTICLE, ROUNDS};
 use crate::encounter::FrameTime;
@@ -8,32 +8,32 @@ use crate::scene::Scene;
 use crate::work_sharing;
 use nalgebra::Vector3;
 
-/// [-] volume fraction above which pushing apart pair by pair takes more rounds than relaxation. Relaxation reaches
+/// [-] volume fraction above which relaxation needs fewer rounds than pushing apart pair by pair. Relaxation reaches
 /// 0.62 (`tests/stress.rs`); random packings jam at 0.64.
 pub const DENSE: f64 = 0.55;
 
-/// Longest time step, in units in which an overlap exerts a force equal to its length. With 1, four times as many
-/// steps are needed at 0.62.
+/// Longest time step, in units of sqrt(mass/stiffness), which are both 1 here. With 1 instead, four times as many steps
+/// are needed at a volume fraction of 0.62.
 const LONGEST: f64 = 0.5;
 
-/// [-] fraction by which placed particles are enlarged while they are pushed apart; it is small, so that they move no
-/// farther than they must.
+/// [-] fraction by which particles with given positions are enlarged while they are pushed apart. It is small, so that
+/// they move hardly farther than necessary.
 const PLACED_MARGIN: f64 = 1e-4;
 
-/// Largest distance by which placed particles were pushed apart.
+/// The largest distance by which particles with given positions were moved.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Moved {
-    /// [m] largest distance.
+    /// [m] distance from the given to the new position.
     pub farthest: f64,
     /// Id of the particle that moved this distance.
     pub id: u32,
 }
 
-/// Pushes particles apart that overlap each other, or walls, until nothing overlaps. They stay in the order of their
-/// ids, with their velocities.
+/// Pushes particles apart that overlap each other, or walls, until nothing overlaps. The particles keep their
+/// velocities and are in the order of their ids.
 ///
 /// # Errors
-/// The number of remaining overlaps, if there is no room for all.
+/// The number of remaining overlaps, if no arrangement without overlap was found.
 pub fn push_placed_apart(particles: &mut Particles, scene: &Scene) -> Result<Moved, usize> {
     let room = FreeRoom::of(scene);
     let given = particles.clone();
@@ -56,18 +56,18 @@ pub fn push_placed_apart(particles: &mut Particles, scene: &Scene) -> Result<Mov
     Ok(moved)
 }
 
-/// Moves the free particles, whose velocities are zero, until nothing overlaps; returns the number of remaining
+/// Moves the free particles, whose velocities must be zero, until nothing overlaps. Returns the number of remaining
 /// overlaps.
 ///
 /// The method is FIRE (Bitzek et al. 2006, Phys. Rev. Lett. 97, 170201, with its constants). It solves Newton's
-/// equations with equal springs and masses. It turns the velocities towards the forces, and sets them to zero where
-/// they point uphill.
+/// equations with equal springs and masses, and turns the velocities towards the forces. When the forces do negative
+/// work on the particles, all velocities are set to zero.
 pub fn relax(particles: &mut Particles, is_free: &[bool], room: &FreeRoom) -> usize {
     settle(particles, is_free, room, MARGIN)
 }
 
-/// Moves free particles as [`relax`], for radii that are enlarged by the fraction `margin`. Overlaps of up to half of
-/// this enlargement may remain.
+/// Moves free particles as [`relax`] does, for radii that are enlarged by the fraction `margin`. Overlaps of up to half
+/// of this enlargement may remain.
 fn settle(particles: &mut Particles, is_free: &[bool], room: &FreeRoom, margin: f64) -> usize {
     let scene = &room.scene;
     let (mut list, mut slots) = (NeighbourList::default(), Vec::new());
@@ -112,8 +112,8 @@ fn settle(particles: &mut Particles, is_free: &[bool], room: &FreeRoom, margin: 
     deep
 }
 
-/// Adds each overlap [m] as a force on its bodies; returns the number of overlaps of free particles that are deeper
-/// than allowed.
+/// Adds each overlap [m] as a force on both bodies, along their normal. Returns the number of overlaps of free
+/// particles that are deeper than allowed.
 fn overlaps(
     list: &NeighbourList,
     slots: &[u32],
@@ -126,7 +126,7 @@ fn overlaps(
     for &slot in slots {
         let couple = list.couple(slot as usize);
         let met = couple.meet(particles, scene, FrameTime::default());
-        // placed particles may nearly touch: they stay as they are
+        // pairs of fixed particles may nearly touch, and are not moved
         if !couple.places().into_iter().flatten().any(|place| is_free[particles.id[place as usize] as usize]) {
             continue;
         }

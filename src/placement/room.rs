@@ -1,4 +1,4 @@
-//! Space available to the spheres of a random start.
+//! Free space in which the spheres of a random start are placed.
 
 use super::{MARGIN, ROUNDS};
 use crate::experiment::Population;
@@ -10,37 +10,38 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Number of points at which the free volume is measured: the standard error is then below 1.1 % of the box in which
-/// they lie.
+/// Number of points at which the free volume is measured. The standard error is then below 1.1 % of the volume of the
+/// box that contains the points.
 const PLACES: u32 = 8192;
 
-/// [-] part of a gap or a normal below which it counts as rounding.
+/// [-] difference, as a fraction of a length or of a unit normal, that counts as rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// Space for one population of particles, or for several with a common region.
+/// Free space for one population of particles, or for several populations with a common region.
 pub struct FreeRoom {
-    /// Scene of a simulation, with images of the bodies; a region that is a body is an additional wall.
+    /// Scene of the simulation, with periodic images of the bodies. If the region is a body, it is added as a hollow
+    /// wall.
     pub scene: Scene,
     /// Search structure for the walls near a point.
     pub near: NearWalls,
-    /// [m] corners of the box from which positions are drawn: the domain, reduced by flat walls, vessels and the
-    /// region.
+    /// [m] corners of the box from which positions are drawn: the domain, reduced to the space between flat walls,
+    /// within vessels and within the region.
     corners: [Vector3<f64>; 2],
-    /// Walls inside which the particles are to be, by index; empty: anywhere.
+    /// Indices of the walls that enclose the region of the particles; empty if particles may be anywhere.
     inside: Vec<u32>,
-    /// Remaining effort for positions tried, and for rounds over all particles.
+    /// Remaining effort: positions that may still be tried, and rounds over all particles.
     effort: AtomicU64,
-    /// [m³] free volume, once it has been measured.
+    /// [m³] free volume, stored after it has been measured.
     volume: OnceLock<f64>,
 }
 
 impl FreeRoom {
-    /// The space of all particles without a region.
+    /// Makes the space for populations without a region.
     pub fn of(scene: &Scene) -> Self {
         Self::within(scene, None)
     }
 
-    /// The space within a region.
+    /// Makes the space within a region.
     pub fn within(scene: &Scene, region: Option<&StartRegion>) -> Self {
         let mut walls = scene.walls.clone();
         let mut inside = Vec::new();
@@ -53,17 +54,18 @@ impl FreeRoom {
             None => {}
         }
         let corners = corners(&walls, &inside, scene.domain.size);
-        // places know no gravity: lists of neighbours would allow for a fall in each step of a relaxation
+        // without gravity, for which neighbour lists would allow a fall in each step of a relaxation
         let gravity = Vector3::zeros();
         let scene = Scene { walls: Repeated::all(&walls, &scene.domain), gravity, ..scene.clone() };
         let near = NearWalls::of(&scene.walls);
         Self { scene, near, corners, inside, effort: AtomicU64::new(u64::MAX), volume: OnceLock::new() }
     }
 
-    /// Largest volume fraction [-] that spheres can fill, with the error of a measured volume. In a box spheres of one
-    /// size fill at most π/√18 (Hales 2005, Ann. Math. 162, 1065); a vessel as wide as its sphere is full.
+    /// [-] largest volume fraction that spheres can fill, increased by the error of a measured volume. In a box,
+    /// spheres of one size fill at most π/√18 (Hales 2005, Ann. Math. 162, 1065). In other spaces the limit is 1, since
+    /// a sphere may fill a vessel completely.
     pub fn most(&self) -> f64 {
-        /// [-] room for the error of a measured volume, some standard errors of the points.
+        /// [-] factor for the error of a measured volume, which covers several standard errors.
         const MEASURED: f64 = 1.05;
         let is_box = self.is_box();
         let one_size = !self.scene.has_sizes() && self.scene.smallest_diameter() == self.scene.largest_diameter();
@@ -71,25 +73,26 @@ impl FreeRoom {
         if is_box { densest } else { MEASURED * densest }
     }
 
-    /// True if the space is a box: its volume is then exact.
+    /// True if the space is a box, so that its volume is exact.
     fn is_box(&self) -> bool {
         let are_sides = |wall: &Wall| wall.geometry.plane().is_some_and(|plane| plane.normal.amax() > 1.0 - ROUNDING);
         self.inside.is_empty() && self.scene.walls.iter().all(are_sides)
     }
 
-    /// This space with a limit on the effort spent on it.
+    /// This space with a limit on the effort for a search in it.
     pub fn with_effort(self, effort: u64) -> Self {
         Self { effort: AtomicU64::new(effort), ..self }
     }
 
-    /// Subtracts the cost of an operation from the effort; true if some effort is left.
+    /// Subtracts the cost of an operation from the remaining effort. Returns true if some effort is left.
     pub fn spend(&self, cost: u64) -> bool {
         let left = self.effort.load(Ordering::Relaxed).saturating_sub(cost);
         self.effort.store(left, Ordering::Relaxed);
         left > 0
     }
 
-    /// [m] smallest gap between a sphere and the walls; negative if the sphere overlaps a wall or lies behind it.
+    /// [m] smallest gap between the walls and a sphere with centre `place` [m]; negative if the sphere overlaps a wall
+    /// or is behind one.
     pub fn gap(&self, place: &Vector3<f64>, radius: f64) -> f64 {
         let mut gap = f64::INFINITY;
         self.for_each_wall(place, radius, |nearest| {
@@ -98,43 +101,45 @@ impl FreeRoom {
         gap
     }
 
-    /// Calls `visit` with the nearest points of the walls that a sphere may touch or lie behind, and of some others.
+    /// Calls `visit` with the nearest points of the walls that a sphere may touch or be behind, and of some other
+    /// walls.
     fn for_each_wall(&self, place: &Vector3<f64>, radius: f64, mut visit: impl FnMut(Nearest)) {
         self.near.for_each_nearest(&self.scene.walls, place, radius, |_, nearest| visit(nearest));
     }
 
-    /// [m] distance that a sphere keeps from a wall with this normal. Spheres are enlarged during placement. A slab
-    /// as thick as the spheres would then have no room across it, so there the true radius counts.
+    /// [m] required distance of a sphere's centre from a wall with this normal. It is the radius, which is enlarged
+    /// during placement. A slab as thick as the spheres would then have no room across it, so the true radius is used
+    /// there.
     pub fn reach(&self, normal: &Vector3<f64>, radius: f64) -> f64 {
         let across = (0..3).find(|&axis| normal[axis].abs() > 1.0 - ROUNDING);
         let is_thin = across.is_some_and(|axis| self.middle(axis, radius).is_some());
         if is_thin { radius / (1.0 + MARGIN) * (1.0 - ROUNDING) } else { radius }
     }
 
-    /// [m] middle of the space along an axis, if it is too thin there for spheres of `radius` [m] to be anywhere
-    /// else.
+    /// [m] middle of the space along an axis, if spheres of `radius` [m] fit only there, or not at all; otherwise
+    /// `None`.
     pub fn middle(&self, axis: usize, radius: f64) -> Option<f64> {
         let [low, high] = self.corners.map(|corner| corner[axis]);
         (!self.scene.domain.periodic[axis] && high - low < 2.0 * radius).then_some(0.5 * (low + high))
     }
 
-    /// True if the space is too thin along some axis for spheres of `radius` [m] to be anywhere but in the middle.
+    /// True if along some axis the space is too thin for spheres of `radius` [m] to be anywhere but in the middle.
     pub fn is_slab(&self, radius: f64) -> bool {
         (0..3).any(|axis| self.middle(axis, radius).is_some())
     }
 
-    /// True if the particles are to be inside some of the walls.
+    /// True if the region of the particles is the inside of some of the walls.
     pub fn is_inside_walls(&self) -> bool {
         !self.inside.is_empty()
     }
 
-    /// True if a centre at `place` [m] is inside the walls around the region, or if there are none.
+    /// True if a centre at `place` [m] is inside one of the walls that enclose the region, or if no walls enclose it.
     pub fn holds(&self, place: &Vector3<f64>) -> bool {
         let holds = |wall: &u32| self.scene.walls[*wall as usize].geometry.law().encloses(place);
         self.inside.is_empty() || self.inside.iter().any(holds)
     }
 
-    /// A random position at which a sphere of `radius` [m] touches no wall; any position, if none is found.
+    /// Returns a random position at which a sphere of `radius` [m] touches no wall; any position if none is found.
     pub fn somewhere(&self, radius: f64, random: &mut Xoshiro256PlusPlus) -> Vector3<f64> {
         let [low, high] = self.corners;
         let mut place = Vector3::zeros();
@@ -152,9 +157,9 @@ impl FreeRoom {
         place
     }
 
-    /// [m³] volume that walls leave free in the box from which positions are drawn. It is measured at points that
-    /// fill the box evenly: the additive recurrence with the inverse powers of 1.2207..., the root of x⁴ = x + 1
-    /// (Roberts 2018, "The unreasonable effectiveness of quasirandom sequences").
+    /// [m³] volume that walls leave free in the box from which positions are drawn. It is measured at points that fill
+    /// the box evenly. Their coordinates follow the additive recurrence with the inverse powers of 1.2207..., the root
+    /// of x⁴ = x + 1 (Roberts 2018, "The unreasonable effectiveness of quasirandom sequences").
     pub fn volume(&self) -> f64 {
         *self.volume.get_or_init(|| self.measured_volume())
     }
@@ -176,7 +181,7 @@ impl FreeRoom {
     }
 }
 
-/// Each different region, with the indices of the populations that share it.
+/// Each different region, with the indices of the populations that start in it.
 pub fn regions(populations: &[Population]) -> Vec<(Option<StartRegion>, Vec<usize>)> {
     let mut regions: Vec<(Option<StartRegion>, Vec<usize>)> = Vec::new();
     for (index, population) in populations.iter().enumerate() {
@@ -188,12 +193,12 @@ pub fn regions(populations: &[Population]) -> Vec<(Option<StartRegion>, Vec<usiz
     regions
 }
 
-/// [m] corners of the part of a domain with these edges [m] that remains between flat walls across the axes, vessels
-/// and the walls around the region.
+/// [m] corners of the part of a domain with edges `size` [m] that lies between flat walls across the axes, within
+/// vessels and within the walls around the region.
 fn corners(walls: &[Wall], inside: &[u32], size: Vector3<f64>) -> [Vector3<f64>; 2] {
     let [mut low, mut high] = [Vector3::zeros(), size];
     let mut narrow = |[from, to]: [Vector3<f64>; 2]| {
-        // a difference of rounding size from a side of the domain is ignored
+        // limits that differ from a side of the domain only by rounding are ignored
         for axis in 0..3 {
             if from[axis] > low[axis] + ROUNDING * size[axis] {
                 low[axis] = from[axis];

@@ -1,27 +1,27 @@
-//! A histogram that needs no range beforehand.
+//! A histogram whose range adapts to the values.
 
 use crate::exact::{ExactSum, add_rows};
 use serde::{Deserialize, Serialize};
 
-/// Number of bins; doubling the range merges them two by two, so at least half are in use.
+/// Number of bins. When the range doubles, bins are merged two by two, so at least half of them stay in use.
 const BINS: usize = 512;
 
-/// Counts of a non-negative quantity in equal bins from 0. The bin width is the smallest power of two with which the
-/// bins hold the largest value, so that the order of the values does not matter. It doubles when a value lies beyond
-/// the last bin. Numbers are in the unit of the quantity.
+/// Counts of a non-negative quantity in bins of equal width, the first from 0. The width is the smallest power of two
+/// with which the bins contain the largest value, so the order of the values does not matter. It doubles when a value
+/// lies beyond the last bin. Numbers are in the unit of the quantity.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Histogram {
-    /// Width of a bin; 0 until the first positive value.
+    /// Width of a bin; 0 before the first positive value.
     pub width: f64,
-    /// Values per bin.
+    /// Number of values in each bin.
     pub counts: Vec<u64>,
-    /// Number of values.
+    /// Number of all values.
     pub total: u64,
-    /// Largest value; 0 until the first.
+    /// Largest value; 0 before the first value.
     pub maximum: f64,
-    /// Sum of the values.
+    /// Sum of all values.
     sum: Box<ExactSum>,
-    /// Sum of the squares of the values.
+    /// Sum of the squares of all values.
     sum_of_squares: Box<ExactSum>,
 }
 
@@ -39,7 +39,7 @@ impl Default for Histogram {
 }
 
 impl Histogram {
-    /// Counts one value; a negative one counts as 0, one that is not finite is ignored.
+    /// Counts one value. A negative value counts as 0; a value that is not finite is ignored.
     pub fn add(&mut self, value: f64) {
         if self.place(value) {
             self.sum.add(value);
@@ -47,7 +47,7 @@ impl Histogram {
         }
     }
 
-    /// Counts several values, as [`add`](Self::add).
+    /// Counts several values, each as [`add`](Self::add) would.
     pub fn add_all(&mut self, mut values: impl Iterator<Item = f64>) {
         /// Number of values that are added to the sums together.
         const ROWS: usize = 32;
@@ -70,7 +70,7 @@ impl Histogram {
         }
     }
 
-    /// Counts a value in its bin; true if it must be added to the sums.
+    /// Counts a value in its bin. Returns true if the value must be added to the sums.
     fn place(&mut self, value: f64) -> bool {
         if !value.is_finite() {
             return false;
@@ -83,7 +83,7 @@ impl Histogram {
         if value > self.maximum {
             self.maximum = value;
             if self.width == 0.0 {
-                // the power of two below; bins are no narrower than the smallest normal number
+                // the largest power of two that is not above value / BINS, and at least the smallest normal number
                 let below = f64::from_bits((value / BINS as f64).to_bits() & f64::INFINITY.to_bits());
                 self.width = below.max(f64::MIN_POSITIVE);
             }
@@ -95,11 +95,11 @@ impl Histogram {
         true
     }
 
-    /// Adds the values of another histogram.
+    /// Adds the counts and sums of another histogram.
     pub fn merge(&mut self, other: &Self) {
         let mut other = other.clone();
         if self.width == 0.0 || other.width == 0.0 {
-            // values of 0 lie in the first bin, for every width
+            // values of 0 are in the first bin, whatever the width
             self.width = self.width.max(other.width);
             other.width = self.width;
         }
@@ -116,17 +116,17 @@ impl Histogram {
         self.sum_of_squares.merge(&other.sum_of_squares);
     }
 
-    /// Sum of the values.
+    /// Sum of all values, rounded.
     pub fn sum(&self) -> f64 {
         self.sum.value()
     }
 
-    /// Sum of the squares of the values.
+    /// Sum of the squares of all values, rounded.
     pub fn sum_of_squares(&self) -> f64 {
         self.sum_of_squares.value()
     }
 
-    /// Doubles the range.
+    /// Doubles the range by doubling the width of the bins.
     fn widen(&mut self) {
         for k in 0..BINS / 2 {
             self.counts[k] = self.counts[2 * k] + self.counts[2 * k + 1];
@@ -135,8 +135,8 @@ impl Histogram {
         self.width *= 2.0;
     }
 
-    /// Values that were added since this histogram was `before`. Their maximum is known only to a bin, unless it is
-    /// the largest of all.
+    /// Histogram of the values that were added after `before` was copied from this histogram. The maximum of these
+    /// values is accurate to the width of a bin, unless it is the largest value of all.
     pub fn since(&self, before: &Self) -> Self {
         let mut past = before.clone();
         while past.width > 0.0 && past.width < self.width {
@@ -154,18 +154,18 @@ impl Histogram {
         }
     }
 
-    /// Mean of the values; `None` for an empty histogram.
+    /// Mean of the values; `None` without values.
     pub fn mean(&self) -> Option<f64> {
         (self.total > 0).then(|| self.sum() / self.total as f64)
     }
 
-    /// Largest of the values; `None` for an empty histogram.
+    /// Largest value; `None` without values.
     pub fn largest(&self) -> Option<f64> {
         (self.total > 0).then_some(self.maximum)
     }
 
-    /// Standard error of the mean for independent values: the standard deviation over the root of their number.
-    /// `None` for fewer than two.
+    /// Standard error of the mean for independent values: their standard deviation over the square root of their
+    /// number. `None` for fewer than two values.
     pub fn standard_error(&self) -> Option<f64> {
         if self.total < 2 {
             return None;
@@ -175,7 +175,7 @@ impl Histogram {
         Some((variance.max(0.0) / (self.total - 1) as f64).sqrt())
     }
 
-    /// Value below which the fraction `q` of the values lies, linear within a bin; `None` for an empty histogram.
+    /// Value below which the fraction `q` of the values lies, linear within a bin; `None` without values.
     pub fn quantile(&self, q: f64) -> Option<f64> {
         if self.total == 0 {
             return None;
@@ -200,7 +200,7 @@ mod tests {
     #[test]
     fn quantiles_and_moments_are_those_of_the_values() {
         let mut histogram = Histogram::default();
-        // the smallest first, so that the range must double on the way
+        // adds the smallest value first, so that the range must double several times
         for k in 1..=100_000 {
             histogram.add(f64::from(k) * 1e-3);
         }
@@ -208,7 +208,7 @@ mod tests {
         assert_eq!(histogram.counts.iter().sum::<u64>(), 100_000);
         assert!((histogram.mean().unwrap() - 50.0005).abs() < 1e-9);
         assert_eq!(histogram.maximum, 100.0);
-        // uniform from 0 to 100: standard deviation 100/sqrt(12)
+        // a uniform distribution from 0 to 100 has the standard deviation 100/sqrt(12)
         assert!((histogram.standard_error().unwrap() / (100.0 / 12f64.sqrt() / 100_000f64.sqrt()) - 1.0).abs() < 1e-4);
         for q in [0.01, 0.5, 0.9, 0.99] {
             assert!((histogram.quantile(q).unwrap() - 100.0 * q).abs() < 0.01 * histogram.width + 1e-3, "{q}");
@@ -227,14 +227,14 @@ mod tests {
             let (low, high) = (k as f64 * histogram.width, (k + 1) as f64 * histogram.width);
             assert_eq!(count, values.iter().filter(|&&v| low <= v && v < high).count() as u64, "bin {k}");
         }
-        // the range is not wider than needed
+        // the range is at most twice the largest value
         assert!(histogram.maximum >= 0.5 * histogram.width * BINS as f64);
     }
 
     #[test]
     fn what_came_later_is_what_a_histogram_of_its_own_would_hold() {
         let early: Vec<f64> = (0..300).map(|k| 0.01 * f64::from(k)).collect();
-        // the range doubles in between, and the largest value comes early or late
+        // the range doubles between the two halves, and the largest value is added early or late
         for factor in [0.5, 7.0] {
             let late: Vec<f64> = early.iter().map(|v| factor * v + 0.003).collect();
             let (mut all, mut alone) = (Histogram::default(), Histogram::default());

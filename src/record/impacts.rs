@@ -1,29 +1,30 @@
-//! Impacts, with quantities that both engines provide.
+//! Records of impacts in quantities that both soft and hard spheres provide.
 
 use super::Histogram;
 use crate::exact::ExactSum;
 use serde::{Deserialize, Serialize};
 
-/// One finished impact.
+/// One finished impact: a contact that has ended, or a collision.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Impact {
-    /// [m/s] normal speed of approach at first touch, > 0.
+    /// [m/s] normal speed of approach at first touch, positive.
     pub normal_speed: f64,
-    /// [m/s] normal speed of separation at the end.
+    /// [m/s] normal speed of separation at the end of the impact.
     pub rebound_speed: f64,
-    /// [s] duration; 0 for a collision.
+    /// [s] duration of the contact; 0 for a collision.
     pub duration: f64,
-    /// [-] first detected overlap over the (smaller) diameter; 0 for an event-driven collision.
+    /// [-] overlap when the impact was first detected, over the (smaller) diameter; 0 for an event-driven collision.
     pub first_overlap: f64,
-    /// [-] largest overlap over the (smaller) diameter; 0 for an event-driven collision.
+    /// [-] largest overlap during the impact over the (smaller) diameter; 0 for an event-driven collision.
     pub maximum_overlap: f64,
     /// [s] overlap over the (smaller) diameter, integrated over the impact; 0 for a collision.
     pub overlap_time: f64,
-    /// The contact that was left out, if an engine with contacts treated this impact as an instant.
+    /// The contact that was skipped, if an engine with contacts treated this impact as an instant.
     pub left_out: Option<LeftOut>,
 }
 
-/// A contact that was treated as an instant: properties of an isolated contact by the contact law.
+/// The contact that an engine skipped by treating the impact as an instant. Its values are those of an isolated contact
+/// with the contact law.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct LeftOut {
     /// [s] duration of the contact.
@@ -37,7 +38,7 @@ pub struct LeftOut {
 pub struct InstantaneousContacts {
     /// Number of contacts.
     pub count: u64,
-    /// [-] largest overlap that any of them would have had, over the (smaller) diameter.
+    /// [-] largest overlap of any of these contacts, had they lasted, over the (smaller) diameter.
     pub largest_overlap: f64,
     duration: ExactSum,
     overlap: ExactSum,
@@ -45,20 +46,20 @@ pub struct InstantaneousContacts {
     rebound_squares: ExactSum,
 }
 
-/// Sums over impacts.
+/// Sums and histograms over impacts.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Impacts {
     /// Number of impacts that have ended.
     pub count: u64,
-    /// [m/s] normal speeds of approach.
+    /// [m/s] normal speed of approach of each impact.
     pub normal_speed: Histogram,
-    /// [-] largest overlaps over the (smaller) diameter.
+    /// [-] largest overlap of each impact over the (smaller) diameter.
     pub maximum_overlap: Histogram,
-    /// [-] first detected overlaps over the (smaller) diameter.
+    /// [-] first detected overlap of each impact over the (smaller) diameter.
     pub first_overlap: Histogram,
-    /// [-] realised restitution, rebound over approach speed.
+    /// [-] realised restitution of each impact: speed of rebound over speed of approach.
     pub restitution: Histogram,
-    /// [s] durations.
+    /// [s] durations of the contacts.
     pub duration: Histogram,
     /// Impacts that an engine with contacts treated as instants.
     pub instants: InstantaneousContacts,
@@ -85,7 +86,8 @@ impl InstantaneousContacts {
         self.rebound_squares.merge(&other.rebound_squares);
     }
 
-    /// Sums over the contacts added since this was `before`; the largest overlap is still that of all.
+    /// Sums over the contacts added after `before` was copied from these sums. The largest overlap remains that of all
+    /// contacts.
     fn since(&self, before: &Self) -> Self {
         Self {
             count: self.count - before.count,
@@ -102,34 +104,34 @@ impl InstantaneousContacts {
         self.duration.value()
     }
 
-    /// [-] sum of the largest overlaps that the contacts would have had, over the (smaller) diameter.
+    /// [-] sum of the largest overlaps that the contacts would have had, each over the (smaller) diameter.
     pub fn overlap(&self) -> f64 {
         self.overlap.value()
     }
 
-    /// [m²/s²] sum of the squared speeds of approach.
+    /// [m²/s²] sum of the squared normal speeds of approach.
     pub fn approach_squares(&self) -> f64 {
         self.approach_squares.value()
     }
 
-    /// [m²/s²] sum of the squared rebound speeds.
+    /// [m²/s²] sum of the squared normal speeds of rebound.
     pub fn rebound_squares(&self) -> f64 {
         self.rebound_squares.value()
     }
 
-    /// [-] realised restitution, defined as in [`Summary`]; `None` without an instant.
+    /// [-] realised restitution of these impacts, defined as in [`Summary`]; `None` without such impacts.
     pub fn restitution(&self) -> Option<f64> {
         (self.count > 0).then(|| (self.rebound_squares() / self.approach_squares()).sqrt())
     }
 }
 
 impl Impacts {
-    /// Counts one impact.
+    /// Adds one impact to the sums and histograms.
     pub fn add(&mut self, impact: &Impact) {
         self.add_all(std::iter::once(impact));
     }
 
-    /// Counts several impacts; their order does not matter.
+    /// Adds several impacts to the sums and histograms; their order does not matter.
     pub fn add_all<'a>(&mut self, impacts: impl Iterator<Item = &'a Impact> + Clone) {
         self.normal_speed.add_all(impacts.clone().map(|impact| impact.normal_speed));
         self.maximum_overlap.add_all(impacts.clone().map(|impact| impact.maximum_overlap));
@@ -159,7 +161,7 @@ impl Impacts {
         self.overlap_time.merge(&other.overlap_time);
     }
 
-    /// The impacts that were added since this was `before`.
+    /// The impacts that were added after `before` was copied from these sums.
     pub fn since(&self, before: &Self) -> Self {
         Self {
             count: self.count - before.count,
@@ -174,17 +176,17 @@ impl Impacts {
         }
     }
 
-    /// [m²/s²] sum of the squared rebound speeds.
+    /// [m²/s²] sum of the squared normal speeds of rebound.
     pub fn rebound_squares(&self) -> f64 {
         self.rebound_squares.value()
     }
 
-    /// [s] sum over impacts of the time integral of the overlap over the (smaller) diameter.
+    /// [s] sum over impacts of the time integral of the relative overlap (overlap over the smaller diameter).
     pub fn overlap_time(&self) -> f64 {
         self.overlap_time.value()
     }
 
-    /// Numbers for a summary.
+    /// Means and largest values of the impacts, for a summary.
     pub fn summary(&self) -> Summary {
         Summary {
             count: self.count,
@@ -201,26 +203,27 @@ impl Impacts {
     }
 }
 
-/// Summary of impacts, `None` where there was no impact. Overlaps are over the (smaller) diameter.
+/// Summary of impacts; values are `None` without impacts. Overlaps are relative to the (smaller) diameter.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Summary {
     /// Number of impacts that have ended.
     pub count: u64,
     /// [m/s] mean normal speed of approach.
     pub mean_normal_speed: Option<f64>,
-    /// [-] realised restitution: the root of the normal energy after over before, summed over impacts. Grazing
-    /// impacts, whose normal turns during the contact, then count only by their energy.
+    /// [-] realised restitution: square root of the normal kinetic energy after the impacts over that before them, each
+    /// summed over all impacts. Grazing impacts, whose normal turns during the contact, then count only by their
+    /// energy.
     pub mean_restitution: Option<f64>,
-    /// [s] mean duration.
+    /// [s] mean duration of a contact.
     pub mean_duration: Option<f64>,
-    /// [-] mean of the first detected overlaps.
+    /// [-] mean of the first detected overlaps of the contacts.
     pub mean_first_overlap: Option<f64>,
-    /// [-] mean overlap over the duration of contacts; `None` also if all of them were instants.
+    /// [-] mean overlap over the duration of the contacts; `None` also if all impacts were instants.
     pub time_mean_overlap: Option<f64>,
-    /// [-] mean of the largest overlaps.
+    /// [-] mean of the largest overlaps of the contacts.
     pub mean_maximum_overlap: Option<f64>,
-    /// [-] overlap that 99 % of the impacts stay below.
+    /// [-] overlap that is not exceeded in 99 % of the impacts.
     pub p99_maximum_overlap: Option<f64>,
-    /// [-] the largest overlap of all.
+    /// [-] largest overlap of all impacts.
     pub largest_overlap: Option<f64>,
 }

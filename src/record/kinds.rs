@@ -1,38 +1,38 @@
-//! Impacts by the kinds of the two bodies.
+//! Records of impacts, separate for each pair of kinds of bodies. A kind is a species of particles or a wall.
 
 use super::Impact;
 use crate::exact::{ExactSum, add_rows};
 use crate::scene::{Kind, in_order};
 use serde::{Deserialize, Serialize};
 
-/// The two kinds of an impact; of two species the one that comes first in the case comes first.
+/// The kinds of the two bodies of an impact. Two species are sorted in the order of the case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Between {
-    /// A species.
+    /// Index of the species of the first body.
     pub species: u16,
-    /// Kind of the other body.
+    /// Kind of the second body.
     pub other: Kind,
 }
 
 impl Between {
-    /// The two kinds, given in either order.
+    /// Makes the sorted pair from two kinds in any order.
     #[inline]
     pub fn of(species: u16, other: Kind) -> Self {
         let (species, other) = in_order(species, other);
         Self { species, other }
     }
 
-    /// True if the other body is a wall.
+    /// True if the second body is a wall.
     #[inline]
     pub fn is_wall(&self) -> bool {
         matches!(self.other, Kind::Wall(_))
     }
 }
 
-/// Sums over impacts between two kinds.
+/// Sums over the impacts between two kinds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct MeetingTotals {
-    /// Number of impacts that have ended.
+    /// Number of impacts between the two kinds that have ended.
     pub count: u64,
     /// [m/s] sum of the normal speeds of approach.
     pub speed: f64,
@@ -43,7 +43,7 @@ pub struct MeetingTotals {
 }
 
 impl MeetingTotals {
-    /// Sums over impacts since this was `before`.
+    /// Sums over the impacts since `before` was copied from these sums.
     pub fn since(&self, before: &Self) -> Self {
         Self {
             count: self.count - before.count,
@@ -54,24 +54,24 @@ impl MeetingTotals {
     }
 }
 
-/// Sums for all pairs of kinds that have met, at an instant.
+/// Sums over impacts up to one instant, for every pair of kinds that has had impacts.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ByKinds(Vec<(Between, MeetingTotals)>);
 
 impl ByKinds {
-    /// Sums for two kinds; zeros if they have not met.
+    /// Sums for two kinds; zeros if these kinds have had no impact.
     pub fn of(&self, between: Between) -> MeetingTotals {
         let place = self.0.binary_search_by_key(&between, |(between, _)| *between);
         place.map_or_else(|_| MeetingTotals::default(), |place| self.0[place].1)
     }
 
-    /// Pairs of kinds that have met, in ascending order.
+    /// Pairs of kinds that have had impacts, in ascending order.
     pub fn met(&self) -> impl Iterator<Item = Between> {
         self.0.iter().map(|(between, _)| *between)
     }
 }
 
-/// Exact running sums for [`MeetingTotals`].
+/// Exact running sums, from which [`MeetingTotals`] are rounded.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct MeetingSums {
     count: u64,
@@ -80,7 +80,7 @@ struct MeetingSums {
     rebound: ExactSum,
 }
 
-/// Running sums for all pairs of kinds that have met; the order of impacts does not matter.
+/// Exact running sums for every pair of kinds that has had impacts. The order of the impacts does not matter.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Meetings(Vec<(Between, MeetingSums)>);
 
@@ -96,7 +96,7 @@ impl Meetings {
         &mut self.0[place].1
     }
 
-    /// Counts impacts of two kinds.
+    /// Adds impacts between two kinds to the sums.
     pub fn add_all<'a>(&mut self, between: Between, impacts: impl Iterator<Item = &'a Impact>) {
         let row = |impact: &Impact| {
             let Impact { normal_speed, rebound_speed, .. } = impact;
@@ -108,7 +108,7 @@ impl Meetings {
         add_rows([&mut entry.speed, &mut entry.approach, &mut entry.rebound], &rows);
     }
 
-    /// Adds the impacts of another record.
+    /// Adds the sums of another record.
     pub fn merge(&mut self, other: &Self) {
         for (between, others) in &other.0 {
             let entry = self.entry(*between);
@@ -119,7 +119,7 @@ impl Meetings {
         }
     }
 
-    /// Present values of the sums.
+    /// Rounded values of the sums at this time.
     pub fn totals(&self) -> ByKinds {
         let totals = |MeetingSums { count, speed, approach, rebound }: &MeetingSums| MeetingTotals {
             count: *count,

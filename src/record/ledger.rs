@@ -1,50 +1,53 @@
-//! The energy and momentum ledger.
+//! The ledger of a run: work, losses of energy, and impulses, summed since the start.
 
 use crate::exact::{ExactSum, add_rows, values};
 use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::sync::OnceLock;
 
-/// Numbers in a ledger, and one more for a multiple of four, so that they are added together.
+/// Number of entries of a ledger. The last is always 0 and makes the number a multiple of four, for vector
+/// instructions.
 pub const ENTRIES: usize = 28;
 
 /// Number of entries that a contact adds to.
 pub const SOME: usize = 12;
 
-/// Entries that a contact of two particles adds to: the virial by columns, with losses by restitution and friction
-/// after the first two columns, and the entry that is always 0.
+/// Entries that a contact of two particles adds to. These are the three columns of the virial, the loss by restitution
+/// after the first and that by friction after the second column, and the entry that is always 0.
 pub const OF_PAIRS: [usize; SOME] = [18, 19, 20, 3, 21, 22, 23, 4, 24, 25, 26, 27];
 
-/// Entries that a contact at a wall adds to: impulse and loss by restitution; work of the wall, impulse along the
+/// Entries that a contact at a wall adds to: impulse and loss by restitution; then work of the wall, impulse along the
 /// normal, work of gravity and loss by friction.
 pub const AT_WALLS: [usize; SOME] = [15, 16, 17, 5, 2, 8, 1, 6, 27, 27, 27, 27];
 
-/// First entry of the impulse given by walls.
+/// Index of the first entry of the impulse that walls give to particles.
 const BY_WALLS: usize = 15;
 
-/// Totals of energy and momentum, of an island, of a window, or of a run.
+/// Totals of energy and momentum of an island (a group of particles that may meet), a window (the time between two
+/// exchanges with the gas) or a run.
 ///
-/// Balance: kinetic + elastic energy now = at the start + drag_work + gravity_work + wall_work - dissipated. The
-/// difference is the residual: rounding for hard spheres, the integrator's own gain or loss for soft ones.
+/// Balance: kinetic plus elastic energy now = that at the start + drag_work + gravity_work + wall_work - dissipated.
+/// The difference of the two sides is the residual. It is rounding for hard spheres, and the gain or loss by the
+/// integrator for soft spheres.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Ledger {
     /// [J] work done by drag on the particles.
     pub drag_work: f64,
-    /// [J] work done by gravity.
+    /// [J] work done by gravity on the particles.
     pub gravity_work: f64,
-    /// [J] work done by walls whose surface moves along itself.
+    /// [J] work done on the particles by walls whose surface moves along itself.
     pub wall_work: f64,
     /// [J] lost to restitution (dashpot) between particles, >= 0.
     pub pair_restitution_loss: f64,
     /// [J] lost to friction between particles, >= 0.
     pub pair_friction_loss: f64,
-    /// [J] lost to restitution (dashpot) at walls, >= 0 except for the TC model. There the energy that a wall gives
-    /// to spheres that start to rest on it, m a_n² t_c²/32 each, is subtracted.
+    /// [J] lost to restitution (dashpot) at walls, >= 0 except with the TC model of hard spheres. With that model,
+    /// spheres that begin to rest on a wall get the energy m a_n² t_c²/32 each from the wall, which is subtracted here.
     pub wall_restitution_loss: f64,
     /// [J] lost to friction at walls, >= 0.
     pub wall_friction_loss: f64,
-    /// [J] energy that restitution would have taken from the collisions that the TC model made elastic, >= 0. It
-    /// stays with the particles, so it is not part of the balance.
+    /// [J] energy that restitution would have taken from the collisions that the TC model made elastic, >= 0. The
+    /// particles keep this energy, so it is not part of the balance.
     pub contact_time_kept: f64,
     /// [kg m/s] momentum given to the particles by drag.
     pub drag_impulse: Vector3<f64>,
@@ -52,10 +55,11 @@ pub struct Ledger {
     pub gravity_impulse: Vector3<f64>,
     /// [kg m/s] momentum given to the particles by walls.
     pub wall_impulse: Vector3<f64>,
-    /// [kg m/s] magnitude of the wall impulses along the walls' normals, summed over impacts.
+    /// [kg m/s] sum over impacts of the magnitude of the wall's impulse along the normal of the wall.
     pub wall_normal_impulse: f64,
-    /// [J s] time integral of Σ r f over pairs of particles in contact: r from one centre to the other, f the force
-    /// between them; at a collision the impulse. Rows belong to r.
+    /// [J s] time integral of Σ r f over pairs of particles in contact. The vector r points from the centre of one
+    /// particle to that of the other, and f is the force on that other; at a collision, the impulse replaces the
+    /// integral of f. Rows belong to r, columns to f.
     pub pair_virial: Matrix3<f64>,
 }
 
@@ -65,7 +69,8 @@ impl Ledger {
         self.pair_restitution_loss + self.pair_friction_loss + self.wall_restitution_loss + self.wall_friction_loss
     }
 
-    /// [J] total energy turnover: at the start [J], by drag, gravity and moving walls, each in magnitude.
+    /// [J] total energy turnover: magnitude of the energy at the start [J], of drag work, of gravity work and of wall
+    /// work, added up.
     pub fn through(&self, energy_at_start: f64) -> f64 {
         energy_at_start.abs() + self.drag_work.abs() + self.gravity_work.abs() + self.wall_work.abs()
     }
@@ -77,7 +82,7 @@ impl Ledger {
 }
 
 impl Ledger {
-    /// All numbers of the ledger.
+    /// All numbers of the ledger, in the order of the entry indices.
     pub fn to_array(&self) -> [f64; ENTRIES] {
         let (drag, weight, walls) = (&self.drag_impulse, &self.gravity_impulse, &self.wall_impulse);
         let [[xx, yx, zx], [xy, yy, zy], [xz, yz, zz]] = self.pair_virial.data.0;
@@ -113,14 +118,14 @@ impl Ledger {
         ]
     }
 
-    /// Adds amounts to the given entries, one after the other.
+    /// Adds amounts to the entries with the given indices.
     pub(crate) fn add_to(&mut self, entries: &[usize; SOME], amounts: [f64; SOME]) {
         let mut all = self.to_array();
         entries.iter().zip(amounts).for_each(|(&entry, amount)| all[entry] += amount);
         *self = Self::from_array(all);
     }
 
-    /// The ledger with these numbers.
+    /// The ledger that has these entries.
     fn from_array(all: [f64; ENTRIES]) -> Self {
         let vector = |first: usize| Vector3::new(all[first], all[first + 1], all[first + 2]);
         Self {
@@ -141,12 +146,12 @@ impl Ledger {
     }
 }
 
-/// A running ledger whose totals do not depend on the order in which amounts are added. It is read as a [`Ledger`] of
-/// rounded totals.
+/// Exact running sums of all entries of a ledger, so that the order in which amounts are added does not matter. Read as
+/// a [`Ledger`], they give rounded totals.
 #[derive(Clone, Debug, Default)]
 pub struct Books {
     sums: [ExactSum; ENTRIES],
-    /// Rounded totals, once they have been read.
+    /// Rounded totals, stored after they have been read for the first time.
     rounded: OnceLock<Ledger>,
 }
 
@@ -156,7 +161,7 @@ impl PartialEq for Books {
     }
 }
 
-/// Stores the exact sums in binary formats, and the rounded ledger in readable ones.
+/// Stores the exact sums in binary formats, and the rounded ledger in formats that people read.
 impl Serialize for Books {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         if serializer.is_human_readable() { (**self).serialize(serializer) } else { self.sums.serialize(serializer) }
@@ -176,13 +181,13 @@ impl<'de> Deserialize<'de> for Books {
 }
 
 impl Books {
-    /// Adds several amounts, each in the form of [`Ledger::to_array`].
+    /// Adds several amounts, each with the entries of [`Ledger::to_array`].
     pub fn add(&mut self, amounts: &[[f64; ENTRIES]]) {
         add_rows(self.sums.each_mut(), amounts);
         self.rounded.take();
     }
 
-    /// Exact sums of the impulse given by walls: [`Ledger::wall_impulse`].
+    /// Exact sums of the components of [`Ledger::wall_impulse`], the impulse that walls give to particles.
     pub fn given_by_walls(&self) -> [ExactSum; 3] {
         std::array::from_fn(|axis| self.sums[BY_WALLS + axis].clone())
     }
@@ -193,7 +198,7 @@ impl Books {
         self.rounded.take();
     }
 
-    /// [kg m/s] momentum given to the particles by walls, without rounding the rest of the ledger.
+    /// [kg m/s] momentum given to the particles by walls, computed without rounding the other entries.
     pub fn by_walls(&self) -> Vector3<f64> {
         values(&self.given_by_walls()).into()
     }

@@ -1,6 +1,6 @@
-//! Records of a run: impacts, dissipation, impulses on walls.
+//! Records of a run: impacts, losses of energy, and impulses on walls.
 //!
-//! Both engines write here in common terms; statistics and reports read it.
+//! All engines record the same quantities here; statistics and reports read the records.
 
 mod histogram;
 mod impacts;
@@ -15,23 +15,24 @@ pub use ledger::{AT_WALLS, Books, ENTRIES, Ledger, OF_PAIRS, SOME};
 use crate::work_sharing;
 use serde::{Deserialize, Serialize};
 
-/// Entries of a part of the engine's work for a [`Record`]. They are kept apart while they may still be discarded, or
-/// while several threads write.
+/// Entries for a [`Record`] from a part of an engine's work. They are kept separate while the engine may still discard
+/// them, or while several threads write.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Log {
-    /// Impacts that have ended, with the kinds that met.
+    /// Impacts that have ended, with the kinds of the two bodies.
     pub impacts: Vec<(Between, Impact)>,
-    /// Amounts to add to the ledger.
+    /// Amounts to add to the ledger of the record.
     pub ledger: Ledger,
-    /// Further amounts for the ledger: [`Ledger::to_array`] of each island.
+    /// Further amounts for the ledger: one [`Ledger::to_array`] for each island (a group of particles that may meet).
     pub islands: Vec<[f64; ENTRIES]>,
 }
 
-/// Impacts that a thread counts at once: counting much fewer takes less time than merging the counts of two threads.
+/// Number of impacts that one thread counts at a time. Counting fewer takes less time than merging the counts of two
+/// threads.
 const TOGETHER: usize = 4096;
 
 impl Record {
-    /// Adds the entries of a log, and empties it.
+    /// Adds the entries of a log to the record, and empties the log.
     pub fn absorb(&mut self, log: &mut Log) {
         self.count(&mut log.impacts);
         log.islands.push(std::mem::take(&mut log.ledger).to_array());
@@ -68,7 +69,7 @@ impl Record {
         }
     }
 
-    /// Adds another record, of other impacts of the same run: the order does not matter.
+    /// Adds another record, of other impacts of the same run. The order of the records does not matter.
     pub fn merge(&mut self, other: &Self) {
         self.pairs.merge(&other.pairs);
         self.walls.merge(&other.walls);
@@ -77,16 +78,16 @@ impl Record {
     }
 }
 
-/// All records of an engine.
+/// All records that an engine makes during a run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Record {
     /// Impacts between particles.
     pub pairs: Impacts,
     /// Impacts of particles on walls.
     pub walls: Impacts,
-    /// All impacts by the kinds that met.
+    /// All impacts, separate for each pair of kinds.
     pub kinds: Meetings,
-    /// Energy and momentum, added up exactly.
+    /// Energy and momentum, as exact sums.
     pub ledger: Books,
 }
 

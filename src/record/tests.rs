@@ -4,7 +4,7 @@ use rand::seq::SliceRandom;
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-/// Impacts of two species and a wall, with speeds over six orders of magnitude, and the ledger of each.
+/// Made-up impacts of two species and a wall, with speeds over six orders of magnitude, and the ledger of each impact.
 fn happened(count: usize) -> Vec<(Between, Impact, Ledger)> {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(3);
     let others = [Kind::Species(0), Kind::Species(1), Kind::Wall(0)];
@@ -30,7 +30,7 @@ fn happened(count: usize) -> Vec<(Between, Impact, Ledger)> {
     (0..count).map(one).collect()
 }
 
-/// The record of these impacts, in logs of `per_log` impacts.
+/// The record of these impacts, added in logs of `per_log` impacts.
 fn record(happened: &[(Between, Impact, Ledger)], per_log: usize) -> Record {
     let mut record = Record::default();
     for some in happened.chunks(per_log) {
@@ -43,7 +43,7 @@ fn record(happened: &[(Between, Impact, Ledger)], per_log: usize) -> Record {
 
 #[test]
 fn a_record_does_not_depend_on_the_order_of_impacts_nor_on_who_counted_them() {
-    // so many that a log of all is counted in parts
+    // enough impacts that a log of all of them is divided among threads
     let mut all = happened(9000);
     let whole = record(&all, 100);
     assert_eq!((whole.pairs.count, whole.walls.count, whole.pairs.instants.count), (6000, 3000, 1200));
@@ -58,7 +58,7 @@ fn a_record_does_not_depend_on_the_order_of_impacts_nor_on_who_counted_them() {
         assert_eq!(merged.kinds.totals(), whole.kinds.totals());
         assert_eq!(*merged.ledger, *whole.ledger);
     }
-    // impacts after the first half give what the second half alone gives, except for the width of bins
+    // impacts after the first half equal those of the second half alone, except for the width of bins
     let half = record(&all[..4500], 100);
     let late = record(&all[4500..], 100).pairs;
     let since = whole.pairs.since(&half.pairs);

@@ -1,15 +1,15 @@
-//! Time of touch of a convex body: from tangent plane to tangent plane.
+//! Time at which a sphere touches a convex body, found from a sequence of tangent planes.
 
 use super::{Flight, Geometry, Nearest};
 use nalgebra::Vector3;
 
-/// Steps before giving up: grazing flights converge linearly, by a factor of two, and this many steps reach rounding.
+/// Number of steps before the search stops: for grazing flights each step halves the error, and 64 reach rounding.
 const STEPS: usize = 64;
 
-/// [s] as [`Geometry::touch_time`], for a convex body whose nearest point `nearest` gives.
+/// [s] time of touch as [`Geometry::touch_time`] defines it, for a convex body whose nearest points `nearest` returns.
 ///
-/// The body lies behind the tangent plane at its nearest point, so a flight cannot reach the body before it reaches
-/// that plane. Going from plane to plane approaches the touch from before, quadratically unless the flight grazes. A
+/// The body is behind the tangent plane at its nearest point, so a flight reaches that plane before the body. Each step
+/// goes to the next tangent plane and approaches the touch from before, quadratically unless the flight grazes. A
 /// flight that never reaches one of the planes misses the body.
 pub(super) fn touch_time(
     nearest: impl Fn(&Vector3<f64>) -> Nearest,

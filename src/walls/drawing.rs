@@ -7,10 +7,10 @@ use std::f64::consts::TAU;
 /// Number of sides with which round bodies are drawn.
 const SIDES: u32 = 64;
 
-/// Corners [m], and three corner indices for each triangle.
+/// Surface as triangles: corner points [m], and three indices of corners for each triangle.
 pub type Drawing = (Vec<Vector3<f64>>, Vec<[u32; 3]>);
 
-/// Surface of revolution of a line [m] in the half-plane about the axis.
+/// Surface made by turning a line about the axis. Its points [m] are (distance from the axis, coordinate along it).
 pub(super) fn turned(axle: &RoundAxis, outline: &[Vector2<f64>]) -> Drawing {
     let (mut corners, mut triangles) = (Vec::new(), Vec::new());
     for point in outline {
@@ -27,7 +27,7 @@ pub(super) fn turned(axle: &RoundAxis, outline: &[Vector2<f64>]) -> Drawing {
         for side in 0..SIDES {
             let next = (side + 1) % SIDES;
             let [low, high] = [ring as u32 * SIDES, (ring as u32 + 1) * SIDES];
-            // at the axis a ring is one point
+            // a ring of points on the axis is one point
             if ends[0].x > 0.0 {
                 triangles.push([low + side, low + next, high + next]);
             }

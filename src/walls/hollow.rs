@@ -1,5 +1,5 @@
-//! Hollow bodies with particles inside: a box, a sphere, a can, a closed cone, an endless pipe. Each side is a
-//! separate contact, so a sphere in a corner has one contact per side that it touches. A round side has one more
+//! Hollow bodies with particles inside: a box, a sphere, a closed cylinder or cone, an endless pipe. Each side is a
+//! separate contact, so a sphere in a corner has one contact for each side that it touches. A round side has a second
 //! contact, opposite to the nearest point, for spheres as wide as the body.
 
 use super::drawing::turned;
@@ -10,7 +10,7 @@ use serde::Serialize;
 use std::f64::consts::PI;
 use std::fmt;
 
-/// One side of a hollow body, as the particles inside touch it.
+/// One side of a hollow body, seen from inside.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 enum InnerSide {
@@ -39,16 +39,16 @@ impl InnerSide {
 pub enum Cavity {
     /// A box with edges along the axes.
     Box {
-        /// [m]
+        /// [m] centre of the box.
         center: Vector3<f64>,
-        /// [m] half the edges.
+        /// [m] half the lengths of the edges.
         half_extents: Vector3<f64>,
     },
     /// A sphere.
     Sphere {
-        /// [m]
+        /// [m] centre of the sphere.
         center: Vector3<f64>,
-        /// [m]
+        /// [m] radius of the sphere.
         radius: f64,
     },
     /// A closed cylinder or truncated cone.
@@ -57,12 +57,12 @@ pub enum Cavity {
     Pipe {
         /// Axis of the pipe.
         axle: RoundAxis,
-        /// [m]
+        /// [m] inner radius of the pipe.
         radius: f64,
     },
 }
 
-/// A convex hollow body; particles stay inside.
+/// A convex hollow body; particles are inside.
 #[derive(Clone, PartialEq, Serialize)]
 pub struct Hollow {
     room: Cavity,
@@ -70,7 +70,7 @@ pub struct Hollow {
 }
 
 impl Hollow {
-    /// A hollow body with the shape `room`.
+    /// Makes a hollow body of the shape `room`.
     pub fn new(room: Cavity) -> Self {
         let end = |center: Vector3<f64>, axis: usize, offset: f64| {
             let along = Vector3::from_fn(|k, _| if k == axis { 1.0 } else { 0.0 });
@@ -123,7 +123,7 @@ impl Hollow {
         [center - half, center + half]
     }
 
-    /// [m³] volume of the body; for a pipe its volume in a domain with edges `size` [m].
+    /// [m³] volume inside the body; for a pipe, the volume inside a domain with edges `size` [m].
     pub fn volume(&self, size: &Vector3<f64>) -> f64 {
         match &self.room {
             Cavity::Box { half_extents, .. } => 8.0 * half_extents.product(),

@@ -1,11 +1,11 @@
-//! The inside of shells that are open at their ends, and of sheets of triangles.
+//! Tests if a point is inside a shell that is open at its ends, or inside a sheet of triangles.
 
 use super::{Frustum, Mesh};
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 
 impl Frustum {
-    /// True if a point [m] is between the ends and nearer to the axis than the side.
+    /// True if a point [m] is between the two ends, and nearer to the axis than the shell is there.
     pub(super) fn surrounds(&self, point: &Vector3<f64>) -> bool {
         let from = point - self.axle.center;
         let along = from[self.axle.axis];
@@ -16,9 +16,9 @@ impl Frustum {
 }
 
 impl Mesh {
-    /// True if the triangles cover more than half of the field of view from `point` [m]. Each triangle covers the
-    /// solid angle Ω with tan(Ω/2) = a·(b × c)/(1 + a·b + b·c + c·a). Here a, b, c are the directions of its corners
-    /// (van Oosterom and Strackee 1983, IEEE Trans. Biomed. Eng. 30, 125).
+    /// True if the triangles cover more than half of the field of view from `point` [m]. A triangle whose corners lie
+    /// in the directions a, b, c covers the solid angle Ω with tan(Ω/2) = a·(b × c)/(1 + a·b + b·c + c·a) (van Oosterom
+    /// and Strackee 1983, IEEE Trans. Biomed. Eng. 30, 125).
     pub(super) fn surrounds(&self, point: &Vector3<f64>) -> bool {
         let [low, high] = self.bounds();
         if (0..3).any(|axis| point[axis] < low[axis] || point[axis] > high[axis]) {

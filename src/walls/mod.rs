@@ -1,11 +1,11 @@
 //! Walls: all bodies other than spheres that stop a sphere.
 //!
-//! A wall gives its nearest point to any point, as a signed distance and a normal. The gap to a sphere is that
-//! distance less the radius. The soft engine turns a negative gap into an overlap. The hard engine finds the instant
-//! at which the gap along a flight becomes zero.
+//! For any point, a wall returns its nearest point as a signed distance and a normal. The gap to a sphere is that
+//! distance minus the radius. For soft spheres a negative gap is an overlap. For hard spheres the engine computes the
+//! time at which the gap becomes zero during a flight.
 //!
-//! To add a shape: one file with `impl Geometry`, then a `mod` line, a variant of [`WallGeometry`] and an arm of
-//! [`WallGeometry::law`].
+//! To add a shape, write one file with `impl Geometry`, then add a `mod` line, a variant of [`WallGeometry`] and an arm
+//! of [`WallGeometry::law`].
 
 mod advancement;
 mod convex;
@@ -35,53 +35,55 @@ use nalgebra::Vector3;
 use serde::Serialize;
 use std::sync::Arc;
 
-/// The nearest point of a wall, seen from some point.
+/// The nearest point of a wall to a given point.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Nearest {
-    /// [m] signed distance to the surface: positive on the particles' side.
+    /// [m] signed distance from the surface to the given point: positive on the particles' side.
     pub distance: f64,
     /// [-] unit normal at the nearest point, from the wall towards the particles.
     pub normal: Vector3<f64>,
 }
 
 impl Nearest {
-    /// The plane that touches the wall at the nearest point to `point` [m].
+    /// The plane that touches the wall at the nearest point; `point` [m] is the given point.
     fn tangent(&self, point: &Vector3<f64>) -> Plane {
         Plane { point: point - self.normal * self.distance, normal: self.normal }
     }
 }
 
-/// A predicted touch.
+/// A predicted touch of a sphere and a wall.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Touch {
     /// [s] time of the touch.
     pub time: f64,
-    /// Number of the part of the surface, where that has parts; only the shape interprets it.
+    /// Number of the part of the surface that is touched; 0 if the surface has no parts. Its meaning depends on the
+    /// shape.
     pub place: u32,
 }
 
 impl Touch {
-    /// A touch of a surface without parts at `time` [s].
+    /// A touch at `time` [s] of a surface without parts.
     pub fn at(time: f64) -> Self {
         Self { time, place: 0 }
     }
 }
 
-/// The shape of a wall. Only the nearest point is required. A shape that has a better time of touch gives it too, and a
-/// shape that a case can name also says where it is, what it holds and how it is drawn.
+/// The shape of a wall. Only [`nearest`](Self::nearest) is required. A shape with a faster way to the time of touch
+/// also implements [`touch_time`](Self::touch_time). A shape that a case can name also returns its bounds, its inside
+/// and a drawing.
 pub trait Geometry: std::fmt::Debug + Send + Sync {
     /// The nearest point of the surface to `point` [m].
     fn nearest(&self, point: &Vector3<f64>) -> Nearest;
 
-    /// [s] first instant in `(0, until]` at which the gap of a sphere of `radius` [m] closes on the flight x(t) =
-    /// position + velocity t + gravity t²/2 (SI units). It is 0 if the sphere overlaps and approaches already, and
-    /// `None` if there is no such instant. The default is conservative advancement, which needs only the nearest
-    /// point.
+    /// [s] first time in `(0, until]` at which the gap of a sphere of `radius` [m] closes during the flight x(t) =
+    /// position + velocity t + gravity t²/2 (SI units). The time is 0 if the sphere overlaps the wall and approaches
+    /// already; `None` if the gap does not close. The default is conservative advancement, which requires only the
+    /// nearest point.
     fn touch_time(&self, flight: &Flight, radius: f64, until: f64) -> Option<f64> {
         advancement::touch_time(self, flight, radius, until)
     }
 
-    /// Largest number of simultaneous contacts with one sphere: a sphere in a corner has several. They are numbered
+    /// Largest number of simultaneous contacts with one sphere; a sphere in a corner has several. Contacts are numbered
     /// from 0.
     fn contacts(&self) -> u32 {
         1
@@ -105,80 +107,80 @@ pub trait Geometry: std::fmt::Debug + Send + Sync {
         0.0
     }
 
-    /// Touch at contact `which` alone, with its time as in [`touch_time`](Self::touch_time) and the part that is
+    /// First touch at contact `which` alone, with the time as in [`touch_time`](Self::touch_time) and the part that is
     /// touched.
     fn first_touch(&self, which: u32, flight: &Flight, radius: f64, until: f64) -> Option<Touch> {
         let _ = which;
         self.touch_time(flight, radius, until).map(Touch::at)
     }
 
-    /// Nearest point as in [`contact`](Self::contact) at the instant of a touch, on the part that
-    /// [`first_touch`](Self::first_touch) has named.
+    /// Nearest point as in [`contact`](Self::contact), but at the instant of a touch and on the part `place`, which
+    /// [`first_touch`](Self::first_touch) returned.
     fn struck(&self, which: u32, place: u32, point: &Vector3<f64>, radius: f64) -> Nearest {
         let _ = place;
         self.contact(which, point, radius)
     }
 
-    /// True if contact `which` may begin for a sphere of `radius` [m] before its centre, now at `point` [m], has
-    /// moved half of `skin` [m].
+    /// True if contact `which` may begin for a sphere of `radius` [m] while its centre moves less than half of `skin`
+    /// [m] from `point` [m].
     fn may_touch(&self, which: u32, point: &Vector3<f64>, radius: f64, skin: f64) -> bool {
         self.contact(which, point, radius).distance - radius < skin
     }
 
-    /// True if a sphere whose centre has passed the surface may look free again: for a thin sheet, or a surface that
-    /// is searched only near by.
+    /// True if a sphere whose centre has passed the surface may have a positive gap again. This is so for a thin sheet,
+    /// and for a surface that is searched only nearby.
     fn is_thin(&self) -> bool {
         false
     }
 
-    /// True if the surface may be within `distance` [m] of `point` [m], or the point behind it. It is called for all
-    /// particles, so it should be quick.
+    /// True if the surface may be within `distance` [m] of `point` [m], or if the point is behind the surface. The
+    /// function is called for all particles, so it should be fast.
     fn is_within(&self, point: &Vector3<f64>, distance: f64) -> bool {
         self.nearest(point).distance <= distance
     }
 
-    /// True if it is certain, without the nearest point, that `point` [m] is on the particles' side and farther than
-    /// `distance` [m] from the surface.
+    /// True if `point` [m] is certainly on the particles' side and farther than `distance` [m] from the surface. The
+    /// answer must not require the nearest point.
     fn is_clear(&self, point: &Vector3<f64>, distance: f64) -> bool {
         let _ = (point, distance);
         false
     }
 
-    /// True if the contacts are numbered from the nearest on.
+    /// True if the contacts are numbered by distance, the nearest first.
     fn is_nearest_first(&self) -> bool {
         false
     }
 
-    /// True if the surface can move along itself with that velocity [m/s] and stay in position: if the velocity is
-    /// perpendicular to all normals.
+    /// True if the surface can move along itself with the velocity [m/s] while the shape stays in position. The
+    /// velocity must be perpendicular to all normals.
     fn slides(&self, velocity: &Vector3<f64>) -> bool {
         let _ = velocity;
         false
     }
 
-    /// [m] corners of a box around the body; `None` for endless shapes and for vessels, which hold all particles.
+    /// [m] corners of a box around the body; `None` for endless shapes, and for vessels, which contain all particles.
     fn bounds(&self) -> Option<[Vector3<f64>; 2]> {
         None
     }
 
-    /// [m] corners of the box around the wall, also around a vessel; `None` for an endless wall.
+    /// [m] corners of a box around the wall, also around a vessel; `None` for an endless wall.
     fn extent(&self) -> Option<[Vector3<f64>; 2]> {
         self.bounds()
     }
 
-    /// [m] corners of a box that holds all particles, infinite where the wall sets no limit: for flat walls across an
-    /// axis, and for vessels.
+    /// [m] corners of a box that contains all particles, infinite in directions without a limit. Only vessels and flat
+    /// walls perpendicular to an axis have one.
     fn room_corners(&self) -> Option<[Vector3<f64>; 2]> {
         None
     }
 
-    /// True if the wall is a vessel that holds all particles along axis 0, 1 or 2.
+    /// True if the wall is a vessel that encloses all particles along axis 0, 1 or 2.
     fn holds_along(&self, axis: usize) -> bool {
         let _ = axis;
         false
     }
 
-    /// [m³] volume of a vessel that holds all particles, in a domain with these edges [m]; `None` if the wall is no
+    /// [m³] volume of a vessel that contains all particles, in a domain with edges `size` [m]; `None` if the wall is no
     /// vessel.
     fn vessel_volume(&self, size: &Vector3<f64>) -> Option<f64> {
         let _ = size;
@@ -190,7 +192,7 @@ pub trait Geometry: std::fmt::Debug + Send + Sync {
         false
     }
 
-    /// True if `point` [m] is inside the wall. An open surface encloses points up to its rim.
+    /// True if `point` [m] is inside the wall. The inside of an open surface ends at its rim.
     fn encloses(&self, point: &Vector3<f64>) -> bool {
         let _ = point;
         false
@@ -201,49 +203,49 @@ pub trait Geometry: std::fmt::Debug + Send + Sync {
         "shape of the caller's".into()
     }
 
-    /// Surface of the wall as triangles; an endless pipe is drawn as long as the box, `size` [m]. Empty for planes,
-    /// which are drawn to the edges of the box.
+    /// Surface of the wall as triangles. An endless pipe is drawn as long as the box, whose edges are `size` [m]. Empty
+    /// for planes, which are drawn separately as far as the edges of the box.
     fn drawing(&self, size: &Vector3<f64>) -> Drawing {
         let _ = size;
         Drawing::default()
     }
 }
 
-/// Ballistic motion in uniform gravity.
+/// Motion of a sphere's centre without contact, in uniform gravity: a parabola.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Flight {
-    /// [m] position at time 0.
+    /// [m] position of the centre at time 0.
     pub position: Vector3<f64>,
-    /// [m/s] velocity at time 0.
+    /// [m/s] velocity of the centre at time 0.
     pub velocity: Vector3<f64>,
-    /// [m/s²] gravity.
+    /// [m/s²] acceleration by gravity.
     pub gravity: Vector3<f64>,
 }
 
 impl Flight {
-    /// [m] position at time `t` [s].
+    /// [m] position of the centre at time `t` [s].
     pub fn position_at(&self, t: f64) -> Vector3<f64> {
         self.position + (self.velocity + 0.5 * t * self.gravity) * t
     }
 
-    /// [m/s] velocity at time `t` [s].
+    /// [m/s] velocity of the centre at time `t` [s].
     pub fn velocity_at(&self, t: f64) -> Vector3<f64> {
         self.velocity + self.gravity * t
     }
 
-    /// This flight with its time counted from `t` [s] on.
+    /// This flight, with time counted from `t` [s] on.
     pub fn from(&self, t: f64) -> Self {
         Self { position: self.position_at(t), velocity: self.velocity_at(t), gravity: self.gravity }
     }
 }
 
-/// Shapes that a case can name, and others.
+/// Shape of a wall: one that a case can name, or one of the calling program.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum WallGeometry {
-    /// A half-space, in closed form.
+    /// A half-space, with times of touch in closed form.
     Plane(Plane),
-    /// A solid body inside the domain, through parry.
+    /// A solid convex body inside the domain, with nearest points from the library parry.
     Obstacle(Obstacle),
     /// A solid truncated cone, or a thin round shell.
     Frustum(Frustum),
@@ -251,27 +253,27 @@ pub enum WallGeometry {
     Hollow(Hollow),
     /// A surface of triangles.
     Mesh(Arc<Mesh>),
-    /// A body with its images across periodic sides; a simulation makes one of every body in a periodic box.
+    /// A body with its images across periodic sides. A simulation replaces every body in a periodic box by one.
     Repeated(Arc<Repeated>),
-    /// A shape of the calling program; a case cannot name it.
+    /// A shape that the calling program defines; a case cannot name it.
     #[serde(skip)]
     Other(Arc<dyn Geometry>),
 }
 
 impl WallGeometry {
-    /// The nearest point of the surface to `point` [m]; for planes, which most scenes have, without dynamic dispatch.
+    /// The nearest point of the surface to `point` [m]. For planes, the most frequent walls, the call is direct.
     #[inline]
     pub fn nearest(&self, point: &Vector3<f64>) -> Nearest {
         self.plane().map_or_else(|| self.law().nearest(point), |plane| plane.nearest(point))
     }
 
-    /// The plane, if the shape is one: its normal is constant.
+    /// The plane, if the shape is a plane; otherwise `None`.
     #[inline]
     pub fn plane(&self) -> Option<&Plane> {
         if let Self::Plane(plane) = self { Some(plane) } else { None }
     }
 
-    /// True if the normal is constant.
+    /// True if the shape is a plane, so that its normal is constant.
     #[inline]
     pub fn is_flat(&self) -> bool {
         self.plane().is_some()
@@ -295,18 +297,18 @@ impl WallGeometry {
         self.is_flat() || self.law().is_flat_at(which)
     }
 
-    /// [-] jump of the normal, as [`Geometry::seam`].
+    /// [-] largest jump of the normal, as [`Geometry::seam`].
     pub fn seam(&self) -> f64 {
         if self.is_flat() { 0.0 } else { self.law().seam() }
     }
 
-    /// Touch at contact `which`, as [`Geometry::first_touch`].
+    /// First touch at contact `which`, as [`Geometry::first_touch`].
     #[inline]
     pub fn first_touch(&self, which: u32, flight: &Flight, radius: f64, until: f64) -> Option<Touch> {
         self.law().first_touch(which, flight, radius, until)
     }
 
-    /// Nearest point at a touch, as [`Geometry::struck`]; for planes without dynamic dispatch.
+    /// Nearest point at a touch, as [`Geometry::struck`]. For planes the call is direct.
     #[inline]
     pub fn struck(&self, which: u32, place: u32, point: &Vector3<f64>, radius: f64) -> Nearest {
         self.plane().map_or_else(|| self.law().struck(which, place, point, radius), |plane| plane.nearest(point))
@@ -317,7 +319,7 @@ impl WallGeometry {
         self.law().may_touch(which, point, radius, skin)
     }
 
-    /// True if the surface may be near, as [`Geometry::is_within`]; for planes without dynamic dispatch.
+    /// True if the surface may be within `distance` [m], as [`Geometry::is_within`]. For planes the call is direct.
     #[inline]
     pub fn is_within(&self, point: &Vector3<f64>, distance: f64) -> bool {
         self.plane()
@@ -340,7 +342,7 @@ impl WallGeometry {
 }
 
 impl WallGeometry {
-    /// [m] corners of boxes around the body and its nearest images; none where there are no bounds.
+    /// [m] corners of boxes around the body and its nearest images; empty if the shape has no bounds.
     pub fn boxes(&self) -> Vec<[Vector3<f64>; 2]> {
         match self {
             Self::Repeated(body) => body.boxes(),
@@ -348,10 +350,10 @@ impl WallGeometry {
         }
     }
 
-    /// True if the centre of a sphere passes the surface on the straight line from `from` to `to` [m], where the
-    /// surface is thin.
+    /// True if the centre of a sphere passes through a thin surface on the straight line from `from` to `to` [m]. False
+    /// for surfaces that are not thin.
     pub fn is_passed(&self, from: &Vector3<f64>, to: &Vector3<f64>, radius: f64) -> bool {
-        /// [-] of the radius: a centre that comes nearer than this has passed the surface.
+        /// [-] distance over the radius: a centre that comes nearer than this has passed through the surface.
         const TOUCH: f64 = 1e-6;
         let flight = Flight { position: *from, velocity: to - from, gravity: Vector3::zeros() };
         self.law().is_thin() && self.law().touch_time(&flight, TOUCH * radius, 1.0).is_some()
@@ -363,17 +365,17 @@ impl WallGeometry {
 pub struct Wall {
     /// Shape and position of the wall.
     pub geometry: WallGeometry,
-    /// Restitution and friction against every particle.
+    /// Restitution and friction of the wall against every particle.
     pub surface: Surface,
-    /// Elasticity of the wall; `None`: that of the contact law.
+    /// Elasticity of the wall; with `None` that of the contact law is used.
     pub elasticity: Option<Elasticity>,
-    /// [m/s] velocity of the surface along itself, as of a belt: the shape stays in position.
+    /// [m/s] velocity of the surface along itself, as of a conveyor belt: the shape stays in position.
     #[serde(skip_serializing_if = "is_still")]
     pub velocity: Vector3<f64>,
 }
 
 impl Wall {
-    /// A wall whose surface is still.
+    /// Makes a wall whose surface does not move.
     pub fn new(geometry: WallGeometry, surface: Surface) -> Self {
         Self { geometry, surface, elasticity: None, velocity: Vector3::zeros() }
     }
@@ -383,8 +385,9 @@ fn is_still(velocity: &Vector3<f64>) -> bool {
     *velocity == Vector3::zeros()
 }
 
-/// True if [`first_touch`] may find a time for two spheres in straight flight: they approach, and pass each other
-/// within `reach` [m]. The test has no branches, so that a processor can go on with the next pair.
+/// True if [`first_touch`] may find a time for two spheres in straight flight. They must approach each other, and their
+/// smallest distance must be less than `reach` [m]. `apart` [m] and `velocity` [m/s] are relative. The test has no
+/// branches, so that a processor can test several pairs at the same time.
 #[inline(always)]
 pub fn may_touch(apart: &Vector3<f64>, velocity: &Vector3<f64>, reach: f64) -> bool {
     let closing = -apart.dot(velocity);
@@ -392,10 +395,10 @@ pub fn may_touch(apart: &Vector3<f64>, velocity: &Vector3<f64>, reach: f64) -> b
     (closing > 0.0) & (closing * closing - velocity.norm_squared() * gap_square >= 0.0)
 }
 
-/// [s] time at which two spheres in straight flight first touch: the smaller root of |r + u t| = reach, with
-/// separation r [m] and relative velocity u [m/s]. Spheres that overlap (by rounding) and approach touch now, at 0;
-/// those that separate do not touch again. `speeds` [m/s] is the sum of both speeds: an approach slower than its
-/// rounding does not count.
+/// [s] time at which two spheres in straight flight first touch: the smaller root of |r + u t| = reach. The separation
+/// r [m] is `apart`, the relative velocity u [m/s] is `velocity`. Spheres that overlap (by rounding) and approach touch
+/// at time 0; spheres that separate do not touch. `speeds` [m/s] is the sum of both speeds: an approach slower than its
+/// rounding is ignored.
 #[inline]
 pub fn first_touch(apart: &Vector3<f64>, velocity: &Vector3<f64>, reach: f64, speeds: f64) -> Option<f64> {
     let closing = -apart.dot(velocity);

@@ -4,22 +4,22 @@ use super::mesh::Tree;
 use super::{Nearest, Wall};
 use nalgebra::Vector3;
 
-/// Number of boxes from which a tree of boxes is used; with fewer, each wall is tested in turn.
+/// Number of boxes from which a tree of boxes is used; with fewer boxes each wall is tested in turn.
 const MANY: usize = 8;
 
-/// The walls of a scene in a tree of the boxes around them: hundreds of bodies, such as the pins of a board, are then
-/// not tested one by one.
+/// The walls of a scene, with a tree of the boxes around them. With the tree, hundreds of bodies, such as the pins of a
+/// board, need not be tested one by one.
 #[derive(Clone, Default)]
 pub struct NearWalls {
-    /// Walls that are always tested: planes, vessels, and all walls where there are few.
+    /// Indices of the walls that are always tested: planes, vessels, and all walls if the scene has few.
     always: Vec<u32>,
-    /// Walls of the boxes in the tree, in the order of the boxes.
+    /// For each box in the tree, the index of the wall in the box.
     boxed: Vec<u32>,
     tree: Option<Tree>,
 }
 
 impl NearWalls {
-    /// A search structure for the walls of a scene.
+    /// Makes the search structure for the walls of a scene.
     pub fn of(walls: &[Wall]) -> Self {
         let numbered = || (0u32..).zip(walls);
         let mut boxes = Vec::new();
@@ -38,8 +38,8 @@ impl NearWalls {
         Self { always, boxed, tree: Some(Tree::of_boxes(boxes.into_iter())) }
     }
 
-    /// Calls `visit` with every wall whose surface may be within `reach` [m] of a point [m], and with some others;
-    /// possibly more than once with a body that has images.
+    /// Calls `visit` with the index of every wall whose surface may be within `reach` [m] of a point [m], and of some
+    /// other walls. A body with images may be visited more than once.
     #[inline]
     pub fn for_each(&self, point: &Vector3<f64>, reach: f64, mut visit: impl FnMut(u32)) {
         self.always.iter().copied().for_each(&mut visit);
@@ -48,8 +48,8 @@ impl NearWalls {
         }
     }
 
-    /// Puts into `found` the walls whose surface may be within `reach` [m] of a point [m], and some others, in
-    /// ascending order.
+    /// Writes into `found` the indices of the walls whose surface may be within `reach` [m] of a point [m], and of some
+    /// other walls, in ascending order.
     pub fn list(&self, point: &Vector3<f64>, reach: f64, found: &mut Vec<u32>) {
         found.clear();
         self.for_each(point, reach, |wall| found.push(wall));
@@ -59,8 +59,8 @@ impl NearWalls {
         }
     }
 
-    /// Calls `visit` with the nearest point of every one of the `walls` that a sphere of `radius` [m] about `point`
-    /// [m] may touch or lie behind, and of some others.
+    /// Calls `visit` with the index and the nearest point of every wall that a sphere may touch or be behind, and of
+    /// some others. The sphere has its centre at `point` [m] and the radius `radius` [m].
     pub fn for_each_nearest(
         &self,
         walls: &[Wall],
@@ -70,7 +70,7 @@ impl NearWalls {
     ) {
         let mut ask = |wall: u32| {
             let shape = &walls[wall as usize].geometry;
-            // for a plane the nearest point is as quick as the test
+            // computing the nearest point of a plane is as fast as the test
             if shape.is_flat() || !shape.law().is_clear(point, radius) {
                 visit(wall, shape.nearest(point));
             }
@@ -84,13 +84,13 @@ impl NearWalls {
         found.into_iter().for_each(&mut ask);
     }
 
-    /// True if all walls are always tested, in their order.
+    /// True if there is no tree: all walls are then always tested, in their order.
     #[inline]
     pub fn are_few(&self) -> bool {
         self.tree.is_none()
     }
 
-    /// Approximate number of tests for one point.
+    /// Approximate number of tests for one point, where searching the tree counts as one.
     pub fn asked(&self) -> usize {
         self.always.len() + usize::from(self.tree.is_some())
     }

@@ -1,16 +1,16 @@
-//! A half-space.
+//! A wall that is a half-space.
 
 use super::{Flight, Geometry, Nearest};
 use nalgebra::Vector3;
 use serde::Serialize;
 
-/// [-] part of a direction that counts as rounding.
+/// [-] component of a unit vector, or of a velocity over its magnitude, below which the component counts as rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// A half-space: all points with (x - point)·normal < 0 are wall.
+/// A half-space: all points x with (x - point)·normal < 0 belong to the wall.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Plane {
-    /// [m] a point of the surface.
+    /// [m] any point of the surface.
     pub point: Vector3<f64>,
     /// [-] unit normal, towards the particles.
     pub normal: Vector3<f64>,
@@ -26,12 +26,13 @@ impl Geometry for Plane {
         true
     }
 
-    /// Closed form: the gap is g0 + v t + a t²/2 with v, a the normal components of velocity and gravity.
+    /// Time of touch in closed form. The gap is g0 + v t + a t²/2, with v and a the components of velocity and gravity
+    /// along the normal.
     fn touch_time(&self, flight: &Flight, radius: f64, until: f64) -> Option<f64> {
         let gap = self.nearest(&flight.position).distance - radius;
         let speed = flight.velocity.dot(&self.normal);
         let acceleration = flight.gravity.dot(&self.normal);
-        // an approach slower than rounding of the velocity does not count
+        // an approach slower than the rounding of the velocity is ignored
         let resolution = 4.0 * f64::EPSILON * flight.velocity.norm();
         if gap <= 0.0 && speed < -resolution {
             return Some(0.0);
@@ -63,8 +64,8 @@ pub(super) fn is_along(velocity: &Vector3<f64>, normal: &Vector3<f64>) -> bool {
     velocity.dot(normal).abs() <= ROUNDING * velocity.norm()
 }
 
-/// [s] first t > 0 at which g0 + v t + a t²/2 falls through zero; a gap that is already closed (rounding) while it
-/// opens counts as zero.
+/// [s] first t > 0 at which g0 + v t + a t²/2 falls through zero. A negative g0 counts as zero, since the caller has
+/// excluded approaching spheres with a closed gap.
 fn first_closing(gap: f64, speed: f64, acceleration: f64) -> Option<f64> {
     let gap = gap.max(0.0);
     let discriminant = speed * speed - 2.0 * acceleration * gap;

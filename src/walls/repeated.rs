@@ -5,55 +5,56 @@ use crate::domain::Domain;
 use nalgebra::Vector3;
 use serde::Serialize;
 
-/// Number of images beyond each side with which a flight is compared at most: a longer flight meets farther images in
-/// the next window.
+/// Largest number of images beyond each side for which a flight is tested; a longer flight meets farther images in the
+/// next window.
 const FARTHEST: f64 = 2.0;
 
-/// A body inside a periodic domain that is present in every image of the domain. Particles may leave the box within a
-/// window, and are put back into it only at the end of the window.
+/// A body inside a periodic domain, which is present in every image of the domain. Particles may leave the box during a
+/// window (the time between two exchanges with the gas). They are moved back into the box only at the end of the
+/// window.
 #[derive(Clone, Debug, Serialize)]
 pub struct Repeated {
     shape: WallGeometry,
     /// [m] corners of the box around the body.
     around: [Vector3<f64>; 2],
-    /// [m] edges of the domain, where that is periodic.
+    /// [m] edges of the domain along its periodic axes; `None` for other axes.
     periods: [Option<f64>; 3],
 }
 
 impl Repeated {
-    /// A shape with its images in a domain; the shape itself if the domain is not periodic, or if the shape has no
-    /// bounds.
+    /// Makes a shape with its images in a domain. Returns the shape unchanged if the domain is not periodic, or if the
+    /// shape has no bounds.
     pub fn of(shape: WallGeometry, domain: &Domain) -> WallGeometry {
         let Some(around) = shape.law().bounds().filter(|_| domain.periodic.contains(&true)) else { return shape };
         let periods = std::array::from_fn(|axis| domain.periodic[axis].then_some(domain.size[axis]));
         WallGeometry::Repeated(std::sync::Arc::new(Self { shape, around, periods }))
     }
 
-    /// Copies of the walls, whose bodies have images.
+    /// Copies of the walls, in which bodies are replaced by bodies with images.
     pub fn all(walls: &[Wall], domain: &Domain) -> Vec<Wall> {
         let repeated = |wall: &Wall| Wall { geometry: Self::of(wall.geometry.clone(), domain), ..wall.clone() };
         walls.iter().map(repeated).collect()
     }
 
-    /// The body itself.
+    /// The body without its images.
     pub fn shape(&self) -> &WallGeometry {
         &self.shape
     }
 
-    /// Number of the image that is nearest along an axis to a coordinate [m], in periods.
+    /// Number of the image that is nearest to a coordinate [m] along an axis, in periods from the body.
     fn image(&self, axis: usize, place: f64) -> f64 {
         let center = 0.5 * (self.around[0][axis] + self.around[1][axis]);
         self.periods[axis].map_or(0.0, |period| ((place - center) / period).round())
     }
 
-    /// [m] the point relative to the nearest image of the body.
+    /// [m] the point, shifted so that the nearest image of the body becomes the body.
     pub(super) fn near(&self, point: &Vector3<f64>) -> Vector3<f64> {
         Vector3::from_fn(|axis, _| {
             point[axis] - self.periods[axis].map_or(0.0, |period| period * self.image(axis, point[axis]))
         })
     }
 
-    /// [m] corners of the boxes around the body and around its images next to it.
+    /// [m] corners of the boxes around the body and around its neighbouring images.
     pub fn boxes(&self) -> Vec<[Vector3<f64>; 2]> {
         let range = |axis: usize| if self.periods[axis].is_some() { -1..=1 } else { 0..=0 };
         let mut boxes = Vec::new();
@@ -68,13 +69,13 @@ impl Repeated {
         boxes
     }
 
-    /// [m] shift of an image from the body.
+    /// [m] vector from the body to an image, which is given by numbers of periods.
     fn shift(&self, image: [f64; 3]) -> Vector3<f64> {
         Vector3::from_fn(|axis, _| self.periods[axis].map_or(0.0, |period| period * image[axis]))
     }
 
-    /// True if a condition holds for the point [m], seen from any of the images that are nearest to some point within
-    /// `reach` [m] of it.
+    /// True if a condition holds for the point [m] relative to some image. Tested are the images that are nearest to
+    /// some point within `reach` [m] of the given point.
     fn any_near(&self, point: &Vector3<f64>, reach: f64, is_true: impl Fn(&Vector3<f64>) -> bool) -> bool {
         let range = |axis: usize| {
             let here = self.image(axis, point[axis]);
@@ -93,15 +94,15 @@ impl Repeated {
         false
     }
 
-    /// Calls `visit` with the flight relative to every image that it may come near until a time [s].
+    /// Calls `visit` with the flight relative to every image that it may come near until the time `until` [s].
     fn for_each_image(&self, flight: &Flight, until: f64, mut visit: impl FnMut(&Flight)) {
         let range = |axis: usize| {
             let first = self.image(axis, flight.position[axis]);
             let (v, g) = (flight.velocity[axis], flight.gravity[axis]);
-            // it is farthest where it turns
+            // the coordinate is farthest where the flight turns back, or at the end
             let turn = if g != 0.0 { (-v / g).clamp(0.0, until) } else { 0.0 };
             let ends = [turn, until].map(|t| {
-                // zero times infinity is not a number
+                // avoids zero times infinity, which is NaN
                 let part = |rate: f64, t: f64| if rate == 0.0 { 0.0 } else { rate * t };
                 let way = part(v, t) + part(0.5 * g, t * t);
                 if way.is_nan() { first } else { self.image(axis, flight.position[axis] + way) }

@@ -1,40 +1,40 @@
-//! Round walls about an axis of the domain: truncated cones, solid or as thin shells, and the inner sides of pipes and
-//! cones.
+//! Round walls about an axis of the domain: truncated cones, which are solid or thin shells, and the inner sides of
+//! pipes and cones.
 
 use super::drawing::turned;
 use super::{Drawing, Flight, Geometry, Nearest, Touch, convex, polynomial, shell};
 use nalgebra::{Vector2, Vector3};
 use serde::Serialize;
 
-/// [-] over the radius: distance returned for a side that a sphere cannot touch, beyond the distance of a touch.
+/// [-] distance over the radius that is returned for a side which a sphere cannot touch; it must exceed 1.
 const OUT_OF_SIGHT: f64 = 1.25;
 
-/// An axis along x, y or z, with which points are given by their distance from the axis and their coordinate along
-/// it.
+/// A line along x, y or z, about which a wall is round. Relative to it, points are given by two coordinates, the
+/// distance from the axis and the coordinate along the axis: the point in the half-plane.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct RoundAxis {
     /// [m] a point of the axis.
     pub center: Vector3<f64>,
-    /// Axis number 0, 1 or 2: x, y, z.
+    /// Direction of the axis: 0, 1, 2 for x, y, z.
     pub axis: usize,
 }
 
 impl RoundAxis {
-    /// [m] distance from the axis and coordinate along it.
+    /// [m] a point in the half-plane: distance from the axis, and coordinate along the axis.
     fn seen(&self, point: &Vector3<f64>) -> Vector2<f64> {
         let from = point - self.center;
         Vector2::new(self.across(&from).norm(), from[self.axis])
     }
 
-    /// Component of a vector across the axis.
+    /// Component of a vector perpendicular to the axis.
     pub(super) fn across(&self, vector: &Vector3<f64>) -> Vector3<f64> {
         let mut across = *vector;
         across[self.axis] = 0.0;
         across
     }
 
-    /// Turns a direction of the half-plane through `point` [m] into one in space. On the axis itself any outward
-    /// direction will do.
+    /// Turns a direction in the half-plane into a direction in space at `point` [m]. For a point on the axis itself,
+    /// any outward direction is correct.
     fn in_space(&self, direction: &Vector2<f64>, point: &Vector3<f64>) -> Vector3<f64> {
         let any = Vector3::from_fn(|k, _| if k == (self.axis + 1) % 3 { 1.0 } else { 0.0 });
         let mut vector = self.across(&(point - self.center)).try_normalize(0.0).unwrap_or(any) * direction.x;
@@ -43,14 +43,15 @@ impl RoundAxis {
     }
 }
 
-/// The inner side of a pipe or cone without ends: particles are at radii below r + s z, with z along the axis.
+/// The inner side of an endless pipe or cone. Particles are at distances below r + s z from the axis, with z along the
+/// axis.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Tube {
-    /// Axis of the tube.
+    /// Axis of the pipe or cone.
     pub axle: RoundAxis,
-    /// [m] radius r at the centre of the axis.
+    /// [m] radius r at z = 0, the centre of the axis.
     pub radius: f64,
-    /// [-] growth s of the radius along the axis; 0 for a pipe.
+    /// [-] slope s, the growth of the radius along the axis; 0 for a pipe.
     pub slope: f64,
 }
 
@@ -62,10 +63,10 @@ impl Geometry for Tube {
         Nearest { distance, normal: self.axle.in_space(&(Vector2::new(-1.0, self.slope) / length), point) }
     }
 
-    /// The centre moves at ρ(t) = |p + q t + α t²/2| and may come up to ρ = a + b t + c t²/2. The touch is the first
-    /// root of a polynomial. It is of second degree where the flight is straight across the axis (for cones:
-    /// altogether straight), otherwise of fourth degree. For a sphere that slides down a cone the bounces become ever
-    /// smaller and slower. Conservative advancement would need more steps for them than it has.
+    /// Let ρ be the distance of the sphere's centre from the axis: ρ(t) = |p + q t + α t²/2|. The sphere touches the
+    /// wall when ρ = a + b t + c t²/2. The time of touch is the first root of a polynomial. If the flight is straight
+    /// (for pipes: straight across the axis), its degree is two, otherwise four. The bounces of a sphere that slides
+    /// down a cone become ever smaller, and conservative advancement would need too many steps.
     fn touch_time(&self, flight: &Flight, radius: f64, until: f64) -> Option<f64> {
         let curved = if self.slope == 0.0 { self.axle.across(&flight.gravity) } else { flight.gravity };
         let from = flight.position - self.axle.center;
@@ -91,9 +92,9 @@ impl Geometry for Tube {
     }
 }
 
-/// The side of a pipe or cone across the axis from the nearest point. A sphere as wide as the pipe touches both sides
-/// at once. The two contacts together press it towards the axis in proportion to its distance from it; the nearest
-/// point alone would throw it from side to side.
+/// The side of a pipe or cone opposite to the nearest point. A sphere as wide as the pipe touches both sides at once.
+/// The two contacts together push the sphere towards the axis, in proportion to its distance from the axis. The nearest
+/// point alone would throw the sphere from side to side.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct OppositeTube(pub Tube);
 
@@ -105,18 +106,18 @@ impl Geometry for OppositeTube {
         Nearest { distance, normal: axle.in_space(&(Vector2::new(1.0, slope) / length), point) }
     }
 
-    /// Returns `None`: a sphere reaches the near side first, and this one at the same instant only on the axis.
+    /// Returns `None`: a sphere reaches the near side first. Only a sphere on the axis reaches both sides at once.
     fn touch_time(&self, _flight: &Flight, _radius: f64, _until: f64) -> Option<f64> {
         None
     }
 }
 
-/// The inner side of a sphere.
+/// The inner side of a hollow sphere, touched by particles inside.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Bowl {
-    /// [m]
+    /// [m] centre of the sphere.
     pub center: Vector3<f64>,
-    /// [m]
+    /// [m] radius of the sphere.
     pub radius: f64,
 }
 
@@ -124,13 +125,14 @@ impl Geometry for Bowl {
     fn nearest(&self, point: &Vector3<f64>) -> Nearest {
         let from = point - self.center;
         let distance = from.norm();
-        // from the centre every direction is as short
+        // at the centre all directions are equally short
         let normal = if distance > 0.0 { from / -distance } else { Vector3::y() };
         Nearest { distance: self.radius - distance, normal }
     }
 
-    /// The centre moves at |p + q t + g t²/2| and may come up to the radius of the bowl less that of the sphere. The
-    /// touch is the first root of a polynomial, of second degree on straight flights and of fourth on others.
+    /// The centre of the particle is at the distance |p + q t + g t²/2| from that of the bowl. A touch occurs at the
+    /// radius of the bowl minus that of the particle. The time is the first root of a polynomial, of degree two without
+    /// gravity and of degree four with it.
     fn touch_time(&self, flight: &Flight, radius: f64, until: f64) -> Option<f64> {
         let (p, q, g) = (flight.position - self.center, flight.velocity, flight.gravity);
         let reach = self.radius - radius;
@@ -149,7 +151,7 @@ impl Geometry for Bowl {
     }
 }
 
-/// The point of a hollow sphere across the centre from the nearest one, as [`OppositeTube`] for a tube.
+/// The point of a hollow sphere opposite to the nearest point, for the reason given at [`OppositeTube`].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct OppositeBowl(pub Bowl);
 
@@ -159,16 +161,16 @@ impl Geometry for OppositeBowl {
         Nearest { distance: 2.0 * self.0.radius - distance, normal: -normal }
     }
 
-    /// Returns `None`, as for [`OppositeTube`].
+    /// Returns `None`, for the reason given at [`OppositeTube`].
     fn touch_time(&self, _flight: &Flight, _radius: f64, _until: f64) -> Option<f64> {
         None
     }
 }
 
-/// [s] first t >= 0 at which a t² + 2 b t + c, negative while a centre is free, becomes positive. At a touch (c = 0
-/// up to rounding) it is 0 if b is positive by more than its `resolution`. If b is negative by as much, it is the
-/// time to cross to the other side. A sphere that slides along the wall touches as soon as its approach can be
-/// resolved.
+/// [s] first t >= 0 at which a t² + 2 b t + c becomes positive; it is negative while a centre is free. At a touch (c =
+/// 0 up to rounding) the time is 0 if b exceeds `resolution`. If b is below `-resolution`, the centre moves to the
+/// other side, and the time is that of its touch there. A sphere that slides along the wall touches as soon as its
+/// approach exceeds the resolution.
 fn first_way_out(a: f64, b: f64, c: f64, resolution: f64) -> Option<f64> {
     if c >= 0.0 {
         return if b > resolution {
@@ -185,27 +187,27 @@ fn first_way_out(a: f64, b: f64, c: f64, resolution: f64) -> Option<f64> {
     if discriminant < 0.0 {
         return None;
     }
-    // the two roots in a form without cancellation
+    // both roots in a form without cancellation
     let q = -(b + discriminant.sqrt().copysign(b));
     [q / a, c / q].into_iter().filter(|t| *t > 0.0 && t.is_finite()).reduce(f64::min)
 }
 
-/// A truncated cone, or a cylinder: a solid body, or a thin shell that is open at both ends and has particles on both
-/// sides.
+/// A truncated cone or a cylinder. It is a solid body, or a thin shell that is open at both ends and has particles on
+/// both sides.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Frustum {
-    /// Axis of the body; the centre is half-way between the ends.
+    /// Axis of the body, whose centre is half-way between the ends.
     pub axle: RoundAxis,
-    /// [m] radii at the lower and the upper end.
+    /// [m] radii at the lower and at the upper end.
     pub radii: [f64; 2],
-    /// [m] half the distance of the ends.
+    /// [m] half the distance between the ends.
     pub half_height: f64,
-    /// True if the body is solid.
+    /// True for a solid body, false for a shell.
     pub solid: bool,
 }
 
 impl Frustum {
-    /// [m] outline in the half-plane, from the lower end of the axis to the upper; for a shell the side alone.
+    /// [m] outline in the half-plane, from the lower end of the axis to the upper; for a shell only the side.
     pub fn outline(&self) -> Vec<Vector2<f64>> {
         let side = [Vector2::new(self.radii[0], -self.half_height), Vector2::new(self.radii[1], self.half_height)];
         if self.solid {
@@ -215,14 +217,14 @@ impl Frustum {
         }
     }
 
-    /// Outward normal of the side, in the half-plane.
+    /// [-] outward unit normal of the side, in the half-plane.
     pub(super) fn out(&self) -> Vector2<f64> {
         let side = Vector2::new(self.radii[1] - self.radii[0], 2.0 * self.half_height);
         Vector2::new(side.y, -side.x) / side.norm()
     }
 
-    /// [m] signed distances from the lower end, the side and the upper end, with the outward normals: the largest is
-    /// the depth of a point inside.
+    /// [m] signed distances from the lower end, the side and the upper end, with their outward normals. For a point
+    /// inside, the largest (all are negative) belongs to the nearest of the three.
     fn depths(&self, seen: &Vector2<f64>) -> [(f64, Vector2<f64>); 3] {
         let out = self.out();
         [
@@ -232,8 +234,8 @@ impl Frustum {
         ]
     }
 
-    /// The nearest point of the outline to a point, seen in the half-plane of the near side (`out` = 1) or of the
-    /// opposite one (-1). In the opposite half-plane the distance from the axis is negative.
+    /// The nearest point of the outline to a point in the half-plane, either of the near side (`out` = 1) or of the
+    /// opposite side (`out` = -1). In the opposite half-plane the distance from the axis is negative.
     fn nearest_of_side(&self, seen: &Vector2<f64>, out: f64, point: &Vector3<f64>) -> Nearest {
         let outline = self.outline();
         let ways = outline.windows(2).map(|ends| {
@@ -247,7 +249,7 @@ impl Frustum {
         });
         let way = ways.reduce(|a, b| if b.norm_squared() < a.norm_squared() { b } else { a }).unwrap_or(*seen);
         let distance = way.norm();
-        // on the surface itself: outwards for a body, inwards for a shell
+        // for a point on the surface: outwards for a body, inwards for a shell
         let rest = if self.solid { self.out() } else { -self.out() };
         let normal = if distance > 0.0 { way / distance } else { rest };
         Nearest { distance, normal: self.axle.in_space(&Vector2::new(out * normal.x, normal.y), point) }
@@ -264,13 +266,13 @@ impl Geometry for Frustum {
         self.nearest_of_side(&seen, 1.0, point)
     }
 
-    /// Two for a shell: the near side and the one across the axis.
+    /// One for a body, two for a shell: the near side and the side opposite to it.
     fn contacts(&self) -> u32 {
         if self.solid { 1 } else { 2 }
     }
 
-    /// The side across the axis counts for a sphere within the shell or above its rim; outside, the near side covers
-    /// it.
+    /// For a shell, the opposite side counts only for a sphere inside the shell or above its rim. Outside, the near
+    /// side hides it.
     fn contact(&self, which: u32, point: &Vector3<f64>, radius: f64) -> Nearest {
         let near = self.nearest(point);
         if which == 0 {
@@ -288,7 +290,7 @@ impl Geometry for Frustum {
         if which == 0 { self.touch_time(flight, radius, until).map(Touch::at) } else { None }
     }
 
-    /// Uses the near side for both: the other may come into reach anywhere above the rim.
+    /// Tests the near side for both contacts, since the opposite side may come within reach anywhere above the rim.
     fn may_touch(&self, _which: u32, point: &Vector3<f64>, radius: f64, skin: f64) -> bool {
         self.nearest(point).distance - radius < skin
     }

@@ -1,25 +1,26 @@
 //! Time at which a sphere touches a thin round shell.
 //!
-//! Spheres slide along a shell on either side with ever smaller and slower bounces, and every flight between two such
-//! bounces is nearly along the shell. Conservative advancement takes steps of the length of the gap, and has not
-//! enough of them. In these cases the touch is found as a root of a polynomial.
+//! Spheres slide along a shell on either side with ever smaller and slower bounces. Every flight between two bounces is
+//! then nearly along the shell. Conservative advancement takes steps of the length of the gap, and would need too many
+//! of them. In these cases the touch is found as the root of a polynomial.
 
 use super::{Flight, Frustum, Geometry, Nearest, advancement, polynomial};
 use nalgebra::{Vector2, Vector3};
 
-/// Steps of conservative advancement, which is quicker for a flight that is not along the shell.
+/// Number of steps of conservative advancement, which is tried first because it is faster if a flight is not along the
+/// shell.
 const STEPS: usize = 100;
-/// [-] of all lengths that matter: largest difference between the distance of a sphere and its radius at a root that
-/// is a touch.
+/// [-] largest error of the distance at a root that counts as a touch, over the sum of the sphere's radius and its
+/// distance from the centre of the shell.
 const NEAR: f64 = 1e-9;
 
-/// [s] as [`Geometry::touch_time`], for a thin shell.
+/// [s] time of touch as [`Geometry::touch_time`] defines it, for a thin shell.
 pub(super) fn touch_time(shell: &Frustum, flight: &Flight, radius: f64, until: f64) -> Option<f64> {
     advancement::within(shell, flight, radius, (until, STEPS))
         .unwrap_or_else(|| first_root(shell, flight, radius, until))
 }
 
-/// The first root at which the sphere touches the shell.
+/// [s] first root at which the sphere touches the shell; `None` if there is none.
 fn first_root(shell: &Frustum, flight: &Flight, radius: f64, until: f64) -> Option<f64> {
     let course = FlightAcrossShell::new(shell, flight);
     let length = course.from.norm() + radius;
@@ -32,11 +33,11 @@ fn first_root(shell: &Frustum, flight: &Flight, radius: f64, until: f64) -> Opti
         let Nearest { distance, normal } = shell.nearest(&flight.position_at(root));
         let velocity = flight.velocity_at(root);
         let (gap, rate) = (distance - radius, velocity.dot(&normal));
-        // beyond the rims the sides continue only in the polynomial; and a sphere that moves away does not touch
+        // excludes roots beyond the rims, where only the polynomial continues, and spheres that move away
         if gap.abs() > NEAR * length || rate > NEAR * velocity.norm() {
             return None;
         }
-        // a rim is a root of eighth degree; one Newton step removes its rounding
+        // the polynomial of a rim has degree eight: one Newton step removes the rounding of its root
         let step = if rate < -NEAR * velocity.norm() { gap / rate } else { 0.0 };
         let better = (root - step).clamp(0.0, until);
         let closer = (shell.nearest(&flight.position_at(better)).distance - radius).abs() < gap.abs();
@@ -44,14 +45,14 @@ fn first_root(shell: &Frustum, flight: &Flight, radius: f64, until: f64) -> Opti
     })
 }
 
-/// The flight of a centre, seen from the axis of a shell.
+/// The flight of a sphere's centre relative to a shell, in coordinates of the shell's axis.
 struct FlightAcrossShell {
     from: Vector3<f64>,
-    /// [m², ...] coefficients of the square of the distance from the axis.
+    /// [m², m²/s, ...] coefficients of the squared distance from the axis as a polynomial in time.
     out: [f64; 5],
-    /// [m, ...] coefficients of the coordinate along the axis.
+    /// [m, m/s, ...] coefficients of the coordinate along the axis as a polynomial in time.
     along: [f64; 3],
-    /// [m/s]
+    /// [m/s] speed at the beginning.
     speed: f64,
 }
 
@@ -65,9 +66,9 @@ impl FlightAcrossShell {
         Self { from, out, along, speed: flight.velocity.norm() }
     }
 
-    /// [s] times at which the centre reaches the side moved outwards by `aside` [m]; negative `aside` is within the
-    /// shell. There ρ falls or rises to (c + aside - n_z z)/n_ρ, with c the distance of the side from the centre of
-    /// the shell and n its normal.
+    /// [s] times at which the centre reaches the side of the shell, moved outwards by `aside` [m]; inwards if `aside`
+    /// is negative. Then the distance ρ from the axis falls or rises to (c + aside - n_z z)/n_ρ. Here c is the distance
+    /// of the side from the centre of the shell, and n its normal.
     fn side(&self, shell: &Frustum, aside: f64, until: f64) -> Vec<f64> {
         let out: Vector2<f64> = shell.out();
         let offset = shell.outline().last().map_or(0.0, |end| end.dot(&out)) + aside;
@@ -81,9 +82,9 @@ impl FlightAcrossShell {
         self.rises(&way, size, until)
     }
 
-    /// [s] times at which the centre comes within `radius` [m] of a circle about the axis, given by its radius R and
-    /// its coordinate along the axis. With d² = ρ² + z², z from the circle, 4 R² ρ² rises to (d² + R² - r²)². For R =
-    /// 0 the circle is a point.
+    /// [s] times at which the centre comes within r = `radius` [m] of a circle about the axis. The circle has the
+    /// radius R and a coordinate along the axis. With d² = ρ² + z², z counted from the circle, 4 R² ρ² then rises to
+    /// (d² + R² - r²)². For R = 0 the circle is a point.
     fn rim(&self, (rim, at): (f64, f64), radius: f64, until: f64) -> Vec<f64> {
         let along = [self.along[0] - at, self.along[1], self.along[2]];
         let mut apart = self.out.to_vec();
@@ -96,13 +97,13 @@ impl FlightAcrossShell {
         apart[0] += rim * rim - radius * radius;
         let mut way: Vec<f64> = times(&apart, &apart).iter().map(|c| -c).collect();
         self.out.iter().zip(&mut way).for_each(|(out, way)| *way += 4.0 * rim * rim * out);
-        // over the square of the radius, so that it is a square of lengths like that of the side
+        // division by the square of the radius makes it the square of a length, as for the side
         way.iter_mut().for_each(|way| *way /= 4.0 * rim * rim);
         self.rises(&way, rim + self.out[0].sqrt() + along[0].abs(), until)
     }
 
-    /// All times at which a polynomial, the square of a length of about `size` [m], rises to zero. A centre that is
-    /// at zero now, up to rounding, is taken to be just before.
+    /// [s] all times at which a polynomial rises to zero. The values of the polynomial are squared lengths, of about
+    /// `size`² [m²]. A polynomial that is zero at the beginning, up to rounding, is treated as slightly negative.
     fn rises(&self, way: &[f64], size: f64, until: f64) -> Vec<f64> {
         let mut way = way.to_vec();
         let resolution = 16.0 * f64::EPSILON * size * self.speed;
@@ -119,7 +120,7 @@ impl FlightAcrossShell {
     }
 }
 
-/// The product of two polynomials.
+/// The product of two polynomials, as coefficients.
 fn times(a: &[f64], b: &[f64]) -> Vec<f64> {
     let mut product = vec![0.0; a.len() + b.len() - 1];
     for (i, a) in a.iter().enumerate() {

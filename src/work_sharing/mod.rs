@@ -1,9 +1,9 @@
-//! Work sharing among the threads of a run: pieces are handed out one by one until none is left.
+//! Work sharing among the threads of a run: each thread takes one piece of work after the other until none is left.
 //!
-//! A window is made of dozens of pieces of work of some tenths of a millisecond. A thread that shares work here does
-//! pieces itself, and then waits for the others actively. rayon's loops put a waiting thread to sleep, and to wake it
-//! takes long on a virtual machine (docs/design/islands.md). The result does not depend on the thread that
-//! does a piece, so it is equal for any number of threads.
+//! A run alternates between dozens of shared loops, each of some tenths of a millisecond. A thread that starts a loop
+//! here does pieces itself, and then waits for the other threads without sleeping. The loops of rayon put a waiting
+//! thread to sleep, and waking it takes long on a virtual machine (docs/design/islands.md). The result of a piece does
+//! not depend on the thread that does it, so results are equal for any number of threads.
 
 mod spinning;
 
@@ -14,16 +14,16 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
-/// Number of times that a thread looks for work, or for the end of the others' work, before it rests. This takes some
-/// 2 ms if no other program wants the processor. That is longer than the time between two pieces of work in any
-/// engine that shares work, and short where one thread works alone for long. Looks are counted, because physics reads
-/// no clock.
+/// Number of times that an idle thread searches for work before it rests. The searches take some 2 ms if no other
+/// program uses the processor. This is longer than the pause between two shared loops of an engine, and short compared
+/// with the times for which one thread works alone. The searches are counted instead of timed, because physics reads no
+/// clock.
 const LOOKS: u32 = 5000;
 
-/// Time between two looks after that.
+/// Rest between two searches after [`LOOKS`] searches without work.
 const RESTS: Duration = Duration::from_micros(200);
 
-/// Does `work` on every piece.
+/// Calls `work` on every piece.
 pub fn for_each<T: Send>(
     pieces: impl DoubleEndedIterator<Item = T> + ExactSizeIterator + Send,
     work: impl Fn(T) + Sync,
@@ -31,7 +31,7 @@ pub fn for_each<T: Send>(
     for_each_with(pieces, || (), |(), piece| work(piece));
 }
 
-/// Does `work` on every piece, with memory of its own for each thread, made by `own`.
+/// Calls `work` on every piece. Each thread has its own scratch memory, made by `own`.
 pub fn for_each_with<T: Send, M>(
     pieces: impl DoubleEndedIterator<Item = T> + ExactSizeIterator + Send,
     own: impl Fn() -> M + Sync,
@@ -43,7 +43,7 @@ pub fn for_each_with<T: Send, M>(
         return pieces.for_each(|piece| work(&mut memory, piece));
     }
     let (pieces, busy) = (Mutex::new(pieces), AtomicUsize::new(helpers));
-    // a panic in a piece is passed on by rayon: the remaining pieces do not matter then
+    // rayon passes on a panic in a piece: then the remaining pieces do not matter
     let next = |back: bool| {
         let mut pieces = pieces.lock().unwrap_or_else(PoisonError::into_inner);
         if back { pieces.next_back() } else { pieces.next() }
@@ -58,8 +58,8 @@ pub fn for_each_with<T: Send, M>(
         for _ in 0..helpers {
             scope.spawn(|_| {
                 let _done = CompletionSignal(&busy);
-                // from the other end, so that a thread gets mostly the pieces of the last time, which are in its
-                // cache
+                // helpers take pieces from the end: a thread then gets mostly the pieces that it had in the loop
+                // before, which are in its cache
                 do_pieces(true);
             });
         }
@@ -68,7 +68,7 @@ pub fn for_each_with<T: Send, M>(
     });
 }
 
-/// Results of `work` for all pieces, in their order.
+/// Results of `work` for all pieces, in the order of the pieces.
 pub fn map<T: Send, R: Send>(
     pieces: impl DoubleEndedIterator<Item = T> + ExactSizeIterator + Send,
     work: impl Fn(T) -> R + Sync,
@@ -76,7 +76,7 @@ pub fn map<T: Send, R: Send>(
     map_with(pieces, || (), |(), piece| work(piece))
 }
 
-/// Results of `work` for all pieces, with memory of its own for each thread, made by `own`.
+/// Results of `work` for all pieces, in their order. Each thread has its own scratch memory, made by `own`.
 pub fn map_with<T: Send, R: Send, M>(
     pieces: impl DoubleEndedIterator<Item = T> + ExactSizeIterator + Send,
     own: impl Fn() -> M + Sync,
@@ -88,7 +88,7 @@ pub fn map_with<T: Send, R: Send, M>(
     results.into_iter().flatten().collect()
 }
 
-/// Signals that a thread has done its work, also if it panics.
+/// Reports on drop that a thread has finished its work, also if it panics.
 struct CompletionSignal<'a>(&'a AtomicUsize);
 
 impl Drop for CompletionSignal<'_> {
@@ -97,7 +97,7 @@ impl Drop for CompletionSignal<'_> {
     }
 }
 
-/// Waits until no thread is busy, and meanwhile does work that no other thread has taken.
+/// Waits until no thread is busy, and meanwhile does other available work of the pool.
 fn wait_for(busy: &AtomicUsize) {
     let mut idle = IdleThread::default();
     while busy.load(Ordering::Acquire) > 0 {
@@ -108,16 +108,16 @@ fn wait_for(busy: &AtomicUsize) {
     }
 }
 
-/// A thread that has nothing to do.
+/// State of a thread that has nothing to do, which counts its searches for work.
 #[derive(Default)]
 struct IdleThread {
-    /// Number of looks since the thread last did something.
+    /// Number of searches for work since the thread last did something.
     looks: u32,
 }
 
 impl IdleThread {
-    /// Returns when it is time to look again: at once, but other programs that want the processor get it; later, if
-    /// there has been nothing to do for long.
+    /// Returns when it is time to search again: at once, but after other programs had a chance to use the processor;
+    /// after a rest if [`LOOKS`] searches have found nothing.
     fn look_again(&mut self) {
         self.looks = self.looks.saturating_add(1);
         if self.looks < LOOKS { std::thread::yield_now() } else { std::thread::sleep(RESTS) }
@@ -149,7 +149,7 @@ mod tests {
         let barrier = std::sync::Barrier::new(3);
         let made = AtomicUsize::new(0);
         let own = || made.fetch_add(1, Ordering::Relaxed);
-        // each waits for the others: one thread alone would never end
+        // each piece waits until the other two have begun: a single thread would never end
         let who = on(3, || map_with(0..3, own, |own, _| (barrier.wait(), *own).1));
         assert_eq!(made.into_inner(), 3);
         assert_eq!(who.iter().collect::<std::collections::BTreeSet<_>>().len(), 3, "{who:?}");
@@ -163,7 +163,7 @@ mod tests {
 
     #[test]
     fn a_piece_that_panics_is_told_and_leaves_nobody_waiting() {
-        // once in the leading thread, which begins at the front, and once in the helper
+        // first the leading thread panics, which begins at the front, then the helper
         for wrong in [0, 1] {
             let barrier = std::sync::Barrier::new(2);
             let piece = |k: usize| assert!((barrier.wait(), k).1 != wrong, "on purpose");

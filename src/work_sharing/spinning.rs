@@ -1,8 +1,8 @@
-//! Keeps the other threads of a run awake between the pieces of work that they share.
+//! Code that keeps the other threads of a run awake between the pieces of work that they share.
 //!
-//! rayon soon puts a thread to sleep that has nothing to do, and to wake it takes long on a virtual machine. Two
-//! threads were 1.4 times as fast as one in a dense gas, and 1.66 times when the others kept looking for work instead
-//! (docs/design/islands.md). Results do not depend on it.
+//! rayon soon puts an idle thread to sleep, and waking it takes long on a virtual machine. In a dense gas two threads
+//! were 1.4 times as fast as one. They were 1.66 times as fast if idle threads kept searching for work instead of
+//! sleeping (docs/design/islands.md). Results do not depend on this choice.
 
 use super::IdleThread;
 use rayon::{Scope, Yield};
@@ -10,24 +10,24 @@ use std::cell::Cell;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 thread_local! {
-    /// True if this thread leads such work or looks for pieces of it.
+    /// True if this thread runs the work of [`keep_workers_spinning`] or searches for pieces of it.
     static TAKES_PART: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Runs `work` on a thread of the pool while its other threads look for pieces of it. A pool has one such work at a
-/// time. Otherwise a thread that looks for pieces of one work could delay another, in the middle of which it is.
+/// Runs `work` on a thread of the pool while the other threads of the pool search for pieces of it. A second, nested
+/// call does not start another search: a thread that searches for pieces within a piece could delay that piece.
 pub fn keep_workers_spinning<R: Send>(work: impl FnOnce() -> R + Send) -> R {
     let over = AtomicBool::new(false);
     rayon::scope(|scope| {
         let _part = SpinningGuard::taken();
         keep_awake(scope, &over);
-        // also if the work panics: the scope waits for the threads that look for more of it
+        // set also if the work panics: the scope waits for the threads that search for pieces
         let _over = Over(&over);
         work()
     })
 }
 
-/// Signals the end of the work to the threads that look for it.
+/// Reports on drop to the searching threads that the work has ended.
 struct Over<'a>(&'a AtomicBool);
 
 impl Drop for Over<'_> {
@@ -36,11 +36,11 @@ impl Drop for Over<'_> {
     }
 }
 
-/// Marks the thread as taking part, as long as this value lives.
+/// Marks the thread as taking part for as long as this value lives.
 struct SpinningGuard;
 
 impl SpinningGuard {
-    /// Returns `None` if the thread takes part already.
+    /// Marks the thread; `None` if it takes part already.
     fn taken() -> Option<Self> {
         (!TAKES_PART.replace(true)).then_some(Self)
     }
@@ -55,8 +55,8 @@ impl Drop for SpinningGuard {
 fn keep_awake<'scope>(scope: &Scope<'scope>, over: &'scope AtomicBool) {
     for _ in 1..rayon::current_num_threads() {
         scope.spawn(move |_| {
-            // A thread that takes part may come here while it waits for a piece of work. It must not wait for all of
-            // the work.
+            // A thread that takes part may start this task while it waits for a piece. The thread must not wait here
+            // until all work is over.
             if let Some(_part) = SpinningGuard::taken() {
                 look_for_work(over);
             }
@@ -64,7 +64,7 @@ fn keep_awake<'scope>(scope: &Scope<'scope>, over: &'scope AtomicBool) {
     }
 }
 
-/// Does available work until all is over.
+/// Does available work until `over` is set.
 fn look_for_work(over: &AtomicBool) {
     let mut idle = IdleThread::default();
     while !over.load(Ordering::Relaxed) {
@@ -83,7 +83,7 @@ mod tests {
     use std::sync::atomic::AtomicUsize;
     use std::time::Duration;
 
-    /// Largest number of pieces of work done at once, on four threads.
+    /// Largest number of pieces of work done at the same time on four threads.
     fn at_once(pause: Duration) -> usize {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(4).build().unwrap();
         let (here, most) = (AtomicUsize::new(0), AtomicUsize::new(0));

@@ -1,39 +1,41 @@
-//! Agreement of all processes about a part of a window that they have tried.
+//! Joint decision of all processes about a part of a window that they have tried. A part counts only if the islands
+//! that several processes solved have the same members and results.
 
 use super::domains::{Domains, LocalParticles};
 use super::ghost_islands::{HotParticleDigest, agree_with, tell};
 use super::packing::{packed, unpacked};
 use crate::engine::islands::{IslandFinder, Reach};
 
-/// Safety factor of the distance from which particles are borrowed, over the distance needed in the part before. A
-/// repeated part costs more than particles borrowed in vain.
+/// Safety factor on the distance from which particles are borrowed, over the distance needed in the part before.
+/// Repeating a part costs more than borrowing a few particles too many.
 const SPARE: f64 = 1.25;
 
-/// Decision of all processes about a part that they have tried.
+/// Decision of all processes about a part of a window that they have tried.
 pub enum PartDecision {
-    /// The part is done.
+    /// The results of the part are valid.
     Done,
-    /// The part is to be repeated with particles from farther away.
+    /// The part must be repeated with particles borrowed from farther away.
     Again,
-    /// Islands grow too large, or an engine failed.
+    /// Islands are too large, or an engine failed.
     Failed,
 }
 
-/// Result of one process for a part.
+/// Result of a part of a window in one process.
 struct LocalStatus {
-    /// Largest reach [m] of flights and islands.
+    /// Largest distances [m] that particles reach in flights and in islands.
     reach: Reach,
-    /// Least distance [m] from the islands of the own particles to the end of the region seen.
+    /// Smallest distance [m] from the islands of own particles to the end of the region whose particles this process
+    /// stores.
     room: f64,
-    /// True if islands grow too large, or the engine failed.
+    /// True if an island is too large, or the engine failed.
     failed: bool,
-    /// True if other processes have the same result.
+    /// True if other processes have equal results for the islands of this process.
     agrees: bool,
 }
 
 impl<C> Domains<C> {
-    /// Joint decision of all processes about a part that they have tried; this one has `failed` if islands grow too
-    /// large or the engine fails.
+    /// Joint decision of all processes about a part that they have tried. In this process, `failed` is true if an
+    /// island is too large or the engine failed.
     pub fn decide<'a>(
         &mut self,
         islands: &impl IslandFinder<'a>,
@@ -46,8 +48,8 @@ impl<C> Domains<C> {
         self.vote(&status, islands.half_period(), islands.domain().size.amax())
     }
 
-    /// True if other processes have the same result for the islands of this process. All processes must call it; one
-    /// that has `failed` sends nothing.
+    /// True if other processes have equal results for the islands of this process. All processes must call this
+    /// function; a process with `failed` sends nothing.
     fn compare<'a>(&self, islands: &impl IslandFinder<'a>, view: &LocalParticles<C>, failed: bool) -> bool {
         let mut told: Vec<Vec<HotParticleDigest>> = vec![Vec::new(); self.communicator.size()];
         if !failed {
@@ -84,7 +86,7 @@ impl<C> Domains<C> {
             return PartDecision::Again;
         }
         if differs > 0.0 {
-            // every process has seen all particles, so results cannot differ; a shorter part is another try
+            // every process has stored all particles, so results cannot differ; a shorter part is tried next
             if self.width > size {
                 return PartDecision::Failed;
             }

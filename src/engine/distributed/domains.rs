@@ -1,10 +1,10 @@
-//! One run cut into domains. Each process has the particles of a block of the box. For each part of a window it borrows
-//! the particles of other processes that its own may interact with (ghost particles).
+//! One run divided among processes. Each process owns the particles in a block of the box. For each part of a window it
+//! also borrows copies of other particles with which its own may interact (ghost particles).
 //!
-//! A process treats its own and the borrowed particles as if there were no others, and solves all islands that it sees
-//! whole. These include islands that other processes own, so no result has to be sent back. It sends its results to the
-//! processes that have borrowed its particles. Two processes may disagree on the members of an island, or an island may
-//! reach beyond what its owner has borrowed. Then all processes borrow from farther away and repeat the part.
+//! A process treats its own and the borrowed particles as if there were no others, and solves all islands whose
+//! surroundings it stores completely. These include islands of other processes, so no results are sent back for them.
+//! Each process sends checksums of its results to the processes that borrowed its particles. If two processes differ on
+//! the members of an island, or an island reaches too far, all processes borrow from farther away and repeat the part.
 
 use super::CrossRankContact;
 use super::gathering::GatheredPart;
@@ -23,51 +23,52 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::sync::Arc;
 
-/// Least distance that a process sees beyond its block, in largest reaches of a flight.
+/// Smallest distance from the block within which particles are borrowed, over the largest reach of a flight.
 const SEEN: f64 = 4.0;
 
-/// Least distance that a process sees beyond its block in the first part of a run, in largest reaches of a flight. Case
-/// D with 10⁶ particles needs 8, and a repeated part costs as much as a window.
+/// Smallest such distance in the first part of a run, over the largest reach of a flight. Case D with 10⁶ particles
+/// needs 8, and a repeated part costs as much as a window.
 const SEEN_AT_FIRST: f64 = 10.0;
 
-/// Particles per process below which steps of all particles are not shared: most would be ghost particles of others.
+/// Number of particles per process below which uniform steps are not shared, because most particles would be ghost
+/// particles.
 const FEWEST: usize = 200;
 
-/// One run cut into domains.
+/// One run that is divided among processes, or can be.
 pub struct Domains<C> {
     pub(super) communicator: Arc<dyn Communicator>,
-    /// Assignment of blocks to processes.
+    /// Blocks of the box, one per process.
     pub(super) blocks: Blocks,
-    /// Distance [m] from which particles are borrowed.
+    /// Distance [m] from the block within which particles are borrowed.
     pub(super) width: f64,
-    /// True if the store holds the particles of one block only.
+    /// True if each process stores only the particles of its block; false if the lead process stores all.
     pub is_cut: bool,
-    /// State carried between a particle of this process and one of another process.
+    /// State carried between a particle of this process and one of another process, such as a contact.
     pub abroad: Vec<CrossRankContact<C>>,
-    /// Own part of the lead process, while it is shown the particles of all processes.
+    /// Own particles of the lead process, stored while copies of the particles of all processes replace them.
     pub(super) gathered: Option<GatheredPart<C>>,
-    /// Summary of all particles of the run in a few numbers.
+    /// Summary of the sizes of all particles of the run.
     pub population: Arc<PopulationSummary>,
 }
 
-/// The particles that a process sees in a part of a window: its own and the borrowed ones.
+/// The particles that a process stores in a part of a window: its own and the borrowed ones.
 pub struct LocalParticles<C> {
-    /// Flags by index: true for own particles; empty if all are.
+    /// For each particle, true if this process owns it; empty if it owns all.
     pub(super) mine: Vec<bool>,
     /// Number of particles in the store when the part began.
     pub(super) count: usize,
-    /// State carried when the part began: among own particles, and between an own particle and one of another process.
+    /// Carried state when the part began: among own particles, and between an own particle and one of another process.
     pub(super) lasting: (Vec<C>, Vec<CrossRankContact<C>>),
-    /// Indices of the particles of other processes, by id.
+    /// Index of each borrowed particle, by its id.
     pub(super) strangers: FxHashMap<u32, u32>,
-    /// True if all partners in carried state are here.
+    /// True if all particles in carried state are among the stored ones.
     pub complete: bool,
-    /// Region that holds all these particles.
+    /// Region that contains all of these particles.
     pub region: Region,
 }
 
 impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
-    /// Domains of a box shared by the given processes. The summary of all particles is that of the lead process.
+    /// Prepares a run for the given processes. The summary of the lead process is used in all processes.
     pub fn new(communicator: Arc<dyn Communicator>, population: PopulationSummary) -> Self {
         let population = unpacked(&communicator.broadcast(packed(&population))).unwrap_or(population);
         Self {
@@ -81,7 +82,7 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
         }
     }
 
-    /// Value of the lead process, sent to all processes.
+    /// Returns the value of the lead process in all processes.
     pub fn of_lead<T: Serialize + DeserializeOwned>(&self, value: T) -> T {
         unpacked(&self.communicator.broadcast(packed(&value))).unwrap_or(value)
     }
@@ -91,35 +92,35 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
         self.communicator.is_lead()
     }
 
-    /// Sums over all processes, if each has particles of its own.
+    /// Replaces sums by their totals over all processes, if each process has its own particles.
     pub fn total(&self, sums: &mut [&mut ExactSum]) {
         if self.is_cut {
             self.communicator.total(sums);
         }
     }
 
-    /// Sums counts over all processes.
+    /// Replaces counts by their sums over all processes.
     pub fn count(&self, counts: &mut [i64]) {
         self.communicator.sum(counts);
     }
 
-    /// Largest values over all processes, if each has particles of its own.
+    /// Replaces values by their largest over all processes, if each process has its own particles.
     pub fn largest(&self, values: &mut [f64]) {
         if self.is_cut {
             self.communicator.largest(values);
         }
     }
 
-    /// Sends particles that have left the block to their owners, and borrows those whose flights come near. A flight
-    /// takes `part` [s] and is seen from `frame` [m/s]; `flight` [m] is the largest reach of a flight.
+    /// Sends particles that have left the block to their owners, and borrows those whose flights come near. Flights
+    /// last `part` [s] and are measured relative to `frame` [m/s]; `flight` [m] is the largest reach of a flight.
     pub fn trade<S: Solve<Carried = C>>(
         &mut self,
         work: &mut Work<C>,
         (frame, part): (Vector3<f64>, f64),
         flight: f64,
     ) -> LocalParticles<C> {
-        // partners of own particles and the partners of those must be seen; further needs of islands are known after
-        // the first part
+        // partners of own particles, and the partners of these, must be stored; what islands need beyond this is known
+        // only after the first part
         let least = if self.width > 0.0 { SEEN } else { SEEN_AT_FIRST };
         self.width = self.width.max(least * flight);
         let (mut mine, places) = self.sort_out(work, (frame, part), flight);
@@ -139,11 +140,11 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
         for CrossRankContact { carried, own, .. } in self.abroad.drain(..) {
             let id = work.particles.id[own as usize];
             let place = |other: u32| if other == id { Some(own) } else { strangers.get(&other).copied() };
-            // any particle in contact with it comes within reach of it
+            // a partner in contact is within reach, so it was borrowed; otherwise the part must be repeated
             agrees &= S::places(&carried).iter().flatten().all(|id| place(*id).is_some());
             work.lasting.push(S::moved(&carried, &|id| place(id).unwrap_or(own)));
         }
-        // the carried state of own particles is known already
+        // state that involves a particle which stays in this process is known already
         for carried in lasting {
             if S::places(&carried).iter().flatten().all(|id| strangers.contains_key(id)) {
                 work.lasting.push(S::moved(&carried, &|id| strangers.get(&id).copied().unwrap_or(id)));
@@ -155,14 +156,14 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
         LocalParticles { mine, count, lasting: before, strangers, complete: agrees, region }
     }
 
-    /// Flags by index, true for own particles, and for each process the indices of the particles that go there: those
-    /// that it owns, and those that it borrows.
+    /// For each particle, true if this process owns it. Also returns, for each process, the indices of the particles to
+    /// send there: those that it owns, and those that it borrows.
     fn sort_out(&self, work: &Work<C>, (frame, part): (Vector3<f64>, f64), flight: f64) -> (Vec<bool>, Vec<Vec<u32>>) {
         let domain = &work.scene.domain;
         let block = self.block(domain);
         let mut places: Vec<Vec<u32>> = vec![Vec::new(); self.communicator.size()];
         let mut mine = Vec::with_capacity(work.particles.len());
-        // a particle so deep inside does not leave, and no other process needs it
+        // a particle this deep inside the block stays, and no other process borrows it
         let deep = (self.width + flight) * (1.0 + 1e-9);
         for place in 0..work.particles.len() {
             if self.blocks.is_deep(&work.particles.position[place], &block, deep) {
@@ -185,7 +186,7 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
         (mine, places)
     }
 
-    /// Packs particles, given by index, with all carried state that involves them.
+    /// Packs the particles with the given indices, and all carried state that involves them.
     fn cargo<S: Solve<Carried = C>>(&self, work: &Work<C>, places: &[u32]) -> Vec<u8> {
         if places.is_empty() {
             return Vec::new();
@@ -198,9 +199,9 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
         pack(work.particles, places, &lasting)
     }
 
-    /// Sends particles that have left the block to their owners, and borrows all within `width` [m] of it. Returns
-    /// flags by index, true for own particles. Also returns the indices of the particles that each process has
-    /// borrowed; some of these may have been there before.
+    /// Sends particles that have left the block to their owners, and borrows all within `width` [m] of the block.
+    /// Returns, for each particle, true if this process owns it. Also returns, for each process, the indices of the
+    /// particles that it borrows from this one, which it may have stored already.
     pub fn borrow<S: Solve<Carried = C>>(&mut self, work: &mut Work<C>, width: f64) -> (Vec<bool>, Vec<Vec<u32>>) {
         let before = std::mem::replace(&mut self.width, width);
         let LocalParticles { mine, .. } = self.trade::<S>(work, (Vector3::zeros(), 0.0), 0.0);
@@ -213,20 +214,20 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
         (mine, lent)
     }
 
-    /// True if there are enough particles to share the steps of all of them.
+    /// True if there are enough particles for sharing uniform steps among the processes.
     pub fn is_worth_it(&self) -> bool {
         let size = self.communicator.size();
         size > 1 && self.population.count >= FEWEST * size
     }
 
-    /// Communicator of the processes.
+    /// Connection between the processes.
     pub fn communicator(&self) -> Arc<dyn Communicator> {
         self.communicator.clone()
     }
 }
 
 impl<C> Domains<C> {
-    /// Region with the particles of this process.
+    /// Region with the particles that this process owns.
     pub fn region(&self, domain: &Domain) -> Region {
         Region::around(domain, self.block(domain), 0.0)
     }
@@ -235,18 +236,18 @@ impl<C> Domains<C> {
         self.blocks.owner(x) == self.communicator.rank()
     }
 
-    /// Corners [m] of the block of this process.
+    /// Lowest and highest corner [m] of the block of this process.
     pub(super) fn block(&self, domain: &Domain) -> [Vector3<f64>; 2] {
         self.blocks.corners(self.communicator.rank(), domain)
     }
 
-    /// Distance [m] from another block within which particles are lent: a little more than the other process relies on.
+    /// Distance [m] from another block within which particles are sent to its process: slightly more than is required.
     pub(super) fn lent(&self) -> f64 {
         self.width * (1.0 + 1e-9)
     }
 
-    /// Calls `visit` with every other process that borrows a particle whose flight has its middle at `x`; `block` are
-    /// the corners of the own block.
+    /// Calls `visit` with every other process that borrows a particle. `x` is the middle of the particle's flight, and
+    /// `block` contains the corners of the own block.
     pub(super) fn for_each_borrower(
         &self,
         x: &Vector3<f64>,
@@ -266,7 +267,7 @@ impl<C> Domains<C> {
 }
 
 impl<C> LocalParticles<C> {
-    /// All particles of a box, which a single process has.
+    /// All particles of a box, for a single process.
     pub fn all(domain: &Domain) -> Self {
         Self {
             mine: Vec::new(),
@@ -278,7 +279,7 @@ impl<C> LocalParticles<C> {
         }
     }
 
-    /// True if the particle at an index is in the block of this process.
+    /// True if this process owns the particle at an index.
     pub fn is_mine(&self, place: u32) -> bool {
         self.mine.get(place as usize).is_none_or(|mine| *mine)
     }

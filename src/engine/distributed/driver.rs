@@ -1,4 +1,4 @@
-//! An engine made of a solver, shared by several processes.
+//! Implementation of shared runs for all engines that consist of a solver.
 
 use super::packing::packed_part;
 use super::{Distributed, DistributedSolver};
@@ -13,7 +13,7 @@ use crate::scene::Scene;
 use std::sync::Arc;
 
 impl<S: DistributedSolver> Driver<S> {
-    /// Cost of the classical algorithm and summary of the speeds, as the lead process has them, in all processes.
+    /// Returns the cost of the classical algorithm and the summary of speeds of the lead process, in all processes.
     pub(in crate::engine) fn of_lead(
         &mut self,
         fallback_cost: Option<f64>,
@@ -29,7 +29,7 @@ impl<S: DistributedSolver> Driver<S> {
     }
 
     /// Moves all particles through the window by the classical algorithm. If several processes share the run, they do
-    /// so together where it pays, and otherwise the lead process gets all particles.
+    /// this together where it pays. Otherwise the lead process gets all particles and moves them.
     pub(in crate::engine) fn by_all(&mut self, work: &mut Work<Lasting<S>>, window: Window) -> Result<(), Failure> {
         if let Some(domains) = self.islands.processes.domains() {
             if domains.is_worth_it() && self.solver.shares_steps() {
@@ -100,7 +100,7 @@ impl<S: DistributedSolver> Distributed for Driver<S> {
     }
 
     fn gives_parts(&self) -> bool {
-        // the list of shared steps is stored as a whole
+        // with shared steps, the neighbour list is stored for all particles together
         self.is_cut() && !self.solver.steps_together()
     }
 

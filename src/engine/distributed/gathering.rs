@@ -1,4 +1,4 @@
-//! All particles at the lead process: cut into domains there, and gathered there.
+//! Distributing particles from the lead process to all processes, and gathering them there again.
 
 use super::CrossRankContact;
 use super::domains::Domains;
@@ -12,30 +12,30 @@ use nalgebra::Vector3;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-/// Ratio of the largest particle number of a process to the mean above which the box is cut anew: the process keeps
-/// others waiting.
+/// Ratio of the largest number of particles of a process to the mean number above which new blocks are made. The other
+/// processes must wait for the fullest one.
 const FULLEST: f64 = 1.1;
 
-/// Number of sampled particles whose positions determine new borders of the blocks.
+/// Number of particles whose positions determine new borders of the blocks.
 const ASKED: usize = 1 << 16;
 
-/// Particles that a process sends at a time: this bounds the memory for messages, whatever the number of particles.
+/// Number of particles that a process sends at a time, which limits the memory of messages for any number of particles.
 const SLICE: usize = 1 << 17;
 
-/// Own part of the lead process, kept while it has been shown the particles of other processes.
+/// Own particles and state of the lead process, stored while copies of the particles of all processes replace them.
 pub struct GatheredPart<C> {
-    /// Particles of the lead process.
+    /// Own particles of the lead process.
     pub particles: Particles,
-    /// State carried among the particles of the lead process.
+    /// State carried among the own particles of the lead process.
     pub lasting: Vec<C>,
-    /// State carried between a particle of the lead process and one of another process.
+    /// State carried between an own particle of the lead process and one of another process.
     pub abroad: Vec<CrossRankContact<C>>,
-    /// Indices of the particles that were in islands in the last part.
+    /// Indices of the own particles that were in islands in the last part.
     pub members: Vec<u32>,
 }
 
 impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
-    /// Gives each process the particles of its block, which the lead process has, and their carried state.
+    /// Distributes all particles, which the lead process stores, and their carried state to the owners of the blocks.
     pub fn cut<S: Solve<Carried = C>>(&mut self, solver: &S, work: &mut Work<C>) {
         let (domain, size) = (&work.scene.domain, self.communicator.size());
         work.particles.wrap(domain);
@@ -67,7 +67,7 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
         self.abroad = settle::<S>(lasting, work);
     }
 
-    /// Gives all particles to the lead process; the others then have none. The indices in `members` are updated.
+    /// Gathers all particles in the lead process; the others then have none. The indices in `members` are updated.
     pub fn assemble<S: Solve<Carried = C>>(&mut self, solver: &S, work: &mut Work<C>, members: &mut Vec<u32>) {
         drop(self.bring_together(solver, work, members, 1));
         if !self.is_lead() {
@@ -79,34 +79,35 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
         self.is_cut = false;
     }
 
-    /// Gives the lead process copies of the particles with an id divisible by `every`, and of those with carried state
-    /// that involves such a particle, until they are [hidden](Self::hide).
+    /// Replaces the particles of the lead process by copies of particles of all processes, until [`hide`](Self::hide)
+    /// is called. Copied are all particles whose id is divisible by `every`, and those that share carried state with
+    /// them.
     pub fn show<S: Solve<Carried = C>>(&mut self, solver: &S, work: &mut Work<C>, members: &mut Vec<u32>, every: u32) {
         self.gathered = self.bring_together(solver, work, members, every);
     }
 
-    /// Restores the own particles of the lead process with their carried state. Returns false if it has no others.
+    /// Restores the own particles of the lead process and their carried state. Returns false if they were not replaced.
     pub fn hide(&mut self, particles: &mut Particles, lasting: &mut Vec<C>, members: &mut Vec<u32>) -> bool {
         let Some(part) = self.gathered.take() else { return false };
         (*particles, *lasting, self.abroad, *members) = (part.particles, part.lasting, part.abroad, part.members);
         true
     }
 
-    /// Starts with blocks of equal size; each process has the particles of its block.
+    /// Begins with blocks of equal size; each process must store the particles of its block.
     pub fn begin_cut(&mut self, domain: &Domain) {
         self.blocks = Blocks::of_one_size(self.communicator.size(), domain);
         self.is_cut = true;
     }
 
-    /// Moves the borders of blocks if one process has many more particles than others. A particle that is then in the
-    /// block of another process goes there with the next part of a window.
+    /// Moves the borders of the blocks if one process has many more particles than the others. Particles that are then
+    /// in the block of another process are sent there in the next part of a window.
     pub fn balance(&mut self, particles: &Particles, domain: &Domain) {
         let (mut most, count) = ([particles.len() as f64], self.population.count);
         self.communicator.largest(&mut most);
         if most[0] * self.communicator.size() as f64 <= FULLEST * count as f64 {
             return;
         }
-        // a sample of all particles, chosen by id, stands for all
+        // borders are computed from a sample of all particles, chosen by id
         let every = count.div_ceil(ASKED).max(1) as u32;
         let asked = particles.id.iter().zip(&particles.position).filter(|(id, _)| id.is_multiple_of(every));
         let mut places = Particles::default();
@@ -115,14 +116,14 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
         places.pack(&places.id, &mut bytes);
         let mut all = Particles::default();
         for bytes in self.communicator.collect(bytes) {
-            // bytes that a process has packed can always be read
+            // unpacking cannot fail, since `pack` wrote these bytes
             let _ = all.unpack(&bytes);
         }
         self.blocks = self.of_lead(Blocks::of(&all.position, self.communicator.size(), domain));
     }
 
-    /// Gives the lead process, in place of its own particles, copies of the chosen particles of all processes. Returns
-    /// the lead's own part.
+    /// Replaces the particles of the lead process by copies of chosen particles of all processes, as for
+    /// [`show`](Self::show). Returns the own particles and state of the lead process, and `None` in other processes.
     fn bring_together<S: Solve<Carried = C>>(
         &mut self,
         solver: &S,
@@ -176,8 +177,8 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
     }
 }
 
-/// Indices, in order, of the particles with an id divisible by `every` and of those that share carried state with them.
-/// Also returns that carried state, in which ids stand for particles.
+/// Indices, in ascending order, of the particles whose id is divisible by `every`, and of those that share carried
+/// state with them. Also returns this state, which refers to particles by id.
 fn chosen<S: Solve>(
     work: &Work<S::Carried>,
     abroad: &[CrossRankContact<S::Carried>],

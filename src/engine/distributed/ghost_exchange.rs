@@ -1,11 +1,11 @@
-//! Exchange with the processes that take part in the same uniform steps, if there are any.
+//! Operations by which processes share uniform time steps, and their trivial form for a single process.
 
 use crate::engine::soft::{ContactSums, SoftSolver};
 use crate::engine::{Failure, not_a_number};
 use crate::particles::Particles;
 use crate::scene::Scene;
 
-/// Operations of uniform steps that need other processes. By default they are those of a single process, which has all
+/// Operations of uniform steps that involve other processes. The defaults are for a single process, which stores all
 /// particles.
 pub trait GhostExchange {
     /// True if this process is the lead, or the only one.
@@ -13,33 +13,34 @@ pub trait GhostExchange {
         true
     }
 
-    /// Replaces each value by the largest of all processes.
+    /// Replaces each value by its largest value on any process.
     fn largest(&self, _values: &mut [f64]) {}
 
     /// Adds up the sums over contacts of all processes.
     fn gather(&self, _sums: &mut ContactSums) {}
 
-    /// Returns the result of all processes together: a failure if any process has one.
+    /// Returns the joint result of all processes: a failure if any process has one.
     fn agree(&self, result: Result<(), Failure>) -> Result<(), Failure> {
         result
     }
 
-    /// Failure for the particle of any process whose velocity is not a number, at `time` [s].
+    /// Failure for a particle of any process whose velocity is not a finite number, at `time` [s].
     fn not_a_number(&self, _solver: &SoftSolver, particles: &Particles, time: f64) -> Failure {
         not_a_number(particles, time)
     }
 
-    /// Rebuilds the list, for uses `times.0` [s] apart. Other processes get particles that have left their domain; before,
-    /// the last forces are applied for the time `times.1` [s] for which they are still due.
+    /// Rebuilds the neighbour list, for uses that are `times[0]` [s] apart. Particles that have left their block are
+    /// sent to the owner of their new block. Before that, forces that are not yet applied act for the remaining time
+    /// `times[1]` [s].
     fn rebuild(&mut self, solver: &mut SoftSolver, particles: &mut Particles, scene: &Scene, times: [f64; 2]) {
         solver.rebuild(particles, scene, times[0]);
     }
 
-    /// Prepares for a kick that may have to be taken back because another process fails.
+    /// Stores the velocities before a kick, since the kick is undone if another process fails.
     fn before_kick(&mut self, _particles: &Particles) {}
 
-    /// Sends the velocities after a kick to the processes that see these particles. If any process has failed to compute
-    /// the `forces`, the kick is taken back.
+    /// Sends the velocities after a kick to the processes that borrow these particles. If any process failed to compute
+    /// its `forces`, the kick is undone.
     ///
     /// # Errors
     /// The first failure of any process.
@@ -53,7 +54,7 @@ pub trait GhostExchange {
     }
 }
 
-/// Exchange of a single process, which has all particles.
+/// The operations for a single process, which stores all particles.
 pub struct SingleProcess;
 
 impl GhostExchange for SingleProcess {}

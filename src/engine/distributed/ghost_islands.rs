@@ -1,4 +1,5 @@
-//! Messages to other processes about islands near the border of a domain.
+//! Messages by which processes compare their results for islands (groups of particles that may meet) near the border of
+//! a block.
 
 use crate::engine::islands::{BoundingSphere, Clusters, IslandFinder, Member, VelocityChange};
 use nalgebra::Vector3;
@@ -6,21 +7,21 @@ use rustc_hash::FxHashMap;
 use serde::{Deserialize, Serialize};
 use std::hash::Hasher;
 
-/// Message of a process to others about one of its hot particles.
+/// Result of a process for one of its hot particles (members of islands), sent to other processes.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct HotParticleDigest {
-    /// Id of the particle.
+    /// Id of the hot particle.
     pub id: u32,
-    /// Checksum of the island of the particle.
+    /// Checksum of the island to which the particle belongs.
     mark: u64,
-    /// The ball that holds the particle.
+    /// The ball that contains the particle during the part of the window.
     ball: BoundingSphere,
-    /// Velocity changes of the particle, if they are known.
+    /// Velocity changes of the particle; `None` if the engine does not report them.
     turns: Option<Vec<VelocityChange>>,
 }
 
-/// Calls `tell` with the result for each chosen particle and the middle of its flight, if that is `near` another
-/// process.
+/// Calls `tell` with the result for each hot particle for which `chosen` is true, and with the middle of its flight.
+/// Only particles for whose middle `near` is true are included.
 pub fn tell<'a>(
     islands: &impl IslandFinder<'a>,
     chosen: impl Fn(u32) -> bool,
@@ -39,8 +40,9 @@ pub fn tell<'a>(
     }
 }
 
-/// True if the messages of other processes, by particle index, agree with the results here for the islands of the
-/// chosen particles. The islands must have equal members, and no other particle of those messages may meet them.
+/// True if the results of other processes agree with those here, for the islands of the particles for which `chosen` is
+/// true. The islands must have equal checksums. No other particle in the messages may meet them. `told` contains the
+/// index of each particle and its message.
 pub fn agree_with<'a>(
     islands: &impl IslandFinder<'a>,
     chosen: impl Fn(u32) -> bool,
@@ -75,8 +77,8 @@ pub fn agree_with<'a>(
     alike && told.iter().all(|(place, told)| is_known(*place) || !meets(*place, told))
 }
 
-/// Members of own islands that are in no cells, and may meet a particle that other processes tell of. Most are too deep
-/// inside. No ball reaches farther than `widest` [m].
+/// Members of own islands that are not in cells and may meet a particle of the messages. Most members are too deep
+/// inside the block. No ball reaches farther than `widest` [m].
 fn late_near<'i, 'a: 'i>(
     islands: &'i impl IslandFinder<'a>,
     own: &[bool],
@@ -92,7 +94,7 @@ fn late_near<'i, 'a: 'i>(
     islands.late().iter().filter(|member| own[member.cluster as usize]).filter(is_near).collect()
 }
 
-/// Checksum of all data that the result of an island depends on, except the state of its particles.
+/// Checksum of all data on which the result of an island depends, except the state of its particles.
 fn mark(islands: &Clusters, which: usize) -> u64 {
     let cluster = &islands.list[which];
     let id = |place: u32| u64::from(islands.particles.id[place as usize]);

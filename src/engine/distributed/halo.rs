@@ -1,5 +1,5 @@
-//! Particles that a process sees in uniform steps of a run that is cut into domains: its own and borrowed ones
-//! (ghosts).
+//! Own and borrowed particles of a process in shared uniform steps. A borrowed particle, or ghost, is a copy of a
+//! particle of another process.
 
 use super::CrossRankContact;
 use super::domains::Domains;
@@ -14,53 +14,54 @@ use nalgebra::Vector3;
 use rustc_hash::{FxHashMap, FxHashSet};
 use serde::{Deserialize, Serialize};
 
-/// Solver of islands with contacts of this type.
+/// Solver type of the islands whose contacts are exchanged.
 type Solving = SoftIslands;
 
-/// Own and borrowed particles of a process.
+/// Own and borrowed particles of a process while uniform steps are shared.
 #[derive(Default)]
 pub struct Halo {
-    /// True for each particle of this process, by index in the order of the list.
+    /// For each particle, in the order of the neighbour list, true if this process owns it.
     pub mine: Vec<bool>,
-    /// Indices of the own particles.
+    /// Indices of the particles that this process owns.
     pub own: Vec<u32>,
-    /// For each process: indices of the particles lent to it, in the order of ids.
+    /// For each process: the indices of own particles that it borrows, in the order of ids.
     pub lent: Vec<Vec<u32>>,
-    /// For each process: indices of the particles borrowed from it, in the order of ids.
+    /// For each process: the indices of the particles borrowed from it, in the order of ids.
     pub borrowed: Vec<Vec<u32>>,
-    /// [m] positions of the particles when the list was built.
+    /// [m] positions of the particles at the time when the neighbour list was built.
     pub built_at: Vec<Vector3<f64>>,
-    /// Own and borrowed particles, kept between two windows.
+    /// Own and borrowed particles, stored between two windows.
     pub seen: Particles,
-    /// Working memory: true for each particle that has been pushed.
+    /// Scratch memory: true for each particle on which a force acted.
     pushed: Vec<bool>,
 }
 
-/// Ids of the particles that processes have lent to one another.
+/// Ids of the particles that processes borrow from each other.
 pub struct Names {
     lent: Vec<Vec<u32>>,
     borrowed: Vec<Vec<u32>>,
-    /// Ids of all particles, by index before the list was built.
+    /// Id of each particle, by its index before the list was built.
     id: Vec<u32>,
 }
 
-/// Data that a process sends to the lead about its part of the list.
+/// Data that a process sends to the lead about its part of the neighbour list.
 #[derive(Serialize, Deserialize)]
 struct ListSummary {
     id: Vec<u32>,
     built_at: Vec<Vector3<f64>>,
-    /// Forces [N] and torques that are due, with the ids of their particles.
+    /// Ids of particles, with the forces [N] and the torques that are not yet applied to them.
     due: Vec<(u32, Vector3<f64>, Option<ContactTorque>)>,
 }
 
 impl Halo {
-    /// Halo of a process that has all particles, or none of them.
+    /// Halo of a process that owns all particles of its store, all or none.
     pub fn of_all(count: usize) -> Self {
         Self { mine: vec![true; count], own: (0..count as u32).collect(), ..Self::default() }
     }
 
-    /// Gives particles that have left the block to the process of their new block, and borrows all particles within
-    /// `width` [m] of the block. The store then holds own and borrowed particles, and `lasting` holds their contacts.
+    /// Sends particles that have left the block to the owners of their new blocks, and borrows all particles within
+    /// `width` [m] of the block. Afterwards the store contains own and borrowed particles, and `lasting` their
+    /// contacts.
     pub fn borrow(domains: &mut Domains<Contact>, work: &mut Work<Contact>, width: f64) -> (Self, Names) {
         let (mine, places) = domains.borrow::<SoftIslands>(work, width);
         let id = &work.particles.id;
@@ -75,7 +76,7 @@ impl Halo {
         let borrowed = domains.communicator().exchange(outgoing);
         let borrowed: Vec<Vec<u32>> =
             borrowed.iter().map(|bytes| bytes.as_chunks::<4>().0.iter().map(number).collect()).collect();
-        // particles that have left and are not lent back are dropped
+        // drops particles that have left the block and are not borrowed again
         let wanted: FxHashSet<u32> = borrowed.iter().flatten().copied().collect();
         let stays: Vec<bool> = id.iter().zip(&mine).map(|(id, mine)| *mine || wanted.contains(id)).collect();
         let kept: Vec<u32> = (0..id.len() as u32).filter(|&place| stays[place as usize]).collect();
@@ -95,7 +96,7 @@ impl Halo {
         (Self { mine, ..Self::default() }, Names { lent, borrowed, id: work.particles.id.clone() })
     }
 
-    /// Follows the new order of a list: the particle once at index `p` is now at `place_of[p]`.
+    /// Applies the new order of the neighbour list: the particle that was at index `p` is now at `place_of[p]`.
     pub fn follow(&mut self, place_of: &[u32], names: Names) {
         let mut mine = vec![false; place_of.len()];
         self.mine.iter().zip(place_of).for_each(|(is_mine, &place)| mine[place as usize] = *is_mine);
@@ -107,13 +108,13 @@ impl Halo {
         self.borrowed = names.borrowed.into_iter().map(places).collect();
     }
 
-    /// Marks the pushed particles.
+    /// Marks the particles on which forces acted.
     pub fn mark(&mut self, pushes: &[ForceBuffer]) {
         self.pushed.resize(self.mine.len(), false);
         self.set_pushed(pushes, true);
     }
 
-    /// Removes the marks of pushed particles.
+    /// Removes the marks of the particles on which forces acted.
     pub fn unmark(&mut self, pushes: &[ForceBuffer]) {
         self.set_pushed(pushes, false);
     }
@@ -127,7 +128,7 @@ impl Halo {
         }
     }
 
-    /// Packs the velocities of lent particles that have been pushed, each with its number in `lent`.
+    /// Packs the velocities of those borrowed particles on which forces acted, each with its number in `lent`.
     pub fn pack(&self, lent: &[u32], particles: &Particles) -> Vec<u8> {
         let mut bytes = Vec::new();
         for (k, &place) in (0u32..).zip(lent) {
@@ -139,8 +140,8 @@ impl Halo {
         bytes
     }
 
-    /// Particles at the beginning of a window. Own particles may have got other velocities meanwhile, which are sent to
-    /// the borrowers.
+    /// Returns own and borrowed particles at the beginning of a window. The velocities of own particles may have
+    /// changed since the last window, for instance by drag, so they are sent to the processes that borrow them.
     pub fn look(&mut self, own: &Particles, domains: &Domains<Contact>) -> Particles {
         let mut seen = std::mem::take(&mut self.seen);
         for (k, &place) in self.own.iter().enumerate() {
@@ -156,15 +157,15 @@ impl Halo {
         for (places, bytes) in self.borrowed.iter().zip(&incoming) {
             let mut rest = bytes.as_slice();
             for &place in places {
-                // all processes have the same columns
+                // unpacking succeeds, since all processes have the same columns
                 rest = seen.unpack_motion(place as usize, rest).unwrap_or_default();
             }
         }
         seen
     }
 
-    /// Hands over the own particles and their contacts at the end of a window. Returns the contacts between a particle of
-    /// this process and one of another process.
+    /// Writes the own particles and their contacts into `work` at the end of a window. Returns the contacts between a
+    /// particle of this process and one of another process.
     pub fn leave(
         &self,
         seen: &Particles,
@@ -200,7 +201,7 @@ impl Halo {
         abroad
     }
 
-    /// Data for the lead: this part of the list, and the forces that are due.
+    /// Data for the lead process: the own particles in the neighbour list, and the forces that are not yet applied.
     pub fn packed(&self, pushes: &[ForceBuffer]) -> Vec<u8> {
         let mut due = Vec::new();
         let id = |place: u32| self.seen.id[place as usize];
@@ -217,8 +218,8 @@ impl Halo {
     }
 }
 
-/// List of all particles, and the forces that are due to them. Particles and contacts of `work` are put in the order of
-/// the list.
+/// Makes the neighbour list of all particles, and the list of forces that are not yet applied. Sorts the particles and
+/// the contacts of `work` in the order of the list.
 pub fn list_of_all(parts: &[Vec<u8>], own: &NeighbourList, work: &mut Work<Contact>) -> (NeighbourList, ForceBuffer) {
     let place: FxHashMap<u32, u32> = work.particles.id.iter().copied().zip(0..).collect();
     let mut then = work.particles.clone();
@@ -253,17 +254,17 @@ pub fn list_of_all(parts: &[Vec<u8>], own: &NeighbourList, work: &mut Work<Conta
     (list, pending)
 }
 
-/// Packed form of a failure or of none, for sending.
+/// Bytes of a failure, or of none, for sending.
 pub fn to_bytes(failure: &Option<Failure>) -> Vec<u8> {
     postcard::to_stdvec(failure).unwrap_or_default()
 }
 
-/// Takes over velocities that a process sends after a kick of particles that it has lent; `borrowed` are their indices
-/// here.
+/// Reads the velocities after a kick that another process sends for particles borrowed from it. `borrowed` contains the
+/// indices of these particles here.
 pub fn take_kicks(mut bytes: &[u8], borrowed: &[u32], particles: &mut Particles) {
     while let Some((number, rest)) = bytes.split_first_chunk() {
         let index = borrowed.get(u32::from_le_bytes(*number) as usize);
-        // all processes have the same columns
+        // unpacking succeeds, since all processes have the same columns
         let read = index.and_then(|&index| particles.unpack_kicked(index as usize, rest));
         let Some(rest) = read else { return };
         bytes = rest;

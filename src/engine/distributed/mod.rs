@@ -1,8 +1,9 @@
-//! Several processes that share one run: each moves the particles of a domain of its own.
+//! Several processes that share one run: each moves the particles in its domain, a block of the box.
 //!
-//! Engines, islands and uniform steps are written as if a process were alone. They call what is here where processes
-//! have to agree or to exchange particles: `Processes` for islands, `GhostExchange` for uniform steps. For a single
-//! process neither does anything.
+//! Engines, islands and uniform steps are written as for a single process. Where processes must agree or exchange
+//! particles, they call code of this module: `Processes` for islands, `GhostExchange` for uniform steps. For a single
+//! process both do nothing. A process *owns* the particles in its block. It *borrows* copies of particles of other
+//! processes (ghosts).
 
 mod agreement;
 mod domains;
@@ -29,34 +30,34 @@ use crate::particles::{Particles, Sample};
 use crate::scene::Scene;
 use std::sync::Arc;
 
-/// An engine whose run several processes can share. As long as it pays, each process has the particles of a domain of
-/// its own. Otherwise the lead process has all.
+/// An engine whose run several processes can share. If this pays, the run is *cut*: each process owns the particles of
+/// its domain. Otherwise the lead process has all particles.
 ///
-/// While the run is cut, [`Engine::elastic_energy`] is the energy of all processes, which must all call it.
+/// While the run is cut, [`Engine::elastic_energy`] returns the energy of all processes, which must all call it.
 pub trait Distributed: Engine {
     /// Shares the run with other processes, whose engines are called in the same way.
     ///
-    /// If other processes have a part of the sample, each process has the particles of its block, among
-    /// [blocks of one size](crate::domain::blocks::Blocks::of_one_size). Otherwise the lead process has all particles,
-    /// and only these matter until they are first cut into domains.
+    /// If `sample` is divided among the processes, each process must have the particles of its block, among [blocks of
+    /// one size](crate::domain::blocks::Blocks::of_one_size). Otherwise the lead process has all particles, and those
+    /// of other processes are ignored until the run is first cut.
     fn share(&mut self, communicator: Arc<dyn Communicator>, sample: &Sample, scene: &Scene);
 
-    /// True if each process has only the particles of a domain of its own.
+    /// True if the run is cut: each process has only the particles of its domain.
     fn is_cut(&self) -> bool;
 
-    /// Cuts the run into new domains, from the next window on, if a process has many more particles than others. All
-    /// processes must call it, between two windows.
+    /// Changes the domains from the next window on, if one process has many more particles than others. All processes
+    /// must call this function, between two windows.
     fn balance(&mut self, particles: &Particles, scene: &Scene);
 
-    /// Shows the lead process, in place of its own particles, copies of those with an id divisible by `every` (1: all)
-    /// and of those in contact with them. All processes must call it, between two windows.
+    /// Replaces the particles of the lead process by copies of particles of all processes: those with an id divisible
+    /// by `every` (1: all), and those in contact with them. All processes must call this function, between two windows.
     fn show(&mut self, particles: &mut Particles, scene: &Scene, every: u32);
 
-    /// Gives the lead process its own particles back, to continue with.
+    /// Restores the own particles of the lead process, with which the run continues.
     fn hide(&mut self, particles: &mut Particles);
 
-    /// True if the state carried between windows can be [`packed`](Self::packed) in parts now. Otherwise the lead
-    /// process has to be shown all particles for it.
+    /// True if each process can now store its carried state by [`packed`](Self::packed). Otherwise all particles must
+    /// first be copied to the lead process, which then stores the state.
     fn gives_parts(&self) -> bool;
 
     /// Packs the particles of this process and their carried state into bytes for [`take_parts`](Self::take_parts),
@@ -64,7 +65,7 @@ pub trait Distributed: Engine {
     fn packed(&self, particles: &Particles) -> Vec<u8>;
 
     /// Replaces all particles and carried state by `count` parts that processes have [`packed`](Self::packed). `next`
-    /// gives the lead process, or the only process, one part after the other. All processes must call it.
+    /// returns the parts one by one to the lead process, or to the only process. All processes must call this function.
     fn take_parts(
         &mut self,
         particles: &mut Particles,
@@ -74,14 +75,14 @@ pub trait Distributed: Engine {
     );
 
     /// Contacts in progress between a particle of this process, given by index in the store, and one of another
-    /// process. Each of the two processes has them.
+    /// process. Both processes return them.
     fn touching_abroad(&self) -> Vec<(u32, Overlap)>;
 }
 
-/// A solver whose run several processes can share. By default they share the islands, and all particles are moved at
-/// once by the lead process alone.
+/// A solver whose run several processes can share. By default they share only the islands, and the lead process moves
+/// all particles at once.
 pub trait DistributedSolver: Solver {
-    /// Largest cost of one island [ns/s], if it changes from window to window; the value of the lead process holds in
+    /// Largest cost of one island [ns/s], if it changes from window to window. The value of the lead process is used in
     /// all processes.
     fn allowance(&mut self) -> Option<&mut f64> {
         None
@@ -92,7 +93,7 @@ pub trait DistributedSolver: Solver {
         false
     }
 
-    /// Moves all particles through the window by the classical algorithm, shared by all processes of the run.
+    /// Moves all particles through the window by the classical algorithm, which all processes of the run share.
     ///
     /// # Errors
     /// Errors of the classical algorithm, equal in all processes.
@@ -105,25 +106,25 @@ pub trait DistributedSolver: Solver {
         self.everyone(work, window)
     }
 
-    /// True if processes have taken the last steps together, and continue with them.
+    /// True if the processes shared the last steps, and will continue to do so.
     fn steps_together(&self) -> bool {
         false
     }
 
-    /// Gives the lead process, which has been shown all particles, the state that the processes continue with.
+    /// Gives the lead process, which has copies of all particles, the joint state with which the processes continue.
     fn show(&mut self, _work: &mut Work<Lasting<Self>>, _domains: &Domains<Lasting<Self>>) {}
 
-    /// Ends the showing of all particles: each process continues with its own.
+    /// Removes the joint state from the lead process, when each process continues with its own particles.
     fn hide(&mut self) {}
 }
 
-/// State carried between a particle of this process and one of another process.
+/// State carried between a particle of this process and one of another process, such as a contact.
 #[derive(Clone)]
 pub struct CrossRankContact<C> {
-    /// The carried state, in which ids stand for the particles.
+    /// The carried state, which refers to particles by id.
     pub carried: C,
-    /// Index of the particle of this process.
+    /// Index in the store of the particle of this process.
     pub own: u32,
-    /// Overlap of the two particles at the end of the last part of a window; `None` if they are not in contact.
+    /// Overlap of the two bodies at the end of the last part of a window; `None` if they are not in contact.
     pub overlap: Option<Overlap>,
 }

@@ -1,5 +1,5 @@
-//! Packing of the particles of a process into bytes that can be stored, and distribution of stored parts to any number
-//! of processes.
+//! Packing the particles of a process into bytes that can be stored, and distributing stored parts to any number of
+//! processes.
 
 use super::CrossRankContact;
 use super::domains::Domains;
@@ -11,10 +11,10 @@ use rustc_hash::FxHashMap;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-/// [bytes] of a stored length.
+/// [bytes] size of a stored length.
 const LENGTH: usize = 8;
 
-/// Packs the particles of this process and their carried state, in which ids stand for the particles.
+/// Packs the particles of this process and their carried state, which then refers to particles by id.
 pub fn packed_part<S: Solve>(
     particles: &Particles,
     home: &[S::Carried],
@@ -25,15 +25,15 @@ pub fn packed_part<S: Solve>(
     pack(particles, &(0..particles.len() as u32).collect::<Vec<u32>>(), &lasting)
 }
 
-/// Turns carried state with ids into carried state with indices, at the process that has its particles. Returns state
-/// carried between a particle of this process and one of another process.
+/// Replaces ids by indices in carried state, in the process that has its particles. Returns the state carried between a
+/// particle of this process and one of another process.
 pub fn settle<S: Solve>(lasting: Vec<S::Carried>, work: &mut Work<S::Carried>) -> Vec<CrossRankContact<S::Carried>> {
     let mut abroad = Vec::new();
     let places: FxHashMap<u32, u32> = work.particles.id.iter().copied().zip(0..).collect();
     for carried in lasting {
         let here: Vec<Option<u32>> = S::places(&carried).iter().flatten().map(|id| places.get(id).copied()).collect();
         match here.iter().flatten().next() {
-            // the overlap of the two is known when a part has been done
+            // the overlap is computed at the end of the next part
             Some(&own) if here.iter().any(Option::is_none) => {
                 abroad.push(CrossRankContact { carried, own, overlap: None })
             }
@@ -45,8 +45,8 @@ pub fn settle<S: Solve>(lasting: Vec<S::Carried>, work: &mut Work<S::Carried>) -
 }
 
 impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
-    /// Distributes a part that the lead process has: each process gets its particles and their carried state. The other
-    /// processes pass no bytes.
+    /// Distributes a part that the lead process has read: each process gets its particles and their carried state as
+    /// bytes. The other processes call this function with empty `bytes`.
     pub fn deal<S: Solve<Carried = C>>(&self, bytes: &[u8], domain: &Domain) -> Vec<u8> {
         let mut outgoing = vec![Vec::new(); self.communicator.size()];
         let mut part = Particles::default();
@@ -67,7 +67,7 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
     }
 }
 
-/// Packs particles and carried state for sending: the length of the particle bytes, these bytes, then the carried
+/// Packs particles and carried state for sending: the length of the bytes for particles, these bytes, then the carried
 /// state.
 pub fn pack<C: Serialize>(particles: &Particles, places: &[u32], lasting: &[C]) -> Vec<u8> {
     let mut bytes = vec![0; LENGTH];
@@ -80,8 +80,8 @@ pub fn pack<C: Serialize>(particles: &Particles, places: &[u32], lasting: &[C]) 
     bytes
 }
 
-/// Appends packed particles, and returns the carried state; `None`, with nothing appended, if the bytes are not of that
-/// form.
+/// Appends packed particles to `particles`, and returns the carried state. If the bytes are not of this form, nothing
+/// is appended.
 pub fn take_aboard<C: DeserializeOwned>(bytes: &[u8], particles: &mut Particles) -> Option<Vec<C>> {
     let (length, rest) = bytes.split_first_chunk::<LENGTH>()?;
     let (of_particles, rest) = rest.split_at_checked(u64::from_le_bytes(*length) as usize)?;
@@ -92,7 +92,7 @@ pub fn take_aboard<C: DeserializeOwned>(bytes: &[u8], particles: &mut Particles)
     Some(lasting)
 }
 
-/// Carried state with ids in place of indices.
+/// Carried state that refers to particles by id instead of index.
 pub fn ids_of<'a, S: Solve>(particles: &Particles, lasting: impl Iterator<Item = &'a S::Carried>) -> Vec<S::Carried>
 where
     S::Carried: 'a,
@@ -105,7 +105,7 @@ pub fn packed<T: Serialize>(value: &T) -> Vec<u8> {
     postcard::to_stdvec(value).unwrap_or_default()
 }
 
-/// Value of bytes that were [`packed`].
+/// Value that was [`packed`]; `None` if the bytes are not such a value.
 pub fn unpacked<T: DeserializeOwned>(bytes: &[u8]) -> Option<T> {
     postcard::from_bytes(bytes).ok()
 }

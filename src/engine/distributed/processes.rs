@@ -1,4 +1,5 @@
-//! Processes that share a run, seen from islands: by default a single one, for which nothing here does anything.
+//! Processes that share a run, as islands use them. By default the run has a single process, and the methods do
+//! nothing.
 
 use super::CrossRankContact;
 use super::agreement::PartDecision;
@@ -29,29 +30,29 @@ impl<C> Default for Processes<C> {
 }
 
 impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
-    /// Shares the run among processes. If each has the particles of its block already, `cut` is the box; otherwise the
-    /// box is cut into domains when islands are next tried.
+    /// Shares the run among processes. If each already has the particles of its block, `cut` is the box. Otherwise
+    /// particles are distributed when islands are next tried.
     pub fn share(&mut self, communicator: Arc<dyn Communicator>, population: PopulationSummary, cut: Option<&Domain>) {
         let domains = self.domains.insert(Domains::new(communicator, population));
         cut.into_iter().for_each(|domain| domains.begin_cut(domain));
     }
 
-    /// Domain decomposition of the run; `None` for a single process.
+    /// Division of the run among processes; `None` for a single process.
     pub fn domains(&mut self) -> Option<&mut Domains<C>> {
         self.domains.as_mut()
     }
 
-    /// Domain decomposition of the run, if each process has only the particles of its domain.
+    /// Division of the run, if each process has only the particles of its domain; otherwise `None`.
     fn cut_domains(&self) -> Option<&Domains<C>> {
         self.domains.as_ref().filter(|domains| domains.is_cut)
     }
 
-    /// True if the store holds the particles of one domain only.
+    /// True if the store contains only the particles of one domain.
     pub fn is_cut(&self) -> bool {
         self.cut_domains().is_some()
     }
 
-    /// True if this process, the lead, is shown the particles of others in place of its own.
+    /// True if copies of particles of all processes replace the own particles of this process, which is then the lead.
     pub fn is_shown(&self) -> bool {
         self.domains.as_ref().is_some_and(|domains| domains.gathered.is_some())
     }
@@ -66,40 +67,40 @@ impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
         self.domains.as_ref().map_or(&[], |domains| &domains.abroad)
     }
 
-    /// Summary of all particles of the run, if other processes may have some of them.
+    /// Summary of all particles of the run; `None` for a single process.
     pub fn population(&self) -> Option<Arc<PopulationSummary>> {
         self.domains.as_ref().map(|domains| domains.population.clone())
     }
 
-    /// Sums over all processes.
+    /// Replaces sums by their totals over all processes.
     pub fn total(&self, sums: &mut [&mut ExactSum]) {
         self.domains.iter().for_each(|domains| domains.total(sums));
     }
 
-    /// Largest values of all processes.
+    /// Replaces values by their largest over all processes.
     pub fn largest(&self, values: &mut [f64]) {
         self.domains.iter().for_each(|domains| domains.largest(values));
     }
 
-    /// Adds the `energy` [J] of the state carried between processes, and sums over all processes.
+    /// Adds the `energy` [J] of state carried between processes to the sum, and then sums over all processes.
     pub fn add_energy(&self, sum: &mut ExactSum, energy: impl Fn(&C) -> f64) {
         if let Some(domains) = self.cut_domains().filter(|_| !self.is_shown()) {
-            // two processes have it
+            // half, since both processes count it
             domains.abroad.iter().for_each(|abroad| sum.add(0.5 * energy(&abroad.carried)));
             domains.total(&mut [sum]);
         }
     }
 
-    /// Number of contacts in progress in all processes, of which this one has `own` among its own particles.
+    /// Number of contacts in progress in all processes; `own` is the number among own particles of this process.
     pub fn held(&self, own: usize) -> usize {
         let Some(domains) = self.cut_domains() else { return own };
-        // a contact with a particle of another process is known to both processes
+        // a contact with a particle of another process is counted by both processes
         let mut twice = [(2 * own + domains.abroad.len()) as i64];
         domains.count(&mut twice);
         (twice[0] / 2) as usize
     }
 
-    /// Sums the counts of all processes since `before`.
+    /// Replaces the counts since `before` by their sums over all processes.
     pub fn share_counts(&self, counters: &mut IslandCounters, before: &IslandCounters) {
         let Some(domains) = self.cut_domains() else { return };
         let mut past = *before;
@@ -119,30 +120,30 @@ impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
         self.domains.as_ref().map_or_else(|| Region::from(domain), |domains| domains.region(domain))
     }
 
-    /// Follows a reordered store: the particle once at index `p` is now at `place_of[p]`.
+    /// Applies a new order of the store: the particle that was at index `p` is now at `place_of[p]`.
     pub fn reorder(&mut self, place_of: &[u32]) {
         for abroad in self.domains.iter_mut().flat_map(|domains| &mut domains.abroad) {
             abroad.own = place_of[abroad.own as usize];
         }
     }
 
-    /// Gives each process the particles of its domain, unless it has them already.
+    /// Distributes the particles to the owners of their domains, if this has not been done.
     pub fn cut<S: Solve<Carried = C>>(&mut self, solver: &S, work: &mut Work<C>) {
         if let Some(domains) = self.domains.as_mut().filter(|domains| !domains.is_cut) {
             domains.cut(solver, work);
         }
     }
 
-    /// Gives all particles to the lead process.
+    /// Gathers all particles in the lead process.
     pub fn assemble<S: Solve<Carried = C>>(&mut self, solver: &S, work: &mut Work<C>, members: &mut Vec<u32>) {
         if let Some(domains) = self.domains.as_mut().filter(|domains| domains.is_cut) {
             domains.assemble(solver, work, members);
         }
     }
 
-    /// Replaces all particles and all carried state by `count` parts that processes have packed; `next` gives the lead
-    /// process one part after the other. Each process keeps the particles in its block, among blocks of equal size. A
-    /// single process keeps all.
+    /// Replaces all particles and all carried state by `count` parts that processes have packed. `next` returns the
+    /// parts one by one to the lead process. Each process keeps the particles in its block, among blocks of equal size.
+    /// A single process keeps all.
     pub fn take_parts<S: Solve<Carried = C>>(
         &mut self,
         solver: &S,
@@ -167,8 +168,8 @@ impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
         in_order(solver, work);
     }
 
-    /// Borrows the particles of other processes that may take part in islands of own particles. A flight takes `part`
-    /// [s] and is seen from `frame` [m/s]; `flight` [m] is the largest reach of a flight.
+    /// Borrows the particles of other processes that may take part in islands of own particles. Flights last `part` [s]
+    /// and are measured relative to `frame` [m/s]; `flight` [m] is the largest reach of a flight.
     pub fn borrow<S: Solve<Carried = C>>(
         &mut self,
         work: &mut Work<C>,
@@ -181,8 +182,8 @@ impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
         }
     }
 
-    /// Joint decision of all processes about a part that they have tried; this one has `failed` if islands grow too
-    /// large or the engine fails.
+    /// Joint decision of all processes about a part that they have tried. In this process, `failed` is true if an
+    /// island is too large or the engine failed.
     pub fn decide<'a>(
         &mut self,
         islands: &impl IslandFinder<'a>,
@@ -196,7 +197,7 @@ impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
         }
     }
 
-    /// Keeps only the own particles and their carried state after a part that is done. The indices in `members` are
+    /// Removes the borrowed particles and their carried state after a successful part. The indices in `members` are
     /// updated.
     pub fn keep<S: Solve<Carried = C>>(
         &mut self,
@@ -208,7 +209,7 @@ impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
         self.domains.iter_mut().for_each(|domains| domains.keep(solver, work, view, members));
     }
 
-    /// Returns borrowed particles: the store is as it was before.
+    /// Removes the borrowed particles, and restores the store and the carried state from before they were borrowed.
     pub fn give_back(&mut self, work: &mut Work<C>, view: LocalParticles<C>) {
         if let Some(domains) = &mut self.domains {
             domains.give_back(work, view);

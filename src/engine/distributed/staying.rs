@@ -1,4 +1,4 @@
-//! Particles that stay with their process after a part of a window, when the borrowed ones are dropped.
+//! Removing borrowed particles after a part of a window: own particles stay with their process.
 
 use super::CrossRankContact;
 use super::domains::{Domains, LocalParticles};
@@ -7,13 +7,13 @@ use crate::engine::Overlap;
 use crate::engine::driver::Work;
 use crate::engine::islands::Solve;
 
-/// New indices of particles after others have been removed.
+/// New indices of the particles that stay after others are removed.
 pub struct Stay<'a> {
-    /// Flags by old index: true for particles that stay.
+    /// For each old index, true if the particle stays.
     mine: &'a [bool],
-    /// Number of particles that stay.
+    /// Number of particles that stay in the store.
     count: u32,
-    /// Old and new index of the last particles, which move into the gaps, in ascending order.
+    /// Old and new index of those last particles that move to the places of removed ones, in ascending order.
     moves: Vec<(u32, u32)>,
 }
 
@@ -26,7 +26,7 @@ impl<'a> Stay<'a> {
         Self { mine, count: count as u32, moves: movers.zip(holes).collect() }
     }
 
-    /// New index of a particle, by its old one, if it stays.
+    /// New index of a particle with an old index; `None` if the particle is removed.
     fn place(&self, before: u32) -> Option<u32> {
         if !self.mine[before as usize] {
             return None;
@@ -40,13 +40,13 @@ impl<'a> Stay<'a> {
 }
 
 impl<C: Copy> Domains<C> {
-    /// Returns borrowed particles: the store is as it was before.
+    /// Removes the borrowed particles, and restores the store and the carried state from before they were borrowed.
     pub fn give_back(&mut self, work: &mut Work<C>, view: LocalParticles<C>) {
         work.particles.truncate(view.count);
         (*work.lasting, self.abroad) = view.lasting;
     }
 
-    /// Keeps only the own particles and their carried state after a part that is done. The indices in `members` are
+    /// Removes the borrowed particles and their carried state after a successful part. The indices in `members` are
     /// updated.
     pub fn keep<S: Solve<Carried = C>>(
         &mut self,
@@ -59,12 +59,12 @@ impl<C: Copy> Domains<C> {
         *members = members.iter().filter_map(|&place| stay.place(place)).collect();
     }
 
-    /// Keeps only the own particles, by flags in order of index, and carried state that involves them.
+    /// Keeps only the particles for which `mine` is true, by index, and carried state that involves them.
     pub fn keep_own<S: Solve<Carried = C>>(&mut self, solver: &S, work: &mut Work<C>, mine: &[bool]) {
         drop(self.keep_some(solver, work, mine));
     }
 
-    /// Keeps some of the particles, and carried state that involves them.
+    /// Keeps the particles for which `mine` is true, by index, and carried state that involves them.
     pub(super) fn keep_some<'a, S: Solve<Carried = C>>(
         &mut self,
         solver: &S,

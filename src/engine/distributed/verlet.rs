@@ -1,11 +1,11 @@
-//! Uniform steps of a run that is cut into domains: each process moves the particles of its block.
+//! Shared uniform steps: each process moves the particles of its block.
 //!
-//! When the neighbour list is built, a process borrows ghost particles: those that its own particles may touch as long
-//! as the list lasts. Forces of contacts across a border are computed by both processes. They agree in all bits,
-//! because parts of the list keep the order of the list of all particles.
+//! When the neighbour list is built, a process borrows the particles that its own particles may touch while the list
+//! lasts. Both processes compute the forces of a contact across their border. The results agree in all bits, because
+//! each process keeps the order that the list of all particles has.
 //!
-//! After every kick all processes agree on the largest speed and on whether anything failed. Then the new velocities of
-//! lent particles that were pushed are sent to the borrowers.
+//! After every kick all processes agree on the largest speed, and on whether one has failed. Then each process sends
+//! the new velocities of own particles on which forces acted to the processes that borrow them.
 
 use super::DistributedSolver;
 use super::domains::Domains;
@@ -26,31 +26,32 @@ use crate::record::{Log, Record};
 use crate::scene::Scene;
 use std::sync::Arc;
 
-/// Data that a process keeps while several processes share the uniform steps.
+/// Data of a process while several processes share the uniform steps.
 #[derive(Default)]
 pub struct SharedSteps {
-    /// Own and ghost particles of this process, while several processes share the steps.
+    /// Own and borrowed particles of this process, while several processes share the steps.
     pub halo: Option<Halo>,
-    /// Number of slots in the lists of all processes, if they have shared the steps since the last list.
+    /// Number of slots in the lists of all processes, if they have shared steps since the list was built.
     pub slots: Option<usize>,
-    /// List of all particles and the forces that are due, while the lead is shown all particles.
+    /// List of all particles and the forces that are not yet applied, while the lead process has copies of all
+    /// particles.
     pub shown: Option<(NeighbourList, ForceBuffer)>,
 }
 
 impl SharedSteps {
-    /// True for each particle of this process, by index; `None` if all particles are of this process.
+    /// For each particle, true if this process owns it; `None` if it owns all.
     pub fn mine(&self) -> Option<&[bool]> {
         self.halo.as_ref().map(|halo| halo.mine.as_slice())
     }
 }
 
-/// Ghost exchange with the other processes.
+/// Exchange of borrowed particles with other processes, during one window.
 pub struct OtherProcesses<'a> {
-    /// Assignment of blocks to processes.
+    /// Division of the run among processes.
     domains: &'a mut Domains<Contact>,
     /// Contacts among the particles of this process.
     lasting: &'a mut Vec<Contact>,
-    /// State before the last kick, of all data that a kick changes.
+    /// Values before the last kick of all quantities that a kick changes.
     before: Particles,
     communicator: Arc<dyn Communicator>,
 }
@@ -61,8 +62,8 @@ impl<'a> OtherProcesses<'a> {
         Self { domains, lasting, before: Particles::default(), communicator }
     }
 
-    /// Sends the new velocities of lent particles to the borrowers, or reports a failure. Returns the first failure of
-    /// any process.
+    /// Sends the new velocities of own particles to the processes that borrow them, or reports a failure. Returns the
+    /// first failure of any process.
     fn tell(&self, solver: &mut SoftSolver, particles: &mut Particles, failure: Option<Failure>) -> Option<Failure> {
         let mut largest = [solver.speed.all, f64::from(u8::from(failure.is_some()))];
         self.communicator.largest(&mut largest);
@@ -81,21 +82,21 @@ impl<'a> OtherProcesses<'a> {
         None
     }
 
-    /// First failure of any process, in the order of ids.
+    /// First failure of any process, by the order of ids.
     fn first(&self, failure: Option<Failure>) -> Option<Failure> {
         let all = self.communicator.exchange(vec![to_bytes(&failure); self.communicator.size()]);
         let all = all.iter().filter_map(|bytes| postcard::from_bytes::<Option<Failure>>(bytes).ok().flatten());
         all.fold(None, |first, failure| Some(first_named(first, failure)))
     }
 
-    /// Settings of the list of all particles, agreed by all processes, for uses that are `between_uses` [s] apart.
+    /// Settings of the neighbour list, equal in all processes, for uses that are `between_uses` [s] apart.
     fn agreed(&self, own: &Particles, scene: &Scene, between_uses: f64) -> ListSettings {
         let sizes = (self.domains.population.count, self.domains.population.mean_radius[0]);
         ListSettings::together(own, sizes, scene, between_uses, &*self.communicator)
     }
 
-    /// Rebuilds the list of all particles by a plan, each process its part. Particles that have left a block go to the
-    /// process of their new block.
+    /// Rebuilds the neighbour list with the settings `plan`; each process builds its part. Particles that have left a
+    /// block are sent to the owner of their new block.
     fn rebuild_by(&mut self, plan: &ListSettings, solver: &mut SoftSolver, particles: &mut Particles, scene: &Scene) {
         let (mut log, mut record) = (Log::default(), Record::default());
         let mut work = Work { particles, scene, lasting: &mut *self.lasting, log: &mut log, record: &mut record };
@@ -126,7 +127,7 @@ impl<'a> OtherProcesses<'a> {
         self.communicator.sum(&mut slots);
         solver.shared.slots = Some(slots[0] as usize);
         solver.shared.halo = Some(halo);
-        // the process sees other particles than before
+        // the stored particles have changed
         solver.alike = Alike::of(particles, scene, &solver.islands.law);
     }
 }
@@ -173,7 +174,7 @@ impl GhostExchange for OtherProcesses<'_> {
     ) {
         let plan = self.agreed(&own_of(solver, particles), scene, between_uses);
         let mut fastest = plan.largest_speed;
-        // what is due from the last window comes before particles change process
+        // remaining forces of the last window are applied before particles change process
         if due > 0.0 {
             fastest = fastest.max(kick_all(&solver.pushes, (particles, None), due, plan.frame));
         }
@@ -199,14 +200,14 @@ impl GhostExchange for OtherProcesses<'_> {
 }
 
 impl SoftSolver {
-    /// Moves all particles through the window, shared by all processes.
+    /// Moves all particles through the window in uniform steps that all processes share.
     fn uniform_together(
         &mut self,
         work: &mut Work<Contact>,
         window: Window,
         domains: &mut Domains<Contact>,
     ) -> Result<(), Failure> {
-        // contacts come back into new blocks, which test the whole list first: `look_anew` has nothing to do
+        // contacts return into new blocks, which test the whole list first, so `look_anew` has nothing to do
         self.ran_last = true;
         work.record.count(&mut work.log.impacts);
         if !domains.is_cut {
@@ -244,10 +245,10 @@ impl SoftSolver {
         result
     }
 
-    /// Starts shared steps when the lead has all particles.
+    /// Begins shared steps when the lead process has all particles.
     ///
-    /// The particles are distributed over the processes now, unless the lead has a list in use. Then they are
-    /// distributed when the list is next built, and until then the other processes have no particles.
+    /// The particles are distributed now, unless the lead process has a list in use. In that case they are distributed
+    /// when the list is next built, and until then the other processes have no particles.
     fn start_together(&mut self, work: &mut Work<Contact>, domains: &mut Domains<Contact>) {
         let is_in_use = self.has_forces || self.list.allows(0.0);
         let known = (is_in_use && domains.is_lead()).then(|| (self.list.without_pairs(), self.has_forces));
@@ -275,8 +276,8 @@ impl SoftSolver {
         }
     }
 
-    /// Gives the lead, which has been shown all particles, the list of all particles and the forces due to them. The
-    /// lead stores both with a run.
+    /// Gives the lead process, which has copies of all particles, the list of all particles and the forces that are not
+    /// yet applied. The lead process stores both with a run.
     fn show_all(&mut self, work: &mut Work<Contact>, domains: &Domains<Contact>) {
         let Some(halo) = &self.shared.halo else { return };
         let parts = domains.communicator().collect(halo.packed(&self.pushes));

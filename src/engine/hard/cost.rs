@@ -1,4 +1,5 @@
-//! Estimated cost of one event queue for all particles, in the units of the islands, so that the two can be compared.
+//! Estimated cost of one event queue for all particles, in the units of the costs of islands (groups of particles that
+//! may meet), so that both can be compared.
 
 use crate::engine::Window;
 use crate::engine::islands::SpeedSummary;
@@ -6,28 +7,29 @@ use crate::engine::population::PopulationSummary;
 use crate::scene::Scene;
 use std::f64::consts::{PI, SQRT_2};
 
-/// [ns] predicting one touch and inserting it into the queue. Measured once, on one quiet core, with 1000 spheres of
-/// two sizes: 55 ns including the builds of the neighbour list, which are counted apart here.
+/// [ns] cost of predicting one touch and inserting it into the queue. Measured once, on one quiet core, with 1000
+/// spheres of two sizes: 55 ns, which included building the neighbour list. Here building is counted separately.
 const TOUCH: f64 = 40.0;
 
-/// [ns] building the neighbour list, per particle: cells, order and walls. Equal to that of the islands' search, which
-/// does equal work.
+/// [ns] cost per particle of building the neighbour list: cells, order and walls. It equals that of the search for
+/// islands, which does the same work.
 const BUILD: f64 = 90.0;
 
-/// [ns] checking one pair while the list is built: like the islands' search, but in double precision.
+/// [ns] cost of checking one pair while the list is built: as in the search for islands, but in double precision.
 const PAIR: f64 = 3.0;
 
-/// Volume fraction from which on the persistent event queue costs less than islands. Measured with 10⁴ elastic spheres
-/// in a periodic box, in collisions per second relative to islands on one thread: 0.8 times as many at 0.05, 1.1 at
-/// 0.1, 1.7 at 0.2, 2.3 at 0.3. Islands gain by more threads, the queue does not.
+/// Volume fraction above which the persistent event queue costs less than islands. Measured with 10⁴ elastic spheres in
+/// a periodic box on one thread, as collisions per second relative to islands: 0.8 at a volume fraction of 0.05, 1.1 at
+/// 0.1, 1.7 at 0.2, 2.3 at 0.3. Islands gain from more threads, the queue does not.
 const DENSE: f64 = 0.2;
 
-/// Largest cost of islands in this window, per particle and simulated time [ns/s]; `None`: islands are not tried.
+/// Largest cost at which islands are used in this window, per particle and simulated time [ns/s]; with `None` islands
+/// are not tried.
 ///
-/// Without drag the event queue persists from window to window, and is taken for dense systems. Drag kicks in every
-/// window, so that all events are predicted again in each. For mixtures the costs are compared, because the islands of
-/// the largest spheres run together first. Spheres of one size do not need this. In the cases of this project islands
-/// cost from seven tenths (dense gas, volume fraction 0.3) to a hundredth of an event queue that is rebuilt.
+/// Without drag the event queue persists from window to window, and is used for dense systems. Drag changes velocities
+/// in every window, so that all events must be predicted again. For mixtures the costs are compared, because the
+/// islands of the largest spheres are the first to unite. Spheres of one size do not require this. In the cases of this
+/// project islands cost between 70 % (dense gas, volume fraction 0.3) and 1 % of an event queue that is rebuilt.
 pub fn fallback_cost(
     population: &PopulationSummary,
     speeds: &SpeedSummary,
@@ -40,20 +42,20 @@ pub fn fallback_cost(
     Some(if population.mixed { one_calendar(population, speeds, window) } else { f64::INFINITY })
 }
 
-/// True if an event queue outlasts its window. It does not with drag, which kicks all particles at the end of each
-/// window.
+/// True if an event queue remains valid after its window. With drag, which kicks all particles at the end of each
+/// window, it does not.
 pub fn lasts(scene: &Scene) -> bool {
     scene.fluid.as_ref().is_none_or(|fluid| fluid.drag.is_none())
 }
 
-/// Cost of one event queue for all, per particle and simulated time [ns/s].
+/// Cost of one event queue for all particles, per particle and simulated time [ns/s].
 ///
-/// Every touch on the neighbour list is predicted at the start of a window, and those of both partners after a
-/// collision. The list is rebuilt whenever the fastest particle has moved half the skin. The cheapest of all skins
-/// counts.
+/// Every touch on the neighbour list is predicted at the start of a window, and the touches of both partners are
+/// predicted again after a collision. The list is rebuilt whenever the fastest particle has moved half the skin. The
+/// returned cost is that of the cheapest skin.
 fn one_calendar(population: &PopulationSummary, speeds: &SpeedSummary, window: Window) -> f64 {
     let &PopulationSummary { density, mean_radius: [mean, mean_square], largest, ref census, .. } = population;
-    // [m²] mean square of the distance at which two particles touch
+    // [m²] mean square of the distance between centres at which two particles touch
     let reach_square = 2.0 * (mean_square + mean * mean);
     let rate = density * PI * reach_square * speeds.mean * SQRT_2;
     let largest = 2.0 * largest;

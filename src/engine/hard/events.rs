@@ -1,4 +1,4 @@
-//! Event loop of an island: collisions in the order of their exact times.
+//! Event loop of an island (a group of particles that may meet): collisions in the order of their exact times.
 
 use super::calendar::Calendar;
 use super::collapse_detector::{Collapsed, LastCollision, Recent, recent, rests, sliding};
@@ -13,60 +13,61 @@ use crate::scene::Scene;
 use crate::walls::Touch;
 use nalgebra::Vector3;
 
-/// A flight after a velocity change by an impulse.
+/// A straight flight after an impulse has changed the velocity of a particle.
 #[derive(Clone, Copy, Debug)]
 pub struct DeflectedFlight {
-    /// Index of the particle.
+    /// Index of the particle that flies.
     pub place: u32,
     /// Time of the impulse [s] since the start of the window.
     pub time: f64,
-    /// Position [m] at the start of the window, extrapolated back along the new flight.
+    /// Position [m] at the start of the window from which this flight, extended backwards, would have begun.
     pub origin: Vector3<f64>,
-    /// Velocity [m/s] after the impulse.
+    /// Velocity [m/s] of the particle after the impulse.
     pub velocity: Vector3<f64>,
 }
 
-/// The beginning of a window, up to which its events are processed.
+/// The first part of a window, in which events are processed.
 #[derive(Clone, Copy)]
 pub struct WindowPart {
-    /// The whole window.
+    /// The whole window, of which the part is the beginning.
     pub window: Window,
     /// Length of the part [s].
     pub end: f64,
 }
 
-/// Events among the candidate pairs and walls of an island's neighbour list.
+/// Events among the candidates of an island's neighbour list: pairs, and particles and walls.
 ///
-/// A position is stored as the origin of the straight flight, extrapolated to the start of the window. So
-/// `x(t) = origin + v t` for every particle, whatever its collisions. No particle needs a time of its own, and the rest
-/// of the store is not touched.
+/// A stored position is the origin of the straight flight, extended back to the start of the window. So `x(t) = origin
+/// + v t` for every particle, whatever its collisions. No particle requires a separate time, and a collision changes
+/// only its partners.
 #[derive(Clone, Default)]
 pub struct EventLoop {
-    /// The candidate pairs and walls. After changing them, call [`adopt`](Self::adopt).
+    /// The candidate pairs and walls. After a change of the list, [`adopt`](Self::adopt) must be called.
     pub list: NeighbourList,
-    /// Impulses applied so far.
+    /// Number of impulses applied so far.
     pub events: u64,
-    /// Touch times computed so far.
+    /// Number of touch times computed so far.
     pub pair_checks: u64,
-    /// Event queue, filled again in every window.
+    /// Event queue, filled again in every part of a window.
     calendar: Calendar,
-    /// Slots of each particle: `adjacent[first[i] .. first[i + 1]]`.
+    /// Slots of each particle i: `adjacent[first[i] .. first[i + 1]]`.
     first: Vec<u32>,
     adjacent: Vec<u32>,
-    /// Next free entry of each particle while slots are filled in; kept for its memory.
+    /// Next free entry of each particle while slots are filled in, stored here so that its memory is used again.
     next: Vec<u32>,
-    /// Part of the wall that each wall slot touches next.
+    /// For each slot of a wall, the part of the wall that is touched next.
     places: Vec<u32>,
-    /// Flights that were changed in the last run, in the order of time.
+    /// Flights that began in the last run, in the order of time.
     pub turned: Vec<DeflectedFlight>,
     /// Collision history of each particle.
     met: Vec<LastCollision>,
-    /// Contact time t_c [s] of the TC model: a collision sooner than this after another of either particle is elastic.
+    /// Contact time t_c [s] of the TC model: a collision is elastic if either particle collided less than t_c before.
     pub contact_time: Option<f64>,
 }
 
 impl EventLoop {
-    /// Prepares for new candidates among `particles` particles, of which only the `recently` collided have a history.
+    /// Prepares for new candidates among `particles` particles. Only the particles in `recently` have a collision
+    /// history.
     pub fn adopt(&mut self, particles: usize, recently: &[Recent]) {
         self.met.clear();
         self.met.resize(particles, LastCollision::default());
@@ -76,8 +77,8 @@ impl EventLoop {
         self.connect(particles);
     }
 
-    /// Recent collisions of the first `particles` particles, less than the contact time before `now` [s]; none without
-    /// a contact time.
+    /// Recent collisions of the first `particles` particles: those less than the contact time before `now` [s]. Empty
+    /// without a contact time.
     pub fn recent(&self, particles: usize, now: f64) -> impl Iterator<Item = Recent> {
         recent(self.met.iter().take(particles), self.contact_time, now)
     }
@@ -109,8 +110,8 @@ impl EventLoop {
         }
     }
 
-    /// Processes all events of a part of a window, until a particle gets faster than `bounds` allow or a collapse is
-    /// found. Returns the time reached, and the index of the particle that stopped it.
+    /// Processes all events of a part of a window. It stops early if a particle is faster than `bounds` allow, or if a
+    /// collapse is detected. Returns the time reached, and the index of the particle that was too fast.
     pub fn run(
         &mut self,
         particles: &mut Particles,
@@ -137,7 +138,7 @@ impl EventLoop {
             };
             self.events += 1;
             self.list.clock.tell(window.start + now);
-            // the new flight through the present position starts from another origin
+            // the new flight passes through the present position, so its origin differs
             particles.position[couple.i as usize] -= change_i * now;
             if let Some(j) = couple.j() {
                 particles.position[j as usize] -= change_j * now;
@@ -159,7 +160,7 @@ impl EventLoop {
         (end, Ok(None))
     }
 
-    /// Part of the wall that the next touch of a slot is with.
+    /// Part of the wall that the next touch of a slot concerns.
     fn place(&self, slot: usize) -> u32 {
         let near = slot.checked_sub(self.list.pairs.len());
         near.and_then(|near| self.places.get(near)).copied().unwrap_or_default()
@@ -181,7 +182,7 @@ impl EventLoop {
         touch.filter(|touch| couple.is_wall() || touch.time < end)
     }
 
-    /// Fills the event queue for the window [0, end).
+    /// Fills the event queue for the part [0, end) of the window.
     fn predict_all(&mut self, particles: &Particles, scene: &Scene, end: f64) {
         self.calendar.clear();
         self.places.clear();
@@ -205,14 +206,14 @@ impl EventLoop {
         }
     }
 
-    /// True if one of the partners has collided less than the contact time before simulated `time` [s].
+    /// True if one of the partners collided less than the contact time before simulated time `time` [s].
     fn in_contact(&self, couple: &Couple, time: f64) -> bool {
         let Some(contact_time) = self.contact_time else { return false };
         let last = |place: u32| self.met[place as usize].last;
         couple.places().into_iter().flatten().any(|place| time - last(place) < contact_time)
     }
 
-    /// Counts the impacts of both partners and recognises inelastic collapse.
+    /// Records the impacts of both partners, and detects inelastic collapse.
     fn watch(
         &mut self,
         collision: &Collision,

@@ -1,4 +1,4 @@
-//! The impulse of two bodies that rotate.
+//! Impulse of a collision of spheres that rotate.
 
 use super::impulse::Collision;
 use crate::particles::Particles;
@@ -6,19 +6,19 @@ use crate::rotation::{ObliqueApproach, Rotation, slip, tangential_mass};
 use crate::scene::Surface;
 use nalgebra::Vector3;
 
-/// Impulse of a collision of bodies that rotate.
+/// Impulse of a collision of bodies that rotate, and the energy lost by friction.
 #[derive(Clone, Copy, Debug)]
 pub struct RoughImpulse {
     /// [kg m/s] impulse on particle `i`.
     pub impulse: Vector3<f64>,
-    /// [J] energy that friction has taken.
+    /// [J] energy that friction takes from the two bodies.
     pub friction_loss: f64,
 }
 
 impl Collision {
-    /// Impulse by the rule of a scene whose spheres rotate; the spins of the two change at once. J_n = (1+e) M u_n
-    /// along the normal; J_t by the rule against the slip; the torque impulse on either body is l n × J_t
-    /// (docs/rotation.md). `normal_impulse` J_n [kg m/s] is known already.
+    /// Computes the impulse by the rule of a scene whose spheres rotate, and changes the spins of both. The impulse is
+    /// J_n = (1+e) M u_n along the normal, and J_t by the impact rule against the slip. The torque impulse on either
+    /// body is l n × J_t (docs/rotation.md). `normal_impulse` is J_n [kg m/s].
     pub fn rough_impulse(
         &self,
         rotation: &Rotation,

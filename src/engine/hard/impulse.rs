@@ -1,4 +1,4 @@
-//! The instantaneous impulse.
+//! Impulse of a collision: the instantaneous change of momentum.
 
 use crate::encounter::{Couple, Encounter};
 use crate::particles::Particles;
@@ -6,11 +6,12 @@ use crate::record::{Between, Impact, Log};
 use crate::scene::{Kind, Scene, Surface};
 use nalgebra::Vector3;
 
-/// Impulse on body i [kg m/s] from a body that it approaches, without rotation. The normal part is J_n = (1+e) M |u_n|.
-/// The tangential part against the slip is J_t = min(μ J_n, M |u_t|) (Eq. 4 of the paper and the Coulomb law below it).
+/// Impulse on body i [kg m/s] from a body j that it approaches, without rotation. The normal part is J_n = (1+e) M
+/// |u_n|. The tangential part against the slip is J_t = min(μ J_n, M |u_t|) (Eq. 4 of the paper and the Coulomb law
+/// below it).
 ///
-/// `velocity` is u_i - u_j [m/s], `normal` points from j to i. `effective_mass` is M [kg]; at a wall it is the mass of
-/// the particle.
+/// `velocity` is u_i - u_j [m/s], and `normal` points from j to i. `effective_mass` is M [kg]; for a wall it is the
+/// mass of the particle.
 pub fn impulse(surface: &Surface, effective_mass: f64, velocity: &Vector3<f64>, normal: &Vector3<f64>) -> Vector3<f64> {
     let normal_velocity = velocity.dot(normal);
     let along = -(1.0 + surface.restitution) * effective_mass * normal_velocity;
@@ -27,34 +28,34 @@ pub fn impulse(surface: &Surface, effective_mass: f64, velocity: &Vector3<f64>, 
 /// Two bodies at the instant of their collision.
 #[derive(Clone, Copy, Debug)]
 pub struct Collision {
-    /// The two bodies that collide.
+    /// The two bodies that collide: a pair of particles, or a particle and a wall.
     pub couple: Couple,
-    /// Relative position and velocity of the two. An overlap comes from rounding, or from a finite step in the stepped
-    /// engine.
+    /// Relative position and velocity of the two bodies. A small overlap may result from rounding, a larger one from
+    /// the finite step of the stepped engine.
     pub met: Encounter,
     /// True if the collision loses no energy along the normal, whatever the surfaces. The TC model (Luding and McNamara
-    /// 1998, Granular Matter 1, 113) makes a collision elastic if it comes sooner than the contact time after another
-    /// of its partners.
+    /// 1998, Granular Matter 1, 113) makes a collision elastic if one of the partners collided less than the contact
+    /// time before.
     pub elastic: bool,
     /// Species of particle `i` and kind of the other body.
     pub kinds: (u16, Kind),
 }
 
-/// Properties of the bodies that a collision needs besides their motion.
+/// Properties of two bodies, other than their motion, on which their collision depends.
 #[derive(Clone, Copy, Debug)]
 pub struct CollisionMasses {
     /// Mass [kg] of particle `i`.
     pub mass: f64,
     /// Mass [kg] of the other particle; `None` for a wall.
     pub other: Option<f64>,
-    /// Smaller diameter [m], by which overlaps are divided.
+    /// Smaller of the two diameters [m], by which overlaps are divided.
     pub diameter: f64,
-    /// Distance of the centres at touch [m]; at a wall the radius.
+    /// Distance between the centres at touch [m]; for a wall the radius.
     pub reach: f64,
 }
 
 impl CollisionMasses {
-    /// Masses and lengths of two bodies.
+    /// Reads masses and lengths of two bodies from the store.
     pub fn of(couple: &Couple, particles: &Particles) -> Self {
         Self {
             mass: particles.mass[couple.i as usize],
@@ -64,7 +65,7 @@ impl CollisionMasses {
         }
     }
 
-    /// Effective mass M [kg]; at a wall the mass of the particle.
+    /// Effective mass M [kg]; for a wall the mass of the particle.
     fn effective(&self) -> f64 {
         self.other.map_or(self.mass, |other| 1.0 / (1.0 / self.mass + 1.0 / other))
     }
@@ -76,14 +77,14 @@ impl Collision {
         -self.met.normal_velocity
     }
 
-    /// True if the collision loses energy along the normal. Collisions without loss can go on for ever without a
-    /// collapse.
+    /// True if the collision loses energy along the normal. Collisions without this loss may continue for ever without
+    /// a collapse.
     pub fn loses(&self, scene: &Scene) -> bool {
         !self.elastic && scene.surface(self.kinds.0, self.kinds.1).restitution < 1.0
     }
 
-    /// Applies the impulse and records it; `remaining` [s] of the window are left. Returns the velocity changes [m/s]
-    /// of `i` and of the other particle (zero for a wall).
+    /// Applies the impulse to the velocities and spins of `particles`, and records it; `remaining` [s] of the window
+    /// are left. Returns the velocity changes [m/s] of `i` and of the other particle (zero for a wall).
     pub fn resolve(
         &self,
         particles: &mut Particles,
@@ -100,8 +101,8 @@ impl Collision {
         changes
     }
 
-    /// Records the impulse, changes the spins of `particles` if spheres rotate, and returns the velocity changes [m/s]
-    /// of `i` and of the other particle (zero for a wall). `remaining` [s] of the window are left.
+    /// Records the impulse, and returns the velocity changes [m/s] of `i` and of the other particle (zero for a wall).
+    /// If spheres rotate, it changes the spins of `particles`. `remaining` [s] of the window are left.
     pub fn apply_impulse(
         &self,
         weights: &CollisionMasses,
@@ -166,16 +167,16 @@ impl Collision {
                 ledger.wall_work += self.couple.driven(&impulse, scene);
                 ledger.wall_impulse += impulse;
                 ledger.wall_normal_impulse += impulse.dot(&normal);
-                // gravity does work on the momentum from walls for the rest of the window
+                // for the rest of the window, gravity does work on the momentum that the wall gave
                 ledger.gravity_work += scene.gravity.dot(&impulse) * remaining;
                 (change_i, Vector3::zeros())
             }
         }
     }
 
-    /// Velocity change [m/s] that gives a particle of `mass` [kg], resting on a wall, the normal `speed` [m/s] away
-    /// from it. The energy is recorded as a negative loss. It is not recorded as an impact, since nothing approaches.
-    /// `remaining` [s] of the window are left.
+    /// Velocity change [m/s] that gives a particle of `mass` [kg], which rests on a wall, the normal speed `speed`
+    /// [m/s] away from the wall. The energy is recorded as a negative loss. No impact is recorded, since the particle
+    /// does not approach the wall. `remaining` [s] of the window are left.
     pub fn hold_at_rest(&self, speed: f64, mass: f64, scene: &Scene, remaining: f64, log: &mut Log) -> Vector3<f64> {
         let before = self.met.normal_velocity;
         let change = self.met.normal * (speed - before);
@@ -184,7 +185,7 @@ impl Collision {
         ledger.wall_restitution_loss -= 0.5 * mass * (speed * speed - before * before);
         ledger.wall_impulse += impulse;
         ledger.wall_normal_impulse += impulse.dot(&self.met.normal);
-        // gravity work as at an impact
+        // gravity work, as after an impact
         ledger.gravity_work += scene.gravity.dot(&impulse) * remaining;
         change
     }

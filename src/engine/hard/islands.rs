@@ -1,4 +1,4 @@
-//! A small event queue for each island.
+//! Solver of islands (groups of particles that may meet) of hard spheres, with a small event queue for each island.
 
 use super::collapse_detector::Recent;
 use super::events::{EventLoop, WindowPart};
@@ -7,10 +7,10 @@ use crate::engine::Window;
 use crate::engine::islands::{GivenUp, Island, Solve, TracedIslands};
 use crate::scene::Scene;
 
-/// Solver of islands by events. The only carried state are recent collisions, for the TC model.
+/// Solver of islands by events. The only carried state are times of recent collisions, for the TC model.
 #[derive(Default)]
 pub struct HardIslands {
-    /// Contact time t_c [s] of the TC model.
+    /// Contact time t_c [s] of the TC model; `None` without this model.
     pub contact_time: Option<f64>,
 }
 

@@ -1,4 +1,4 @@
-//! Hard spheres: collisions are instantaneous.
+//! Hard spheres: engines in which collisions are instantaneous.
 
 mod calendar;
 mod collapse_detector;
@@ -27,18 +27,18 @@ use serde::{Deserialize, Serialize};
 
 /// Event-driven hard spheres: within a window, collisions are processed in the order of their exact times.
 ///
-/// If few particles collide within a window, each island has a small event queue of its own. If most collide, one event
-/// queue serves all particles. Both give equal collisions.
+/// If few particles collide within a window, each island has a separate small event queue. If most collide, one event
+/// queue serves all particles. Both methods give equal collisions.
 pub type Hard = Driver<HardSolver>;
 
-/// Method by which windows are computed.
+/// Method by which the particles are moved through windows.
 #[derive(Clone, Copy, PartialEq)]
 enum WindowMethod {
-    /// The cheaper method.
+    /// The method with the lower estimated cost.
     Cheaper,
-    /// Islands whenever possible.
+    /// Solving islands whenever this is possible.
     Islands,
-    /// One event queue for all particles.
+    /// One event queue for all particles in every window.
     OneCalendar,
 }
 
@@ -50,21 +50,21 @@ pub struct HardSolver {
     memory: Memory,
 }
 
-/// Memory of the choice between islands and the global event queue.
+/// Memory for the choice between islands and the global event queue.
 #[derive(Clone, Copy, Default, Serialize, Deserialize)]
 struct Memory {
-    /// True if islands have moved the particles, or tried to, since the global queue last did: its data are then out of
-    /// date.
+    /// True if islands have moved the particles, or tried to, since the global queue was last used: its data are then
+    /// outdated.
     outdated: bool,
-    /// Number of windows for the global queue alone after islands have failed: one, then two, four, up to
+    /// Number of windows in which only the global queue is used after islands have failed: one, then two, four, up to
     /// [`LONGEST_STAY`].
     stay: u32,
-    /// Number of those windows that are left.
+    /// Number of such windows that are left.
     left: u32,
 }
 
-/// Largest number of windows without islands. A failed trial costs the global queue its neighbour lists and events,
-/// which must be made again.
+/// Largest number of windows in which islands are not tried. A failed trial makes neighbour lists and events of the
+/// global queue invalid, and they must be computed again.
 const LONGEST_STAY: u32 = 64;
 
 /// State that the solver keeps from one window to the next.
@@ -81,7 +81,7 @@ impl Default for Hard {
 }
 
 impl Hard {
-    /// An engine without settings of its own: restitution and friction are those of the scene.
+    /// Makes an engine without separate settings: restitution and friction are those of the scene.
     pub fn new() -> Self {
         Self::with(HardSolver {
             together: GlobalCalendar::default(),
@@ -91,23 +91,23 @@ impl Hard {
         })
     }
 
-    /// Like `new`, but always with one event queue for all particles: the reference for tests of islands.
+    /// Makes an engine that always uses one event queue for all particles: the reference for tests of islands.
     pub fn with_one_calendar() -> Self {
         let mut engine = Self::new();
         engine.solver.way = WindowMethod::OneCalendar;
         engine
     }
 
-    /// Like `new`, but with islands whenever possible.
+    /// Makes an engine that uses islands whenever possible.
     pub fn with_islands() -> Self {
         let mut engine = Self::new();
         engine.solver.way = WindowMethod::Islands;
         engine
     }
 
-    /// Uses the TC model (Luding and McNamara 1998, Granular Matter 1, 113). A collision is elastic if it comes sooner
-    /// than `contact_time` [s] after the previous one of either particle. So spheres may come to rest on one another
-    /// without infinitely many collisions. Friction acts as usual. `None`: every collision has its restitution.
+    /// Uses the TC model (Luding and McNamara 1998, Granular Matter 1, 113). A collision is elastic if either particle
+    /// collided less than `contact_time` [s] before. So spheres may rest on each other without infinitely many
+    /// collisions. Friction acts as usual. With `None` every collision has its restitution.
     pub fn with_contact_time(mut self, contact_time: Option<f64>) -> Self {
         self.solver.together.contact_time = contact_time;
         self.solver.islands.contact_time = contact_time;
@@ -154,7 +154,7 @@ impl Solver for HardSolver {
         self.memory.outdated = true;
     }
 
-    /// Hands over nothing: recent collisions are returned at the end of each window.
+    /// Does nothing, because recent collisions are returned at the end of each window.
     fn hand_over(&mut self, _lasting: &mut Vec<Recent>) {}
 
     fn for_each_kept(&self, _visit: &mut dyn FnMut(Recent)) {}

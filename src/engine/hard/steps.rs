@@ -1,4 +1,4 @@
-//! Time-stepped hard spheres: the scheme of the paper's hard-sphere references.
+//! Hard spheres with time steps, as in the references of the paper for hard spheres.
 
 use super::impulse::Collision;
 use crate::clock::Clock;
@@ -14,13 +14,13 @@ use nalgebra::Vector3;
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
-/// Hard spheres with time steps. Particles fly for Δt, then every pair that overlaps and approaches gets the
-/// hard-sphere impulse; positions stay.
+/// Hard spheres with time steps. Particles fly for Δt. Then every pair that overlaps and approaches gets the impulse of
+/// hard spheres; positions are not changed.
 ///
-/// The step is Δt < θ d/u_r (section 3.4 of the paper), with u_r = sqrt(8 q²/(3π)) (Eq. 8 with its root). It follows
-/// from the agitation of all particles in each window, relative to one another and to the walls. The scheme misses
-/// grazing collisions that begin and end within a step, acts up to Δt late, and leaves overlaps. It is kept to show
-/// these errors. Missed collisions are counted, and the overlaps are those of its impacts.
+/// The step is Δt < θ d/u_r (section 3.4 of the paper), with u_r = sqrt(8 q²/(3π)) (Eq. 8 with its root). In each
+/// window it is computed from the agitation of all particles, relative to one another and to the walls. The method
+/// misses grazing collisions that begin and end within a step, acts up to Δt late, and leaves overlaps. It is included
+/// to show these errors. Missed collisions are counted, and impacts record the overlaps.
 pub struct SteppedHard {
     theta: f64,
     list: NeighbourList,
@@ -29,29 +29,29 @@ pub struct SteppedHard {
 }
 
 impl SteppedHard {
-    /// An engine with the given θ > 0.
+    /// Makes an engine with the given step criterion θ > 0.
     pub fn new(theta: f64) -> Self {
         Self { theta, list: NeighbourList::default(), slots: Vec::new(), counters: Counters::default() }
     }
 
-    /// Longest step θ d/u_r [s] for a window of `duration` [s]; infinite if nothing moves relative to the rest or to a
-    /// wall.
+    /// Longest step θ d/u_r [s] for a window of `duration` [s]. It is infinite if no particle moves relative to the
+    /// others or to a wall.
     ///
-    /// The agitation is that of the velocities relative to their mean along the walls. The mean velocity across a wall,
-    /// and the velocity that gravity adds to it until the end of the window, bring particles to that wall. So a sphere
-    /// that falls alone has a limit too.
+    /// The agitation is that of the velocities relative to their mean along the walls. Particles move to a wall by the
+    /// mean velocity perpendicular to it, and by the velocity that gravity adds until the end of the window. So the
+    /// step has a limit for a single falling sphere too.
     pub fn longest_step(theta: f64, particles: &Particles, scene: &Scene, duration: f64) -> f64 {
         let mean = along_walls(scene, particles.mean_velocity());
         let fall = (scene.gravity - along_walls(scene, scene.gravity)) * duration;
         let square = |frame: Vector3<f64>| particles.mean_square_speed(frame);
-        // in free fall the square is convex in time: it is largest at one of the ends
+        // in free fall the mean square is a convex function of time, so it is largest at the beginning or the end
         let agitation = 0.5 * square(mean).max(square(mean - fall));
         let diameter = 2.0 * particles.radius.iter().fold(f64::INFINITY, |a, &r| a.min(r));
         theta * diameter / (8.0 * agitation / (3.0 * PI)).sqrt()
     }
 
-    /// Number of pairs that met within the last step of `dt` [s] and are separating at its end, whether they still
-    /// overlap or not. They get no impulse.
+    /// Number of pairs that met within the last step of `dt` [s] and separate at its end, whether they still overlap or
+    /// not. These pairs get no impulse.
     fn missed(&self, particles: &Particles, scene: &Scene, dt: f64) -> u64 {
         let passed = |pair: &&Pair| {
             let (i, j) = (pair.i as usize, pair.j as usize);

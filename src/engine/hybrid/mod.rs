@@ -1,20 +1,21 @@
-//! Hybrid spheres: a touch of two bodies is an instantaneous impulse while no other body comes, and a lasting contact
-//! otherwise.
+//! Hybrid spheres: the touch of two bodies is an instantaneous impulse if no other body comes near, and a lasting
+//! contact otherwise.
 //!
-//! The rule is applied at the exact instant of every touch. T_c is the time that an isolated contact of the two bodies
-//! would last by the contact law, at their speed. The touch is instantaneous, with the impulse of hard spheres, if
-//! within θ T_c
+//! This rule is applied at the exact time of every touch. T_c is the time for which an isolated contact of the two
+//! bodies would last with the contact law, at their speed of approach. Within the clear time θ T_c, two conditions must
+//! hold for an impulse as of hard spheres:
 //!
-//! * no other body that may touch one of the two can come to it, whatever the impulse does to their velocities, and
+//! * no other body that may touch one of the two can reach it, whatever the impulse does to their velocities, and
 //!   neither of the two is in contact now;
 //! * gravity does not bring the sphere back to the wall that it leaves: 2 e u_n/g_n > θ T_c.
 //!
-//! All other touches begin soft contacts, which are resolved by time steps. θ is [`Clearance`]. So the two models meet
-//! only where a contact is over before it matters to any other body. Only soft contacts last from one window to the
-//! next: an impulse conserves momentum exactly, and the energy that it takes is booked.
+//! All other touches begin soft contacts, which are resolved by time steps. θ is the argument `clearance` of
+//! `Hybrid::new`. So the two models are mixed only where a contact is over before it matters to any other body. Only
+//! soft contacts continue from one window to the next. An impulse conserves momentum exactly, and the energy that it
+//! takes is recorded.
 //!
-//! Islands that are too large for local stepping (a bed) are stepped uniformly by themselves, while all other particles
-//! fly and collide.
+//! A crowd is an island that is too large for local stepping, such as a bed of particles. It is moved by uniform time
+//! steps, while all other particles fly and collide.
 
 use super::distributed::DistributedSolver;
 use super::driver::{Driver, Solver, Trial, Work};
@@ -34,17 +35,17 @@ use crate::particles::Particles;
 use crate::record::{LeftOut, Log};
 use crate::scene::Scene;
 
-/// Engine with impulses where two bodies meet alone, and soft contacts elsewhere.
+/// Engine with impulses where two bodies meet alone, and with soft contacts elsewhere.
 pub type Hybrid = Driver<HybridSolver>;
 
-/// Solver of hybrid spheres: impulses and local stepping for islands, uniform stepping for crowds, the soft engine for
-/// all particles at once.
+/// Solver of hybrid spheres. Islands are solved with impulses and local time steps, crowds (large islands) with uniform
+/// steps. All particles at once are moved by the soft engine.
 pub struct HybridSolver {
     soft: SoftSolver,
     islands: HybridIslands,
 }
 
-/// Solver of islands of hybrid spheres.
+/// Solver of islands of hybrid spheres, by impulses and local steps for small ones and uniform steps for crowds.
 pub struct HybridIslands {
     few: SoftIslands<Impulses>,
     many: Steps,
@@ -53,13 +54,13 @@ pub struct HybridIslands {
 /// Rule that decides which touches are instantaneous.
 pub struct Impulses {
     law: ContactLaw,
-    /// [-] clearance θ.
+    /// [-] clearance θ: the clear time over the duration of the contact.
     clearance: f64,
 }
 
 impl Hybrid {
-    /// An engine with the given law, integrator and longest time step [s] of contacts that last. A touch is
-    /// instantaneous if no other body comes within `clearance` θ [-] contact times.
+    /// Makes an engine with the given law, integrator and longest time step [s] of contacts that last. A touch is
+    /// instantaneous if no other body comes near within `clearance` θ [-] contact times.
     pub fn new(law: ContactLaw, integrator: Integrator, longest_step: f64, clearance: f64) -> Self {
         let many = Steps { law, integrator, longest: longest_step };
         Self::with(HybridSolver {
@@ -69,8 +70,8 @@ impl Hybrid {
                     law,
                     integrator,
                     step: longest_step,
-                    // an island that has cost as much as a crowd of its size is made a crowd: so it costs at most twice
-                    // the cheaper way
+                    // an island that has cost as much as a crowd of its size becomes a crowd: so the total is at most
+                    // twice the cost of the cheaper method
                     allowance: Allowance { each: 0.0, per_particle: many.cost_in_a_bed() },
                     instants: Impulses { law, clearance },
                 },
@@ -85,7 +86,7 @@ impl InstantaneousRule for Impulses {
         let ReachedTouch { touch, met, scene, .. } = meeting;
         let approach = -met.normal_velocity;
         let clear = self.clearance * self.law.contact_time(&touch.spring, approach);
-        // a sphere that leaves a wall more slowly than this is back before the clear time ends
+        // a sphere that leaves a wall too slowly returns to the wall before the clear time ends
         let weight = match touch.couple.other {
             Other::Wall(_) => -scene.gravity.dot(&met.normal),
             Other::Particle(_) => 0.0,
@@ -168,8 +169,8 @@ impl Solver for HybridSolver {
         scene: &Scene,
         window: Window,
     ) -> Option<f64> {
-        // crowds are stepped either way, so the cost of a step of all other particles counts, with about one listed
-        // pair for each
+        // crowds use uniform steps with both methods, so only the cost of steps of all other particles is compared,
+        // with about one listed pair for each
         self.soft.fallback_cost(population, speeds, scene, window).map(|of_all| 2.0 * of_all)
     }
 

@@ -1,4 +1,6 @@
-//! Islands solved one after the other by one thread, with their results close together in memory.
+//! Batches of islands (groups of particles that may meet). One thread solves the islands of a batch one after the
+//! other, and stores their results together. A *part* is the piece of a window in which islands are solved; *hot*
+//! particles are the members of islands.
 
 use super::cluster::{IslandFinder, Landing, MemberTrajectories, fill};
 use super::island::Island;
@@ -13,33 +15,34 @@ use crate::work_sharing;
 use nalgebra::Vector3;
 use std::ops::Range;
 
-/// A hot particle at the end of the part, in the frame at rest.
+/// State of a hot particle (a member of an island) at the end of the part of a window, in the frame at rest.
 #[derive(Clone, Copy, Debug)]
 pub struct HotParticle {
     /// Index of the particle in the store.
     pub place: u32,
-    /// Position and velocity of the particle.
+    /// Position, velocity and other moving quantities of the particle at that time.
     pub motion: Motion,
 }
 
-/// A particle that got out of the bounds of its island.
+/// A particle that left the bounds of its island: a member that exceeded its speed limit, or a bystander that was hit.
 #[derive(Clone, Copy, Debug)]
 pub struct Stop {
     /// Index of the particle in the store.
     pub place: u32,
-    /// True if the particle was a bystander.
+    /// True if the particle was a bystander, which is a particle that was expected to fly straight.
     pub bystander: bool,
-    /// Speed [m/s] relative to the frame of the search.
+    /// Speed [m/s] of the particle relative to the frame of the search.
     pub speed: f64,
 }
 
 /// Reason why an island was not solved.
 #[derive(Clone, Copy, Debug)]
 pub enum GivenUp {
-    /// The engine failed. The classical algorithm takes the window, and meets the failure again at its instant.
+    /// The engine failed. The classical algorithm then moves the particles through the window, and stops at the
+    /// failure.
     Failed,
-    /// The island costs too much. It becomes a crowd; if the engine takes no crowds, the classical algorithm takes the
-    /// window.
+    /// The island costs too much. It becomes a crowd. If the engine does not take crowds, the classical algorithm moves
+    /// the particles through the window.
     TooExpensive,
 }
 
@@ -52,62 +55,62 @@ impl From<Failure> for GivenUp {
 /// Location of the result of a solved island.
 #[derive(Clone, Copy)]
 pub struct IslandResult {
-    /// Number of the batch with the result.
+    /// Number of the batch that contains the result.
     pub batch: usize,
-    /// Number of the island in that batch.
+    /// Number of the island among those of that batch.
     pub number: usize,
     /// True if this process counts the events of the island.
     pub counts: bool,
 }
 
-/// Change to make to an unfinished island before it is solved again.
+/// Change to an unfinished island before it is solved again.
 pub enum Retry {
-    /// Particles got out of bounds: bystanders become members, or speed limits rise.
+    /// Particles left the bounds of the island: bystanders become members, or speed limits rise.
     Stops(Vec<Stop>),
-    /// The island is too expensive: it becomes a crowd.
+    /// The island is too expensive: it becomes a crowd, which is moved by uniform steps.
     Crowd,
 }
 
 /// Result of one island; the ranges refer to the lists of its batch.
 pub struct Solved {
     pub which: usize,
-    /// Particles that got out of bounds; an empty list means that the island is done.
+    /// Particles that left the bounds of the island; an empty list means that the island is finished.
     pub stopped: Result<Vec<Stop>, GivenUp>,
     pub states: Range<usize>,
     pub carried: Range<usize>,
     pub impacts: Range<usize>,
     pub ways: Range<usize>,
     pub ledger: Ledger,
-    /// Impulses or contact steps.
+    /// Number of impulses or contact steps.
     pub events: u64,
-    /// Impulses of an engine that also has contacts.
+    /// Number of impulses of an engine that also has contacts.
     pub impulses: u64,
-    /// Uniform steps of a crowd.
+    /// Number of uniform steps, if the island is a crowd.
     pub crowd_steps: u64,
-    /// Contact forces computed in steps of a crowd.
+    /// Number of contact forces computed in uniform steps.
     pub crowd_forces: u64,
-    /// Gaps or touch times computed.
+    /// Number of gaps or times of touch computed.
     pub pair_checks: u64,
-    /// Contact forces computed.
+    /// Number of contact forces computed.
     pub force_evaluations: u64,
-    /// Particles moved by stages of steps, and gaps checked after steps.
+    /// Number of particles moved by stages of steps, plus the number of gaps checked after steps.
     pub updates: u64,
 }
 
-/// Results of several islands.
+/// Results of several islands that one thread has solved.
 pub struct Batch<C> {
     pub solved: Vec<Solved>,
     pub states: Vec<HotParticle>,
-    /// State carried beyond the window, by index of the particle in the store.
+    /// State carried beyond the part, such as contacts; it refers to particles by index in the store.
     pub carried: Vec<C>,
     pub impacts: Vec<(Between, Impact)>,
-    /// MemberTrajectories of the particles in `states`, if the engine reports velocity changes.
+    /// Trajectories of the particles in `states`, if the engine reports velocity changes.
     pub trajectories: MemberTrajectories,
 }
 
 impl<C> Batch<C> {
-    /// A batch with room for the results of the islands `which`. Memory is reserved at once: threads wait for one another
-    /// if a list grows in memory that was another thread's before.
+    /// Makes a batch with memory for the results of the islands `which`. The memory is reserved in advance, because
+    /// threads delay one another when lists grow.
     pub fn of<'a, F: IslandFinder<'a>>(islands: &F, which: &[usize]) -> Self {
         let members: usize = which.iter().map(|&which| islands.members(which)).sum();
         Self {
@@ -120,32 +123,32 @@ impl<C> Batch<C> {
     }
 }
 
-/// Results of all islands of a part that is done.
+/// Results of all islands in a part of a window.
 pub struct IslandResults<'a, C> {
-    /// Locations of the results.
+    /// Locations of the results of the islands.
     pub landing: &'a Landing,
     /// Batches with the results of the islands.
     pub batches: &'a [Batch<C>],
-    /// Velocity [m/s] that gravity has added to the frame of the store.
+    /// Velocity [m/s] that gravity has added to the frame of the store since the beginning of the window.
     pub fallen: Vector3<f64>,
 }
 
-/// Events of several islands, and the state that they carry on.
+/// Events of several islands, and the state that these islands carry beyond the part.
 pub struct Notes<C> {
     /// Indices of the members of the islands.
     pub members: Vec<u32>,
-    /// State carried beyond the part, by index of the particle in the store.
+    /// State carried beyond the part, such as contacts; it refers to particles by index in the store.
     pub lasting: Vec<C>,
-    /// Impacts that have ended.
+    /// Impacts that have ended in these islands.
     pub impacts: Vec<(Between, Impact)>,
-    /// Condensed rows with the same exact sums as the ledgers of all islands.
+    /// A few rows whose exact sums equal those of the ledgers of all these islands.
     pub ledger: Vec<[f64; ENTRIES]>,
     /// Number of the islands and of their particles.
     pub counts: IslandCounters,
 }
 
 impl<C: Copy + Send + Sync> IslandResults<'_, C> {
-    /// Notes of all islands, in groups and in order.
+    /// Collects events and carried state of all islands, in their order, one `Notes` per group of islands.
     pub fn notes(&self) -> Vec<Notes<C>> {
         work_sharing::map(self.landing.kept.chunks(BLOCK), |some| self.notes_of(some))
     }
@@ -177,8 +180,8 @@ impl<C: Copy + Send + Sync> IslandResults<'_, C> {
         notes
     }
 
-    /// Puts the members of islands, which have labels, at their new positions, and moves all other particles by `fly`.
-    /// All labels are removed.
+    /// Writes the results of the islands into the store, and moves all other particles by `fly`. Members of islands are
+    /// recognised by their labels, which are removed.
     pub fn put(
         &self,
         particles: &mut Particles,
@@ -188,7 +191,7 @@ impl<C: Copy + Send + Sync> IslandResults<'_, C> {
         let parts = particles.motion_chunks(CHUNK).into_iter().zip(labels.chunks_mut(CHUNK));
         work_sharing::for_each(parts, |(mut chunk, labels)| {
             for (index, label) in labels.iter_mut().enumerate() {
-                // labels of the other particles are only read, so that each thread keeps a copy of them in its cache
+                // labels of other particles are not written, so that threads need not exchange the memory of labels
                 let member = if label.is_some() { label.take() } else { None };
                 match member.and_then(|label| self.state(label)) {
                     Some(state) => {
@@ -210,7 +213,7 @@ impl<C: Copy + Send + Sync> IslandResults<'_, C> {
     }
 }
 
-/// Working memory that is reused from island to island.
+/// Memory for solving islands, used again for each island of a thread.
 pub struct Workbench<S: Solve> {
     island: Island<S::Carried>,
     scratch: S::Scratch,
@@ -222,23 +225,23 @@ impl<S: Solve> Default for Workbench<S> {
     }
 }
 
-/// Data that all islands of a part have in common.
+/// Data that all islands of a part of a window have in common.
 pub struct Task<'a, S: Solve> {
-    /// The solver of the engine.
+    /// The engine's solver of islands.
     pub solver: &'a S,
     pub scene: &'a Scene,
     pub window: Window,
-    /// Velocity [m/s] that gravity has added to the velocities of the store.
+    /// Velocity [m/s] that gravity has added to the velocities of the store since the beginning of the window.
     pub fallen: Vector3<f64>,
-    /// Length of the part [s].
+    /// Length [s] of the part of the window.
     pub part: f64,
-    /// State carried over from the part before.
+    /// State carried over from the part before, such as contacts.
     pub carried: &'a [S::Carried],
 }
 
 impl<S: Solve> Workbench<S> {
-    /// Fills the small scene of an island, and returns it with the memory of the solver. Returns `None` if carried state
-    /// belongs to a particle that is not in it.
+    /// Copies an island into the small scene of this workbench, and returns it with the memory of the solver. Returns
+    /// `None` if carried state of the island belongs to a particle outside the island.
     pub fn fill(
         &mut self,
         task: &Task<S>,
@@ -251,7 +254,8 @@ impl<S: Solve> Workbench<S> {
         carried.all(|carried| take_in::<S>(island, carried)).then_some((island, scratch))
     }
 
-    /// Records the result of the island `which`; `stopped` is the local index of a particle that got out of bounds.
+    /// Stores the result of the island `which` in a batch. `stopped` is the local index of a particle that left its
+    /// bounds.
     pub fn record(
         &mut self,
         batch: &mut Batch<S::Carried>,
@@ -295,7 +299,7 @@ impl<S: Solve> Workbench<S> {
     }
 }
 
-/// Takes carried state into an island. Returns false, with nothing taken, if one of its particles is not in the island.
+/// Adds carried state to an island. Returns false, and adds nothing, if one of its particles is not in the island.
 fn take_in<S: Solve>(island: &mut Island<S::Carried>, carried: &S::Carried) -> bool {
     let known = S::places(carried).into_iter().flatten().all(|place| island.local(place).is_some());
     if known {
@@ -311,7 +315,7 @@ mod tests {
     use crate::encounter::Couple;
     use crate::engine::islands::BoundedIslands;
 
-    /// An engine that carries the index of a particle and does nothing.
+    /// An engine whose carried state is the index of a particle; its solver does nothing.
     struct Idle;
 
     impl Solve for Idle {

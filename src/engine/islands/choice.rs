@@ -1,4 +1,5 @@
-//! Choice of the next part of a window: its length, and whether islands pay.
+//! Choice of the next part of a window: its length, and whether it pays to solve islands (groups of particles that may
+//! meet) in it.
 
 use crate::domain::Domain;
 use crate::engine::population::PopulationSummary;
@@ -10,102 +11,102 @@ use std::sync::Arc;
 /// Summary of the velocities of all particles in a few numbers.
 #[derive(Clone, Copy, Serialize, Deserialize)]
 pub struct SpeedSummary {
-    /// Frame of reference [m/s] of the speeds: the mean velocity along the walls.
+    /// Velocity [m/s] of the frame in which speeds are measured: the mean velocity along the walls.
     pub frame: Vector3<f64>,
-    /// Root of the mean square speed [m/s].
+    /// Root of the mean square speed [m/s] relative to the frame.
     pub mean: f64,
-    /// Largest speed [m/s].
+    /// Largest speed [m/s] of any particle relative to the frame.
     pub largest: f64,
 }
 
-/// Data for the choice between islands and the classical algorithm.
+/// Data for the choice between islands and the classical algorithm, which moves all particles at once.
 pub struct IslandCost {
-    /// Summary of all particles.
+    /// Summary of the sizes of all particles.
     pub population: Arc<PopulationSummary>,
-    /// Summary of their velocities.
+    /// Summary of the velocities of all particles.
     pub speeds: SpeedSummary,
     /// Cost of the classical algorithm per particle and simulated time [ns/s].
     pub fallback_cost: f64,
 }
 
-/// A part of a window.
+/// A part of a window, in which islands are solved.
 pub struct WindowPiece<'a> {
-    /// Time [s] from the beginning of the window, during which its frame has fallen.
+    /// Time [s] from the beginning of the window to that of the part; the frame has fallen for this time.
     pub elapsed: f64,
-    /// Length of the part [s].
+    /// Length [s] of the part.
     pub part: f64,
     /// Number of pairs that the search is expected to check.
     pub foreseen: u64,
-    /// Summary of all particles.
+    /// Summary of the sizes of all particles.
     pub population: &'a PopulationSummary,
-    /// Summary of their velocities.
+    /// Summary of the velocities of all particles.
     pub speeds: SpeedSummary,
-    /// Number of members beyond which an island is too large for a part of this length.
+    /// Largest number of members of an island in a part of this length; with more, a shorter part is tried.
     pub most: usize,
 }
 
 impl WindowPiece<'_> {
-    /// Largest reach [m] of any flight about its middle.
+    /// Largest distance [m] of any point of a particle from the middle of its straight flight in this part.
     pub fn flight(&self) -> f64 {
         self.population.largest + 0.5 * self.part * self.speeds.largest * (1.0 + 1e-9)
     }
 }
 
-/// Data for the choice of a part, besides the particles.
+/// Data for the choice of a part, in addition to the particles.
 pub struct PartLimits {
-    /// Time [s] to the end of the window.
+    /// Time [s] from the beginning of the part to the end of the window.
     pub left: f64,
     /// Cost of the classical algorithm per particle and simulated time [ns/s].
     pub fallback_cost: f64,
-    /// Number of contacts that are taken into crowds and out again in every part.
+    /// Number of contacts whose particles are copied into crowds and back in every part.
     pub held: usize,
-    /// Costs of islands.
+    /// Costs of work in islands.
     pub costs: PartCosts,
 }
 
-/// Costs of a part, in ns on one core, and the density limit for islands. They were measured once
-/// (docs/design/islands.md). They only serve to choose, not to predict the run time.
+/// Costs of a part in ns on one core, and the density limit for islands. They were measured once
+/// (docs/design/islands.md), and serve only for the choice, not for a prediction of run times.
 pub struct PartCosts {
-    /// [ns] flight, cells and ranges of cells, per particle.
+    /// [ns] cost per particle of flight, cells and ranges of cells.
     search: f64,
-    /// [ns] check of one pair.
+    /// [ns] cost of checking one pair.
     pair: f64,
-    /// [ns] making and solving an island, per hot particle.
+    /// [ns] cost per hot particle (member of an island) of making and solving islands.
     island: f64,
-    /// [-] reach of a hot particle, in mean flights.
+    /// [-] distance within which a hot particle meets others, in units of the mean flight during the part.
     reach: f64,
-    /// [-] number of other hot particles in reach above which nearly all islands unite: islands in reach of one another
-    /// unite, and the united island reaches further.
+    /// [-] number of other hot particles within this distance above which nearly all islands unite. Islands within
+    /// reach of each other unite, and the united island reaches further.
     crowded: f64,
 }
 
-/// Costs of islands that reach as far as their particles might fly. Case D: islands of 20 at parts of 0.5 ms, of 200 at
-/// 0.7 ms.
+/// Costs of islands that reach as far as their particles might fly ([`BoundedIslands`](super::BoundedIslands)). In case
+/// D, islands have up to 20 particles for parts of 0.5 ms, and up to 200 for parts of 0.7 ms.
 pub const BOUNDED: PartCosts = PartCosts { search: 90.0, pair: 1.2, island: 1400.0, reach: 1.5, crowded: 0.25 };
 
-/// Costs of islands that reach as far as their particles do fly. Scene S1: 1.1 µs per hot particle at parts of 0.375
-/// ms, 1.2 at 0.5 ms, 1.6 at 0.75 ms.
+/// Costs of islands that reach as far as their particles do fly ([`TracedIslands`](super::TracedIslands)). In scene S1,
+/// a hot particle costs 1.1 µs for parts of 0.375 ms, 1.2 µs for 0.5 ms, and 1.6 µs for 0.75 ms.
 pub const TRACED: PartCosts = PartCosts { search: 80.0, pair: 1.2, island: 1000.0, reach: 0.5, crowded: 0.15 };
 
-/// The part of a window that costs least.
+/// The cheapest part of a window.
 #[derive(Clone, Copy)]
 pub struct Cheapest {
-    /// Length of the part [s].
+    /// Length [s] of the part.
     pub part: f64,
-    /// Expected number of pairs [-] that the search checks, per particle.
+    /// Expected number [-] of pairs per particle that the search checks.
     pub pairs: f64,
 }
 
-/// Returns the part of the remaining window that costs least per simulated time, or `None` if islands do not pay.
+/// Returns the part of the remaining window with the least cost per simulated time, or `None` if islands do not pay.
 ///
-/// A longer part spreads the search over more time, but checks more pairs and makes more islands.
+/// In a longer part the search serves for more time, but it checks more pairs and finds more islands.
 pub fn cheapest_part(
     population: &PopulationSummary,
     domain: &Domain,
     speeds: &SpeedSummary,
     limits: &PartLimits,
 ) -> Option<Cheapest> {
-    /// [ns] cost per contact of a crowd: copying its particles into the crowd and back, and their neighbour list.
+    /// [ns] cost per contact in a crowd: copying particles into the crowd and back, and building their neighbour list.
     const HELD: f64 = 500.0;
     let PartLimits { left, fallback_cost, held, costs: weights } = limits;
     let (left, fallback_cost, held) = (*left, *fallback_cost, *held);
@@ -113,17 +114,17 @@ pub fn cheapest_part(
     let count = population.count as f64;
     let search = weights.search + HELD * held as f64 / count;
     let diameter = 2.0 * largest;
-    // distances at which two particles touch, over the largest diameter: mean square of all pairs, and mean for a
-    // largest particle; islands of the largest run together first
+    // distances at which two particles touch, over the largest diameter: their mean square over all pairs, and their
+    // mean for a largest particle; islands of the largest particles are the first to unite
     let square = 0.5 * (mean_square + mean * mean) / (largest * largest);
     let of_largest = 0.5 * (1.0 + mean / largest);
-    // rate at which a particle becomes hot: density times the cross-section times the mean relative speed; touches of
-    // walls are left out
+    // rate at which a particle becomes hot: density times cross-section times mean relative speed; touches of walls are
+    // not counted
     let rate = density * PI * diameter * diameter * square * speeds.mean * SQRT_2;
     let periods = (0..3).filter(|axis| domain.periodic[*axis]).map(|axis| domain.size[axis]);
     let period = periods.fold(f64::INFINITY, f64::min);
-    // two particles that approach each other from both sides must meet only the nearest image, which is at most half a
-    // period away
+    // two particles may meet only as nearest images, also if they approach each other through a side: their distance is
+    // at most half a period
     let room = (0.5 * period - diameter) / (2.0 * speeds.largest);
     if room <= 0.0 {
         return None;
@@ -134,7 +135,7 @@ pub fn cheapest_part(
         let part = left / pieces;
         let edge = diameter + speeds.largest * part;
         let hot = rate * part;
-        // few particles always fit into islands; many must be sparse
+        // eight or fewer particles always fit into islands; more must be dilute
         let reach = diameter * of_largest + weights.reach * speeds.mean * part;
         let others = if count > 8.0 { density * hot * 4.0 / 3.0 * PI * reach.powi(3) } else { 0.0 };
         if others < weights.crowded {
@@ -148,7 +149,7 @@ pub fn cheapest_part(
         }
         pieces = (pieces * 1.3).ceil();
     }
-    // if a collision costs less than the search for it, nearly all particles collide, and one event queue or time step
-    // for all is cheaper
+    // if searching costs more than colliding, nearly all particles collide within the cheapest part, and the classical
+    // algorithm is cheaper
     best.map(|(_, cheapest)| cheapest)
 }

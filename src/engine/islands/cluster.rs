@@ -1,4 +1,5 @@
-//! Hot particles gathered into islands, with bounds on the reach of each.
+//! Groups of hot particles that become islands, with bounds on the distance that each member may reach. *Hot* particles
+//! touch something on their straight flight in this part of a window; *cold* particles do not.
 
 mod bounded;
 mod crowd_growth;
@@ -28,59 +29,61 @@ use nalgebra::Vector3;
 use smallvec::SmallVec;
 use std::ops::Range;
 
-/// Islands, or members, that a thread takes at once; for fewer, a second thread is not worth it.
+/// Number of islands, or of members, in a piece of parallel work; fewer are not worth a second thread.
 const BATCH: usize = 64;
 
-/// A hot particle.
+/// A hot particle, which is a member of an island.
 pub struct Member {
     pub(in crate::engine) place: u32,
     pub(in crate::engine) cluster: u32,
-    /// The straight flight of the particle.
+    /// The ball that contains the straight flight of the particle.
     pub(in crate::engine) flight: BoundingSphere,
-    /// The ball that holds the particle from the first touch of its island on; until then the flight is straight.
+    /// The ball that contains the particle after the first touch in its island; before that touch the flight is
+    /// straight.
     pub(in crate::engine) ball: BoundingSphere,
-    /// Reach [m] about the middle of the flight that holds both the flight and the ball.
+    /// Distance [m] from the middle of the flight within which both the flight and the ball lie.
     around: f64,
-    /// Reach [m] of the ball when the particles beside it were last taken in; 0 if they never were.
+    /// Radius [m] of the ball when the particles next to it were last added to the crowd; 0 if this has not been done.
     took_in: f64,
-    /// Range of the velocity changes of this particle, among those of all. It is known once the island is solved by an
-    /// engine that reports velocity changes. The ball then holds the trajectory from the first change on.
+    /// Range of the velocity changes of this particle in the list of all changes. It is known after the island is
+    /// solved by an engine that reports velocity changes. The ball then contains the trajectory after the first change.
     turns: Option<Range<usize>>,
 }
 
-/// A list that rarely has more than four entries: these are stored in place, and most islands allocate no memory.
+/// A list that rarely has more than four entries. Four entries are stored in place, so most islands allocate no memory.
 pub type Few = SmallVec<[u32; 4]>;
 
-/// One island in the making.
+/// An island that is being found: its members, and bounds on their speeds.
 pub struct Cluster {
-    /// Hot members, once settled in the order of their ids.
+    /// Numbers of the hot members; after `settle` in the order of the particles' ids.
     pub(in crate::engine) hot: Few,
-    /// Cold particles that the hot ones might hit, by index in the store, in the order of their ids.
+    /// Indices in the store of cold particles that the members might hit, in the order of their ids.
     pub(in crate::engine) bystanders: Few,
-    /// State carried into the island, by number; once settled, in the order of all carried state.
+    /// Numbers of the items of carried state of the island; after `settle` in ascending order.
     carried: Few,
-    /// The two largest kinetic energies [J] of the hot particles, relative to the frame.
+    /// The two largest kinetic energies [J] of the members, relative to the frame.
     pub(in crate::engine) energies: [f64; 2],
-    /// The two largest speeds [m/s] of the hot particles, relative to the frame.
+    /// The two largest speeds [m/s] of the members, relative to the frame.
     pub(in crate::engine) speeds: [f64; 2],
-    /// Energy [J] of the carried state.
+    /// Energy [J] of all carried state of the island, such as that stored in contacts.
     pub(in crate::engine) stored: f64,
-    /// Largest energy [J] of one item of carried state.
+    /// Largest energy [J] of one item of carried state of the island.
     deepest: f64,
-    /// Smallest speed limit [m/s], whatever the energy.
+    /// Lower limit [m/s] of the speed limits of the members, which rises when a limit was exceeded.
     pub(in crate::engine) floor: f64,
-    /// Time of the first touch [s]: until then all members fly straight.
+    /// Time [s] of the first touch in the island: until then all members fly straight.
     pub(in crate::engine) first: f64,
-    /// True if the island is stepped uniformly, as a crowd, whatever its size: it holds many contacts in progress.
+    /// True if the island is moved by uniform steps as a crowd whatever its size, for instance because of its many
+    /// contacts.
     pub(in crate::engine) lasts: bool,
     pub(in crate::engine) alive: bool,
-    /// Location of the result.
+    /// Location of the result; `None` before the island is solved.
     solved: Option<IslandResult>,
-    /// Counts the changes of the island. A search of the surroundings for an earlier version is out of date.
+    /// Number of changes of the island so far. A search around an earlier version is out of date.
     version: u32,
-    /// The version for which the reach of the members is known.
+    /// The version for which the reach of the members was computed.
     settled: Option<u32>,
-    /// The version for which the surroundings were searched: nothing new is found there until the island changes.
+    /// The version for which the surroundings were searched: no new search is needed until the island changes.
     seen: Option<u32>,
 }
 
@@ -90,43 +93,43 @@ impl Cluster {
     }
 }
 
-/// Locations of the results of islands.
+/// Locations of the results of the islands.
 pub struct Landing {
     /// Location of the result of each solved island.
     pub kept: Vec<IslandResult>,
-    /// For each member: number of its island in `kept`, and its own number in that island.
+    /// For each member: the number of its island in `kept`, and the number of the member in that island.
     pub of_member: Vec<Option<(u32, u32)>>,
 }
 
-/// Settings with which islands are made.
+/// Settings with which islands are made in a part of a window.
 pub struct Space<'a> {
-    /// Walls, domain and gravity.
+    /// Scene with walls, domain and gravity.
     pub scene: &'a Scene,
     /// Velocity [m/s] of the frame in which speeds are measured.
     pub frame: Vector3<f64>,
-    /// Length of the part [s].
+    /// Length [s] of the part of the window.
     pub part: f64,
-    /// Mass [kg] of the lightest particle.
+    /// Mass [kg] of the lightest particle of the run.
     pub lightest: f64,
 }
 
-/// All islands of a window.
+/// All islands of a part of a window.
 pub struct Clusters<'a> {
     pub(in crate::engine) search: &'a mut Search,
     pub(in crate::engine) particles: &'a Particles,
     pub(in crate::engine) domain: &'a Domain,
     frame: Vector3<f64>,
     part: f64,
-    /// Mass [kg] of the lightest particle.
+    /// Mass [kg] of the lightest particle of the run.
     lightest: f64,
-    /// The islands; those united with others are not alive.
+    /// The islands; an island that was united with another one is not `alive`.
     pub(in crate::engine) list: Vec<Cluster>,
-    /// Energy [J] of each item of carried state.
+    /// Energy [J] of each item of carried state, such as that stored in a contact.
     energy: Vec<f64>,
-    /// Speed [m/s] that gravity adds towards walls: seen from the falling frame, walls come nearer.
+    /// Speed [m/s] that gravity adds towards walls during the part: in the falling frame, walls approach the particles.
     fall: f64,
     pub(in crate::engine) members: Vec<Member>,
-    /// Largest reach [m] of a member.
+    /// Largest distance [m] from the middle of a member's flight that the member may reach.
     pub(in crate::engine) widest: f64,
     half_period: f64,
 }
@@ -154,8 +157,8 @@ impl<'a> Clusters<'a> {
         }
     }
 
-    /// Makes islands of all touches and of the carried state, whose energies [J] are given. If that is `many` contacts,
-    /// they form one crowd.
+    /// Makes islands from all touches and from the carried state, whose energies [J] are given. If `many` is true, all
+    /// carried state belongs to one crowd.
     fn begin(&mut self, touches: &[FirstTouch], carried: &[[Option<u32>; 2]], energy: Vec<f64>, many: bool) {
         self.energy = energy;
         let mut crowd: Option<usize> = None;
@@ -177,8 +180,8 @@ impl<'a> Clusters<'a> {
         self.settle_all();
     }
 
-    /// Returns the cluster of particle `i`, united with that of its partner `j`; their first touch is at `time` [s]. A
-    /// new cluster is made if neither has one. The speeds of the particles are not yet known.
+    /// Returns the island of particle `i`, united with that of its partner `j`; their first touch is at `time` [s]. A
+    /// new island is made if neither particle is in one. The speeds of the particles are not read here.
     fn join(&mut self, i: u32, j: Option<u32>, time: f64) -> usize {
         let known = self.found(i).or_else(|| self.found(j?));
         let mut which = known.unwrap_or_else(|| self.open());
@@ -193,7 +196,7 @@ impl<'a> Clusters<'a> {
         which
     }
 
-    /// Returns the cluster of a particle, made if there is none, with the energy and speed of the particle.
+    /// Returns the island of a particle. A new one is made if needed, with the energy and speed of the particle.
     fn cluster_of(&mut self, place: u32) -> usize {
         let is_new = self.search.label[place as usize].is_none();
         let which = self.named(place);
@@ -205,8 +208,8 @@ impl<'a> Clusters<'a> {
         which
     }
 
-    /// Returns the cluster of a particle, made if there is none. Energy and speed of the particle are not read: those
-    /// of all particles are computed in parallel later.
+    /// Returns the island of a particle; a new one is made if needed. Energy and speed of the particle are not read
+    /// here, since those of all particles are computed in parallel later.
     fn named(&mut self, place: u32) -> usize {
         self.found(place).unwrap_or_else(|| {
             let which = self.open();
@@ -215,13 +218,13 @@ impl<'a> Clusters<'a> {
         })
     }
 
-    /// The cluster of a particle, if it has one.
+    /// The island of a particle; `None` if the particle is in none.
     fn found(&self, place: u32) -> Option<usize> {
         let label = self.search.label[place as usize]?;
         Some(self.members[label.member()].cluster as usize)
     }
 
-    /// Makes a particle without a cluster a member of a given one.
+    /// Makes a particle, which is in no island, a member of the island `which`.
     fn enlist(&mut self, place: u32, which: usize) {
         let (cluster, member) = (which as u32, self.members.len());
         self.search.label[place as usize] = Some(Label::of(member));
@@ -230,7 +233,7 @@ impl<'a> Clusters<'a> {
         self.members.push(Member { place, cluster, flight, ball: flight, around: 0.0, took_in: 0.0, turns: None });
     }
 
-    /// Makes a cluster without members.
+    /// Makes an island without members, and returns its number.
     fn open(&mut self) -> usize {
         self.list.push(Cluster {
             hot: Few::new(),
@@ -252,7 +255,7 @@ impl<'a> Clusters<'a> {
         self.list.len() - 1
     }
 
-    /// Unites two clusters: the smaller goes into the larger.
+    /// Unites two islands: the members of the smaller one join the larger. Returns the number of the larger.
     fn unite(&mut self, a: usize, b: usize) -> usize {
         if a == b {
             return a;
@@ -280,7 +283,7 @@ impl<'a> Clusters<'a> {
         into
     }
 
-    /// Islands that are still to be solved and whose whole surroundings are seen by this process.
+    /// Numbers of the islands that are still to be solved by this process, because it stores all of their surroundings.
     pub fn unsolved(&self) -> Vec<usize> {
         let sees_all = self.search.region.is_all();
         let sight = if sees_all { 0.0 } else { self.reach().sight() };
@@ -293,7 +296,7 @@ impl<'a> Clusters<'a> {
         self.list[which].hot.len()
     }
 
-    /// State carried into an island, by number.
+    /// Numbers of the items of carried state that belong to an island.
     pub fn carried(&self, which: usize) -> &[u32] {
         &self.list[which].carried
     }
@@ -303,15 +306,15 @@ impl<'a> Clusters<'a> {
         self.list[which].solved = Some(result);
     }
 
-    /// Removes the labels when the islands have no result.
+    /// Removes the labels of all members if the islands have no result.
     pub fn release(self) {
         for member in &self.members {
             self.search.label[member.place as usize] = None;
         }
     }
 
-    /// Returns the locations of all results, in order, and for each member the number of its island and its own number
-    /// in it. The labels stay until the results are put into the store.
+    /// Returns the locations of all results, in order. For each member, it also returns the number of its island, and
+    /// the number of the member in that island. Labels are kept until the results are written into the store.
     pub fn land(self) -> Landing {
         let mut of_member = vec![None; self.members.len()];
         let mut kept = Vec::with_capacity(self.list.len());

@@ -1,44 +1,44 @@
-//! Counts of the work done in islands.
+//! Counts of the work done in islands (groups of particles that may meet).
 
 use super::batch::Solved;
 use crate::engine::Counters;
 use serde::{Deserialize, Serialize};
 
-/// Counts of the work done in islands.
+/// Amounts of work done in islands.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct IslandCounters {
-    /// Impulses (hard) or contact steps (soft).
+    /// Number of impulses (hard) or contact steps (soft).
     pub events: u64,
-    /// Impulses (hybrid).
+    /// Number of impulses (hybrid).
     pub impulses: u64,
-    /// Uniform steps of islands that are too large for local stepping (hybrid).
+    /// Number of uniform steps of islands that are too large for local stepping (hybrid).
     pub crowd_steps: u64,
-    /// Contact forces computed in uniform steps of such islands.
+    /// Number of contact forces computed in uniform steps of such islands.
     pub crowd_forces: u64,
-    /// Touch times and gaps computed in islands.
+    /// Number of times of touch and gaps computed in islands.
     pub pair_checks: u64,
-    /// Pairs and walls checked in searches.
+    /// Number of pairs, and of particles and walls, checked in searches.
     pub searched: u64,
-    /// Contact forces computed.
+    /// Number of contact forces computed.
     pub force_evaluations: u64,
-    /// Particles moved by stages of steps, and gaps checked after steps.
+    /// Number of particles moved by stages of steps, plus the number of gaps checked after steps.
     pub updates: u64,
-    /// Pairs that searches were expected to check; independent of the number of processes that share the run.
+    /// Number of pairs that searches were expected to check; equal for any number of processes that share the run.
     pub foreseen: u64,
-    /// Cell grids built.
+    /// Number of cell grids built.
     pub neighbour_builds: u64,
-    /// Islands solved.
+    /// Number of islands solved.
     pub islands: u64,
-    /// Particles in all islands solved.
+    /// Sum over all solved islands of the number of their particles.
     pub members: u64,
-    /// Particles in the largest island.
+    /// Number of particles in the largest island.
     pub largest: u64,
-    /// Islands solved again after they met something unexpected.
+    /// Number of islands solved again, because a particle met an unexpected particle or exceeded its speed limit.
     pub redone: u64,
 }
 
 impl IslandCounters {
-    /// Adds other counts.
+    /// Adds other counts to these.
     pub fn add(&mut self, other: &Self) {
         let largest = self.largest.max(other.largest);
         for (own, other) in self.sums().into_iter().zip(other.clone().sums()) {
@@ -47,7 +47,7 @@ impl IslandCounters {
         self.largest = largest;
     }
 
-    /// All counts that are sums.
+    /// All counts that are sums over islands or searches.
     pub fn sums(&mut self) -> [&mut u64; 11] {
         let Self { events, impulses, crowd_steps, crowd_forces, pair_checks, searched, .. } = self;
         let Self { force_evaluations, updates, islands, members, redone, .. } = self;
@@ -66,7 +66,7 @@ impl IslandCounters {
         ]
     }
 
-    /// Adds the cost of solving one island.
+    /// Adds the work of solving one island.
     pub fn count(&mut self, solved: &Solved) {
         self.events += solved.events;
         self.impulses += solved.impulses;
@@ -77,7 +77,7 @@ impl IslandCounters {
         self.updates += solved.updates;
     }
 
-    /// Counts that have one meaning in all engines.
+    /// The counts that have the same meaning in all engines.
     pub fn of_all_engines(&self) -> Counters {
         Counters {
             islands: self.islands,

@@ -1,4 +1,5 @@
-//! One island as an engine gets it.
+//! One island (a group of particles that may meet) as a small scene, which an engine can solve by itself. *Hot*
+//! particles are its members; *bystanders* are particles that the members might hit.
 
 use super::cluster::VelocityChange;
 use crate::neighbours::NeighbourList;
@@ -6,72 +7,73 @@ use crate::particles::Particles;
 use crate::record::{Ledger, Log};
 use nalgebra::Vector3;
 
-/// Number of particles up to which a linear search finds one of them fastest.
+/// Largest number of particles for which a linear search is the fastest way to find one of them.
 const FEW: usize = 32;
 
-/// A small scene of its own, handed to an engine. Local indices count the hot particles first, then the bystanders.
+/// An island as a small separate scene for an engine. Local indices number the hot particles first, then the
+/// bystanders.
 pub struct Island<C> {
-    /// Copies of the particles, in the frame at rest, positions as in the store.
+    /// Copies of the particles, in the frame at rest; positions are those of the store.
     pub particles: Particles,
     /// Index in the store of each particle.
     pub places: Vec<u32>,
-    /// Number of hot particles.
+    /// Number of hot particles, which are the members of the island.
     pub hot: usize,
-    /// True if the island is a crowd, for uniform steps.
+    /// True if the island is a crowd, which is moved by uniform steps.
     pub crowd: bool,
-    /// Local indices in the order of the indices in the store; empty for a small island.
+    /// Local indices, sorted by the index in the store; empty for a small island.
     by_place: Vec<u32>,
-    /// Pairs and walls that may touch.
+    /// Pairs, and particles and walls, that may touch.
     pub list: NeighbourList,
-    /// State carried over from the window before, by local index. The state that the engine leaves here is carried to
-    /// the next window.
+    /// State carried over from the window before, such as contacts; it refers to particles by local index. The engine
+    /// replaces it by the state to be carried to the next window.
     pub carried: Vec<C>,
     /// Log of the events in the island.
     pub log: Log,
-    /// Velocity changes, if the engine reports them: local index of the particle and the change, in the order of time.
+    /// Velocity changes, if the engine reports them, in the order of time: local index of the particle, and the change.
     pub turns: Vec<(u32, VelocityChange)>,
-    /// Impulses or contact steps.
+    /// Number of impulses or contact steps.
     pub events: u64,
-    /// Number of impulses of the hybrid engine, which counts its contact steps apart.
+    /// Number of impulses of the hybrid engine, which counts its contact steps in `events`.
     pub impulses: u64,
-    /// Uniform steps of a crowd.
+    /// Number of uniform steps, if the island is a crowd.
     pub crowd_steps: u64,
-    /// Contact forces computed in steps of a crowd.
+    /// Number of contact forces computed in uniform steps.
     pub crowd_forces: u64,
-    /// Gaps or touch times computed.
+    /// Number of gaps or times of touch computed.
     pub pair_checks: u64,
-    /// Contact forces computed.
+    /// Number of contact forces computed.
     pub force_evaluations: u64,
-    /// Particles moved by stages of steps, and gaps checked after steps.
+    /// Number of particles moved by stages of steps, plus the number of gaps checked after steps.
     pub updates: u64,
-    /// Local indices of further particles that got out of bounds, besides the one that the solver returns.
+    /// Local indices of further particles that left their bounds, in addition to the one that the solver returns.
     pub also: Vec<usize>,
-    /// Largest speed [m/s] so far, relative to the frame of the search, for a solver that cannot stop at it; otherwise
-    /// 0.
+    /// Largest speed [m/s] so far relative to the frame of the search, for a solver that cannot stop when a limit is
+    /// exceeded; otherwise 0.
     pub fastest: f64,
-    /// Speed limit [m/s] of each hot particle, relative to `frame`.
+    /// Speed limit [m/s] of each hot particle, relative to the moving frame `frame`.
     pub(super) limits: Vec<f64>,
-    /// Velocity [m/s] of the moving frame, seen from the frame at rest.
+    /// Velocity [m/s] of the moving frame, relative to the frame at rest.
     frame: Vector3<f64>,
 }
 
 /// Speed limits of the hot particles of an island.
 pub struct Bounds<'a> {
-    /// Speed limit [m/s] of each hot particle, relative to the frame.
+    /// Speed limit [m/s] of each hot particle, relative to the moving frame.
     limits: &'a [f64],
-    /// Velocity [m/s] of the moving frame, seen from the frame at rest.
+    /// Velocity [m/s] of the moving frame, relative to the frame at rest.
     frame: Vector3<f64>,
 }
 
 impl Bounds<'_> {
-    /// True if the particle at a local index may have that velocity [m/s], like [`Island::allows`].
+    /// True if the particle at a local index may have the velocity [m/s], as [`Island::allows`].
     pub fn allows(&self, place: usize, velocity: &Vector3<f64>) -> bool {
         self.limits.get(place).is_some_and(|limit| (velocity - self.frame).norm() <= *limit)
     }
 }
 
 impl<C> Island<C> {
-    /// An island without particles.
+    /// Makes an island without particles.
     pub fn empty() -> Self {
         Self {
             particles: Particles::default(),
@@ -97,8 +99,9 @@ impl<C> Island<C> {
         }
     }
 
-    /// Starts over with copies of the hot particles, each with its speed limit [m/s], and of the bystanders. Particles
-    /// are given by index in the store. `fallen` [m/s] is the velocity that gravity has added to those of the store.
+    /// Replaces the contents by copies of the hot particles, each with its speed limit [m/s], and of the bystanders.
+    /// Particles are given by index in the store. `fallen` [m/s] is the velocity that gravity has added to the
+    /// velocities of the store.
     pub(super) fn begin(
         &mut self,
         store: &Particles,
@@ -138,7 +141,7 @@ impl<C> Island<C> {
         (self.also, self.fastest) = (Vec::new(), 0.0);
     }
 
-    /// Local index of a particle given by index in the store, if it is in the island.
+    /// Local index of the particle with an index in the store; `None` if the particle is not in the island.
     pub(super) fn local(&self, place: u32) -> Option<u32> {
         if self.by_place.is_empty() {
             return self.places.iter().position(|&other| other == place).map(|local| local as u32);
@@ -147,18 +150,18 @@ impl<C> Island<C> {
         found.ok().map(|k| self.by_place[k])
     }
 
-    /// True if the particle at local index `place` may have that velocity [m/s, falling frame of this window]. A
-    /// bystander may not be touched at all.
+    /// True if the particle at local index `place` may have the velocity [m/s, falling frame of this window]. For a
+    /// bystander the result is false, because it must not be touched.
     pub fn allows(&self, place: usize, velocity: &Vector3<f64>) -> bool {
         Bounds { limits: &self.limits, frame: self.frame }.allows(place, velocity)
     }
 
-    /// Parts of the island that an engine needs at once: particles, log and speed limits.
+    /// Borrows three parts of the island that an engine needs at the same time: particles, log and speed limits.
     pub fn open(&mut self) -> (&mut Particles, &mut Log, Bounds<'_>) {
         (&mut self.particles, &mut self.log, Bounds { limits: &self.limits, frame: self.frame })
     }
 
-    /// Records that the flight of the particle at local index `place` turns at `time` [s since the start of the part].
+    /// Records a velocity change of the particle at local index `place`, at `time` [s since the start of the part].
     /// `origin` [m] is the position at the start of the part, extrapolated back along the new flight. `velocity` is the
     /// new velocity [m/s, falling frame of this window].
     pub fn turn(&mut self, place: u32, time: f64, origin: Vector3<f64>, velocity: Vector3<f64>) {
@@ -170,8 +173,8 @@ impl<C> Island<C> {
         (self.particles.velocity[place] - self.frame).norm().max(self.fastest)
     }
 
-    /// Difference [m/s] between `frame` [m/s, falling frame of this window] and the frame of the search. By that much a
-    /// speed relative to the two may differ.
+    /// Difference [m/s] between `frame` [m/s, falling frame of this window] and the frame of the search. Speeds
+    /// relative to the two frames differ by no more than this.
     pub fn apart_from(&self, frame: &Vector3<f64>) -> f64 {
         (frame - self.frame).norm()
     }

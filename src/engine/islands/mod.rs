@@ -1,17 +1,18 @@
-//! Islands: computing work only for the particles that touch.
+//! Islands: groups of particles that may meet, so that computing work is done only for particles that touch.
 //!
 //! In a short window nearly every particle of a dilute gas is alone and flies straight. Particles that touch something
-//! on their straight flight are *hot*. Hot particles that meet, or might meet after a collision, form an *island*, and
-//! an engine solves each island on its own. Cold particles that a hot one might hit are *bystanders*. If a bystander is
-//! hit, the island is solved again with the bystander as a member. The island is also solved again if a hot particle
-//! gets faster than its speed limit. So no contact is missed, whatever happens within the window.
+//! on their straight flight are *hot*, the others are *cold*. Hot particles that meet, or might meet after a collision,
+//! form an *island*, which an engine solves separately. Cold particles that a hot one might hit are *bystanders*. If a
+//! bystander is hit, the island is solved again with the bystander as a member. The island is also solved again if a
+//! hot particle exceeds its speed limit. So no contact is missed. Islands are found and solved in a *part* of a window,
+//! which is the whole window or a piece.
 //!
-//! Some engines, such as that for hard spheres, report every velocity change of a flight. Their islands are found the
-//! other way round (`cluster/traced.rs`): each island is first solved as if it were alone. Islands whose trajectories
-//! then meet are united and solved again. There are no bystanders, and an island reaches only as far as its particles
-//! do fly, not as far as they might.
+//! Some engines, such as that for hard spheres, report every velocity change of a flight. For these engines each island
+//! is first solved as if it were alone (`cluster/traced.rs`). Islands whose trajectories then meet are united and
+//! solved again. There are no bystanders, and an island reaches only as far as its particles do fly, not as far as they
+//! might.
 //!
-//! Islands share no data. They are solved in parallel and in any order, with the same results to the last bit.
+//! Islands share no data. They are solved in parallel and in any order, with equal results to the last bit.
 
 mod batch;
 mod choice;
@@ -53,41 +54,41 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::sync::Arc;
 
-/// Solver of an island, as an engine provides it.
+/// Solver of one island, which each engine provides.
 pub trait Solve: Sync {
-    /// Way to find the particles of islands. With [`TracedIslands`], particles fly straight between collisions and every
-    /// velocity change is reported to [`Island::turn`].
+    /// Way to find the particles of islands. With [`TracedIslands`], particles must fly straight between collisions,
+    /// and the engine must report every velocity change by [`Island::turn`].
     type Finder<'a>: IslandFinder<'a>;
-    /// State carried from one window to the next, such as a contact in progress; particles are named by index in the
-    /// store.
+    /// State carried from one window to the next, such as a contact in progress. It refers to particles by their index
+    /// in the store.
     type Carried: Copy + Send + Sync + Serialize + DeserializeOwned;
-    /// Working memory, one per thread.
+    /// Working memory of the solver, one per thread.
     type Scratch: Default + Send;
 
-    /// Indices of the particles that carried state belongs to.
+    /// Indices of the particles to which carried state belongs.
     fn places(carried: &Self::Carried) -> [Option<u32>; 2];
 
-    /// Returns the carried state with the new indices of its particles, for instance after a sort of the store.
+    /// Returns carried state with new indices of its particles, for instance after the store was sorted.
     fn moved(carried: &Self::Carried, place_of: &dyn Fn(u32) -> u32) -> Self::Carried;
 
-    /// Energy [J] that carried state may give back to its particles.
+    /// Energy [J] that an item of carried state may give back to its particles.
     fn energy(&self, carried: &Self::Carried) -> f64;
 
     /// The two bodies in contact, if the carried state is a contact.
     fn touching(&self, carried: &Self::Carried) -> Option<Couple>;
 
-    /// True if the engine takes crowds. A crowd is an island without a neighbour list. It has more than
-    /// [`LARGEST_ISLAND`] particles, or it holds all contacts in progress if these are many.
+    /// True if the engine takes crowds. A crowd is an island without a list of pairs, which is moved by uniform steps.
+    /// It has more than [`LARGEST_ISLAND`] particles, or it contains all contacts in progress if these are many.
     fn takes_crowds(&self) -> bool {
         false
     }
 
-    /// Moves the particles of the island, in the frame at rest, through [0, end) [s]. It stops early if a particle gets
-    /// out of bounds ([`Island::allows`]), and returns the local index of that particle. If there are several, the
+    /// Moves the particles of the island, in the frame at rest, through [0, end) [s]. If a particle leaves its bounds
+    /// ([`Island::allows`]), the function stops and returns the local index of that particle. If there are several, the
     /// others are in [`Island::also`].
     ///
     /// # Errors
-    /// The engine fails, or the island costs more than it is worth.
+    /// The engine fails, or the island costs more than the classical algorithm would.
     fn solve(
         &self,
         island: &mut Island<Self::Carried>,
@@ -98,35 +99,35 @@ pub trait Solve: Sync {
     ) -> Result<Option<usize>, GivenUp>;
 }
 
-/// Search windows between two sorts of the store: particles move a small part of a cell in each.
+/// Number of searches between two sorts of the store. Particles move by a small fraction of a cell in each.
 const WINDOWS_PER_SORT: u64 = 32;
 
-/// Largest number of particles of an island that is worth its pairwise bookkeeping.
+/// Largest number of particles of an island for which a list of all its pairs pays.
 pub const LARGEST_ISLAND: usize = 200;
 
 /// Number of members beyond which an island is too large for a long part of a window. Each step of an island checks all
-/// of its pairs, so the cost grows with the square of the number of members. The part is therefore halved, as long as
-/// it may be.
+/// of its pairs, so the cost grows with the square of the number of members. The part is then halved, up to [`SHORTER`]
+/// times.
 const LARGE_ISLAND: usize = 48;
 
-/// Number of times that a part with too large islands is halved before islands are given up for this window.
+/// Number of times that a part with too large islands is halved before the classical algorithm is used for this window.
 const SHORTER: i32 = 3;
 
-/// Islands per parallel task: a fixed number, so that results do not depend on the number of threads.
+/// Number of islands in a piece of parallel work. It is fixed, so that results do not depend on the number of threads.
 const BATCH: usize = 64;
 
-/// Moves particles window by window, with a solver for the islands.
+/// Method that moves particles part by part of a window, with a solver for the islands.
 pub struct Islands<C> {
-    /// Clock that times the search and the flight.
+    /// Clock that measures the time of the search and of the flight.
     pub clock: Clock,
-    /// Time spent.
+    /// Wall-clock time spent so far.
     pub spent: EngineTimes,
     pub(super) counters: IslandCounters,
-    /// Indices of the particles in islands of the last part.
+    /// Indices of the particles that were in islands in the last part of a window.
     pub(super) members: Vec<u32>,
     search: Search,
     frame: Vector3<f64>,
-    /// Processes that share the run.
+    /// Connection to the other processes that share the run.
     pub processes: Processes<C>,
 }
 
@@ -145,30 +146,30 @@ impl<C> Default for Islands<C> {
 }
 
 impl<C: Copy + Send + Sync + Serialize + DeserializeOwned> Islands<C> {
-    /// Counts of the work done so far.
+    /// Counts of the work done in islands so far.
     pub fn counters(&self) -> IslandCounters {
         self.counters
     }
 
-    /// Continues from the given counts. The time of the next sort of the store depends on them; islands keep no other
-    /// state.
+    /// Continues from the given counts and times. The time of the next sort of the store depends on the counts; islands
+    /// keep no other state.
     pub fn resume(&mut self, counters: IslandCounters, spent: EngineTimes) {
         (self.counters, self.spent) = (counters, spent);
     }
 
-    /// Indices of the particles that were in islands in the last part.
+    /// Indices of the particles that were in islands in the last part of a window.
     pub fn members(&self) -> &[u32] {
         &self.members
     }
 
-    /// Summary of all particles of the run in a few numbers.
+    /// Summary of the sizes of all particles of the run.
     pub fn population(&self, work: &Work<C>) -> Arc<PopulationSummary> {
-        // sizes do not change while other processes have some of the particles
+        // sizes do not change, so the summary is kept while other processes store some of the particles
         let known = self.processes.population();
         known.unwrap_or_else(|| Arc::new(PopulationSummary::of(&Sample::from(&*work.particles), work.scene)))
     }
 
-    /// Summary of the velocities of all particles in a few numbers.
+    /// Summary of the velocities of all particles of the run.
     pub fn speeds(&self, work: &Work<C>, population: &PopulationSummary) -> SpeedSummary {
         let mut sums = work.particles.velocity_sums();
         self.processes.total(&mut sums.each_mut());
@@ -186,12 +187,12 @@ impl<C: Copy + Send + Sync + Serialize + DeserializeOwned> Islands<C> {
         SpeedSummary { frame, mean, largest: largest[0] }
     }
 
-    /// Moves all particles for as long as islands are cheaper than the classical algorithm. Returns the time covered
-    /// [s]; in a dilute scene this is the whole window.
+    /// Moves all particles for as long as islands are cheaper than the classical algorithm. Returns the simulated time
+    /// [s] for which this was so; in a dilute scene it is the whole window.
     ///
     /// # Errors
-    /// A velocity is not a number. An island whose engine fails only ends the advance: the classical algorithm then
-    /// meets the failure again, and stops at its instant.
+    /// A velocity is not a number. If the engine fails in an island, the function only returns early. The classical
+    /// algorithm then encounters the failure again, and stops at its time.
     pub fn advance<S: Solve<Carried = C>>(
         &mut self,
         solver: &S,
@@ -212,12 +213,12 @@ impl<C: Copy + Send + Sync + Serialize + DeserializeOwned> Islands<C> {
                 self.processes.assemble(solver, work, &mut self.members);
                 return Err(super::not_a_number(work.particles, window.start + done));
             }
-            // contacts are carried into a crowd and out of it again; only an engine that takes crowds has many of them
+            // contacts are copied into a crowd and back; only engines that take crowds have many of them
             let held = if solver.takes_crowds() { self.processes.held(work.lasting.len()) } else { 0 };
             let limits = PartLimits { left, fallback_cost: *fallback_cost, held, costs: S::Finder::COSTS };
             let Some(cheapest) = cheapest_part(population, &work.scene.domain, &speeds, &limits) else { break };
             self.processes.cut(solver, work);
-            // no shorter part is tried: islands of contacts in progress do not become smaller
+            // shorter parts are not tried, because islands of contacts in progress would not become smaller
             let shortest = cheapest.part * 0.5f64.powi(SHORTER);
             let mut part = longest.clamp(shortest, cheapest.part);
             let stretch = Window { start: window.start + done, duration: left };
@@ -231,7 +232,7 @@ impl<C: Copy + Send + Sync + Serialize + DeserializeOwned> Islands<C> {
                 }
                 part = (0.5 * part).max(shortest);
             };
-            // a part that was too long now will be so again
+            // a part that was too long now would be too long again
             longest = if S::Finder::KEEPS_SHORTER { part } else { longest };
             if !moved {
                 break;
@@ -243,7 +244,7 @@ impl<C: Copy + Send + Sync + Serialize + DeserializeOwned> Islands<C> {
         Ok(done)
     }
 
-    /// Prepares a part of a window: the store is sorted from time to time.
+    /// Prepares a part of a window: sorts the store after every [`WINDOWS_PER_SORT`] searches, and wraps positions.
     fn prepare<S: Solve<Carried = C>>(&mut self, work: &mut Work<C>, piece: &WindowPiece) {
         let began = self.clock.now();
         if self.counters.neighbour_builds.is_multiple_of(WINDOWS_PER_SORT) {
@@ -255,7 +256,7 @@ impl<C: Copy + Send + Sync + Serialize + DeserializeOwned> Islands<C> {
         self.spent.neighbours += self.clock.now() - began;
     }
 
-    /// Moves all particles through a part of a window. Returns false, with nothing moved, if islands grow too large or
+    /// Moves all particles through a part of a window. Returns false, and moves nothing, if an island is too large or
     /// the engine fails.
     fn part<S: Solve<Carried = C>>(
         &mut self,
@@ -317,7 +318,7 @@ impl<C: Copy + Send + Sync + Serialize + DeserializeOwned> Islands<C> {
         }
     }
 
-    /// All touches on straight flights in the next part, for particles in `region`.
+    /// Finds all touches on straight flights in the next part, for particles in `region`.
     fn find(&mut self, work: &Work<C>, region: Region, piece: &WindowPiece) -> Vec<FirstTouch> {
         let began = self.clock.now();
         let span = SearchInterval::new(work.scene, piece.elapsed, piece.part);

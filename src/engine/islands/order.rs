@@ -1,11 +1,11 @@
-//! Order of the carried state, and order of the particles in the store.
+//! Sorting of the particles in the store, and of the state carried from one window to the next, such as contacts.
 
 use super::{Solve, search};
 use crate::encounter::Other;
 use crate::engine::distributed::Processes;
 use crate::engine::driver::Work;
 
-/// Sorts the carried state by the ids of its particles and by walls, so that its order does not depend on that of the
+/// Sorts the carried state by the ids of its particles and by walls. Its order then does not depend on that of the
 /// store.
 pub fn in_order<S: Solve>(solver: &S, work: &mut Work<S::Carried>) {
     let id = &work.particles.id;
@@ -16,11 +16,11 @@ pub fn in_order<S: Solve>(solver: &S, work: &mut Work<S::Carried>) {
         };
         (S::places(carried).map(|place| place.map(|place| id[place as usize])), wall)
     });
-    // state that involves only borrowed particles may have come from each of their processes
+    // state that involves only borrowed particles may have been received from several processes
     work.lasting.dedup_by_key(|carried| (S::places(carried), solver.touching(carried)));
 }
 
-/// Sorts the store by cells, so that neighbours in space are neighbours in memory.
+/// Sorts the particles in the store by cells, so that neighbours in space are near in memory.
 pub fn sort<S: Solve>(work: &mut Work<S::Carried>, processes: &mut Processes<S::Carried>) {
     let domain = &work.scene.domain;
     work.particles.wrap(domain);

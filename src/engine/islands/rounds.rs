@@ -1,12 +1,13 @@
-//! Rounds in which islands are solved, until none has met an unexpected particle or speed.
+//! Rounds in which islands (groups of particles that may meet) are solved, until none has met an unexpected particle or
+//! speed.
 
 use super::batch::{Batch, GivenUp, IslandResult, Retry, Task, Workbench};
 use super::cluster::IslandFinder;
 use super::{BATCH, IslandCounters, Solve};
 use crate::work_sharing;
 
-/// Solves all islands, and those again that met something unexpected. Returns `None` if one grows too large or the
-/// engine fails in one. The counts cover the islands whose leading particle is chosen by `mine`.
+/// Solves all islands, and solves those again that met an unexpected particle or speed. Returns `None` if an island is
+/// too large, or if the engine fails in one. The counts include the islands whose leading particle satisfies `mine`.
 pub fn solve_all<S: Solve>(
     islands: &mut S::Finder<'_>,
     task: &Task<S>,
@@ -45,7 +46,7 @@ pub fn solve_all<S: Solve>(
                     }
                     Ok(stops) => Retry::Stops(stops),
                     Err(GivenUp::TooExpensive) if task.solver.takes_crowds() => Retry::Crowd,
-                    // left to the classical algorithm, which stops at the instant of the failure
+                    // the classical algorithm then stops at the time of the failure
                     Err(_) => return None,
                 };
                 counts.redone += u64::from(counted);

@@ -1,4 +1,5 @@
-//! Search for hot particles: every pair that is near enough is checked once per window.
+//! Search for hot particles, which are those that touch something on their straight flight in a part of a window. Every
+//! pair that is near enough is checked once.
 
 use crate::domain::Domain;
 use crate::encounter::{AtWall, Couple, FrameTime, may_meet};
@@ -14,27 +15,27 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use std::num::NonZeroU32;
 
-/// Rows of cells per parallel task.
+/// Number of rows of cells in a piece of parallel work.
 const ROWS: usize = 16;
 
-/// Pairs that are read from the store together.
+/// Number of pairs that are collected before their particles are read from the store.
 const BATCH: usize = 64;
 
-/// The ball that holds a particle throughout its straight flight, seen from the frame.
+/// A ball that contains a particle throughout its straight flight, relative to the frame of the search.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct BoundingSphere {
-    /// Middle of the flight [m], inside the box along periodic axes.
+    /// Centre of the ball [m]: the middle of the flight, inside the box along periodic axes.
     pub middle: Vector3<f64>,
-    /// Radius of the particle plus half the flight [m].
+    /// Radius of the ball [m]: the radius of the particle plus half the length of the flight.
     pub reach: f64,
 }
 
 impl BoundingSphere {
-    /// Ball of particle `i` on a flight of `part` [s].
+    /// Ball that contains particle `i` during a flight of `part` [s].
     #[inline]
     pub fn of(particles: &Particles, i: usize, domain: &Domain, frame: Vector3<f64>, part: f64) -> Self {
         let half = (particles.velocity[i] - frame) * (0.5 * part);
-        // rounding of the flights must not make the reach too short
+        // enlarged, so that rounding does not make the ball too small
         let reach = particles.radius[i] + half.norm() * (1.0 + 1e-12);
         Self { middle: domain.wrap(&(particles.position[i] + half)), reach }
     }
@@ -47,53 +48,53 @@ impl BoundingSphere {
     }
 }
 
-/// A touch on the straight flights of this window.
+/// A touch of two bodies on their straight flights in this part of a window.
 #[derive(Clone, Copy, Debug)]
 pub struct FirstTouch {
     pub place: u32,
     /// Index of the other particle; `None` for a wall.
     pub other: Option<u32>,
-    /// Time of the touch [s] since the start of the part.
+    /// Time of the touch [s] since the start of the part of the window.
     pub time: f64,
 }
 
-/// Result of a search.
+/// Touches that a search has found, and its cost.
 pub struct SearchResult {
-    /// Touches in cell order of the first particle.
+    /// Touches, in the cell order of the first particle.
     pub touches: Vec<FirstTouch>,
-    /// Number of pairs and walls checked.
+    /// Number of pairs, and of particles and walls, checked.
     pub checks: u64,
 }
 
-/// Straight flights, sorted into cells.
+/// Straight flights of the particles in a part of a window, sorted into cells.
 #[derive(Default)]
 pub struct Search {
     pub levels: SizeLevels,
-    /// Region that holds the particles.
+    /// Region that contains the particles.
     pub region: Region,
-    /// Flights by index of the particle.
+    /// Ball that contains the flight of each particle, by index.
     pub flights: Vec<BoundingSphere>,
     packed: PackedBalls,
-    /// Label of each hot particle by index, `None` for the others; all are `None` between windows.
+    /// Label of each hot particle by index; `None` for other particles, and for all between windows.
     pub label: Vec<Option<Label>>,
-    /// The walls of the scene of the last search.
+    /// Search structure for the walls near a point, from the last search.
     pub near_walls: NearWalls,
-    /// Indices of the particles whose flights come near a wall, by chunks of the store; all particles if not all walls
-    /// are flat.
+    /// Indices of the particles whose flights come near a wall, by chunks of the store. All particles are listed if
+    /// some wall is not flat.
     beside_walls: Vec<Vec<u32>>,
 }
 
-/// Number of a hot particle among the members of all islands. An `Option` of it takes no more room than a number.
+/// Number of a hot particle among the members of all islands. `Option<Label>` takes no more memory than a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Label(NonZeroU32);
 
 impl Label {
-    /// Label of the member with that index.
+    /// Label of the member with the number `member`.
     pub fn of(member: usize) -> Self {
         Self(NonZeroU32::MIN.saturating_add(member as u32))
     }
 
-    /// Index of the member.
+    /// Number of the member with this label.
     pub fn member(self) -> usize {
         self.0.get() as usize - 1
     }
@@ -106,8 +107,8 @@ pub fn cell_order(particles: &Particles, region: &Region) -> Vec<u32> {
 }
 
 /// Appends the touches of pairs within `part` [s], in the order of the pairs, and clears the list of pairs. All pairs
-/// are read from the store before any is checked in detail: reading one after the other would wait for memory each
-/// time.
+/// are read from the store before any is checked in detail: otherwise the processor would wait for memory at every
+/// pair.
 fn touches_of(
     pairs: &mut Vec<(u32, u32)>,
     (particles, scene): (&Particles, &Scene),
@@ -129,7 +130,8 @@ fn touches_of(
 }
 
 impl Search {
-    /// Sorts the flights in `span` into cells by their middles, which are in `region`. Positions are inside the box.
+    /// Computes the flights during `span`, and sorts them into cells by their middles, which are in `region`. Positions
+    /// must be inside the box.
     pub fn build(
         &mut self,
         particles: &Particles,
@@ -143,7 +145,7 @@ impl Search {
         self.near_walls = NearWalls::of(&scene.walls);
         self.label.resize(particles.len(), None);
         self.flights.resize(particles.len(), BoundingSphere { middle: Vector3::zeros(), reach: 0.0 });
-        // flat walls are checked at once, while the flights are in the cache
+        // flat walls are checked here, while the flights are in the cache
         let planes: Option<Vec<&Plane>> = scene.walls.iter().map(|wall| wall.geometry.plane()).collect();
         let is_beside = |flight: &BoundingSphere| {
             let near = |plane: &&Plane| plane.nearest(&flight.middle).distance <= flight.reach + span.falls;
@@ -171,7 +173,7 @@ impl Search {
         self.packed.fill(&self.levels.order(), |place| (flights[place].middle, flights[place].reach), &self.region);
     }
 
-    /// Calls `visit` with the indices of particles whose flights overlap a ball.
+    /// Calls `visit` with the indices of the particles whose flights overlap a ball.
     #[inline(always)]
     pub fn for_each_beside(&self, ball: &BoundingSphere, domain: &Domain, mut visit: impl FnMut(u32)) {
         self.packed.for_each_beside((ball.middle, ball.reach), &self.levels, &self.region, |places| {
@@ -182,7 +184,7 @@ impl Search {
         });
     }
 
-    /// All touches on straight flights within the span.
+    /// Finds all touches on straight flights during `span`.
     pub fn hot(&self, particles: &Particles, scene: &Scene, span: &SearchInterval) -> SearchResult {
         let part = span.part;
         let rows = self.levels.rows();
@@ -222,15 +224,15 @@ impl Search {
         found.touches.extend(parts.iter().flatten());
     }
 
-    /// Time [s] when a flight first touches a wall, before the end of the span.
+    /// Time [s] of the first touch of a flight with a wall, before the end of the span; `None` without a touch.
     fn touch_of_wall(&self, particles: &Particles, scene: &Scene, span: &SearchInterval, i: usize) -> Option<f64> {
         let SearchInterval { elapsed, part, falls } = *span;
         let spot = &self.flights[i];
-        // not wrapped into the box, as the walls need it; if all walls are flat, it is never read from the store
+        // position not wrapped into the box, as walls require; with flat walls only, the store is not read for it
         let way = || particles.position[i] + particles.velocity[i] * (0.5 * part);
         let look = |(wall, shape): (usize, &Wall)| {
-            // the frame moves along planes, so that the ball of the flight stays on its side of a plane it does not
-            // reach; beside other shapes the frame is at rest
+            // the frame moves along planes, so the ball of the flight has the right distance from them; for other
+            // shapes the path relative to the frame at rest is used
             let reach = spot.reach + falls;
             let geometry = &shape.geometry;
             let is_near = if geometry.is_flat() {
@@ -259,19 +261,19 @@ impl Search {
     }
 }
 
-/// The time over which flights are compared with one another and with walls.
+/// The interval of time in which flights are compared with one another and with walls.
 pub struct SearchInterval {
     /// Time [s] from the beginning of the window to the beginning of the interval.
     elapsed: f64,
     /// Length of the interval [s].
     part: f64,
-    /// Bound [m] on how far gravity takes a particle off its straight flight in the interval. It is equal for all
-    /// particles and costs two square roots.
+    /// Upper limit [m] of the distance by which gravity moves a particle away from its straight flight during the
+    /// interval. It is equal for all particles, so it is computed only once.
     falls: f64,
 }
 
 impl SearchInterval {
-    /// Interval of `part` [s] that begins `elapsed` [s] after the beginning of the window.
+    /// Makes an interval of `part` [s] that begins `elapsed` [s] after the beginning of the window.
     pub fn new(scene: &Scene, elapsed: f64, part: f64) -> Self {
         let falls = part * ((scene.gravity * elapsed).norm() + scene.gravity.norm() * part);
         Self { elapsed, part, falls }

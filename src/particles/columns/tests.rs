@@ -1,4 +1,4 @@
-//! Everything that is done with columns reaches every column.
+//! Tests that each operation on the columns reaches every column.
 
 use super::*;
 use crate::particles::values::AsNumbers;
@@ -8,14 +8,14 @@ columns! {
     /// Moving state of a rod.
     pub struct RodMotion;
 
-    /// Moving state of some rods.
+    /// Moving state of several rods.
     pub struct RodChunk;
 
-    /// A store with a column that not all need.
+    /// A store with an optional column.
     #[derive(Clone, Debug, Default, PartialEq)]
     pub struct Rods {
         pub position: Vec<Vector3<f64>> => ["x", "y", "z"] as moving,
-        /// [m] length of each.
+        /// [m] length of each rod.
         pub length: Vec<f64>,
         pub spin: Option<Vec<Vector3<f64>>> => ["wx", "wy", "wz"] as moving by kicks,
     }
@@ -75,7 +75,7 @@ fn every_operation_reaches_every_column() {
     assert_eq!((copy.position.len(), copy.length.len(), copy.spin), (0, 0, Some(Vec::new())));
 }
 
-/// An optional column that moves is carried by everything that carries motion, although nothing but its mark says so.
+/// Checks an optional column marked as moving: every operation on the moving state includes it.
 #[test]
 fn what_moves_is_taken_put_sent_kept_and_checked_whole() {
     let (mut rods, numbers) = (three(true), |rods: &Rods, k| {

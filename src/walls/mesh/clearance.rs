@@ -1,29 +1,29 @@
-//! A coarse grid around a mesh with lower limits of the distance to the surface, which are enough for most particles.
+//! A coarse grid around a mesh. It gives lower limits of the distance to the surface, which suffice for most particles.
 
 use nalgebra::Vector3;
 use std::collections::VecDeque;
 
-/// Cells along the longest edge of the box around the mesh.
+/// Number of cells along the longest edge of the box around the mesh.
 const CELLS: f64 = 64.0;
 
-/// Distance of every cell, in cells, from the nearest cell that a triangle's bounding box overlaps.
+/// Distance of every cell, in cells, from the nearest cell that the bounding box of a triangle overlaps.
 #[derive(Clone)]
 pub struct Clearance {
     /// [m] corners of the box around the mesh.
     low: Vector3<f64>,
     high: Vector3<f64>,
-    /// [m] edge of the cells.
+    /// [m] edge length of the cells.
     cell: f64,
     count: [usize; 3],
     away: Vec<u8>,
-    /// True if particles may be in a cell, for cells that no triangle overlaps.
+    /// True for the cells in which particles may be; cells that a triangle may overlap are false.
     is_free: Vec<bool>,
-    /// True if particles may be outside the box.
+    /// True if particles may be outside the box around the mesh.
     is_free_beyond: bool,
 }
 
 impl Clearance {
-    /// The grid around triangles given by their corners [m].
+    /// Makes the grid around triangles, which are given by their corners [m].
     pub fn new(triangles: impl Iterator<Item = [Vector3<f64>; 3]> + Clone) -> Self {
         let corners = || triangles.clone().flatten();
         let low = corners().reduce(|a, b| a.inf(&b)).unwrap_or_default();
@@ -48,7 +48,7 @@ impl Clearance {
         grid
     }
 
-    /// Fills in the distances, from near to far.
+    /// Computes the distances of all cells, from near to far.
     fn spread(&mut self, mut queue: VecDeque<[usize; 3]>) {
         while let Some(cell) = queue.pop_front() {
             let next = self.away[self.index(cell)].saturating_add(1);
@@ -63,8 +63,9 @@ impl Clearance {
         }
     }
 
-    /// Finds the cells where particles may be. `is_free` tells it for a point [m] that is not on the surface, and is
-    /// called once for all cells that are connected. `beyond` is true if particles may be outside the box.
+    /// Finds the cells in which particles may be. `is_free` returns true for a point [m] off the surface where
+    /// particles may be. It is called once for each connected group of cells. `beyond` is true if particles may be
+    /// outside the box.
     pub fn find_free(&mut self, beyond: bool, is_free: impl Fn(&Vector3<f64>) -> bool) {
         self.is_free_beyond = beyond;
         let mut seen: Vec<bool> = self.away.iter().map(|away| *away == 0).collect();
@@ -104,7 +105,7 @@ impl Clearance {
         (z * self.count[1] + y) * self.count[0] + x
     }
 
-    /// Cells that share a face with a cell.
+    /// Indices of the cells that share a face with the cell at the index `at`.
     fn beside(&self, at: usize) -> impl Iterator<Item = usize> {
         let mut step = 1;
         let sides = self.coordinates(at).into_iter().zip(self.count).map(move |(c, count)| {
@@ -120,25 +121,25 @@ impl Clearance {
         [index % nx, index / nx % ny, index / (nx * ny)]
     }
 
-    /// Cell of a point [m], or the cell nearest to it.
+    /// Cell that contains a point [m], or the cell nearest to it.
     fn cell_of(&self, point: &Vector3<f64>) -> [usize; 3] {
-        // a conversion from a negative number gives 0
+        // a negative number converts to 0
         std::array::from_fn(|axis| (((point[axis] - self.low[axis]) / self.cell) as usize).min(self.count[axis] - 1))
     }
 
-    /// [m] lower limit of the distance of the surface from the point [m].
+    /// [m] lower limit of the distance from the point [m] to the surface.
     #[inline]
     pub fn least(&self, point: &Vector3<f64>) -> f64 {
         let outside = (self.low - point).sup(&(point - self.high)).max();
         if outside > 0.0 {
             return outside;
         }
-        // the point may be at one side of its cell and the surface at the near side of the other
+        // point and surface may be at those sides of their cells that face each other
         let away = f64::from(self.away[self.index(self.cell_of(point))]);
         (away - 1.0 - 1e-9).max(0.0) * self.cell
     }
 
-    /// True if particles may be at a point [m]; false also near the surface, where that is not known.
+    /// True if particles may be at a point [m]; false also near the surface, where the grid is too coarse to decide.
     pub fn is_free(&self, point: &Vector3<f64>) -> bool {
         if (self.low - point).sup(&(point - self.high)).max() > 0.0 {
             return self.is_free_beyond;

@@ -1,9 +1,9 @@
-//! Walls of triangles: their nearest points, their contacts with a sphere, and the instants of touch.
+//! Walls of triangles: their nearest points, their contacts with a sphere, and the times of touch.
 //!
-//! A sphere has one contact at each point where the surface is nearer to its centre than all around: inside a
-//! triangle, on an edge or at a corner. Points in nearly the same direction from the centre are one contact, the
-//! nearest. So a seam between triangles is no contact, and neither is the far side of a thin plate. In a corner the
-//! directions differ, and there is a contact for each.
+//! A sphere may have a contact at each point of the surface that is nearer to its centre than all neighbouring points:
+//! inside a triangle, on an edge or at a corner. If several such points lie in nearly one direction from the centre,
+//! only the nearest is a contact. So neither a seam between triangles nor the far side of a thin plate is a contact. In
+//! a corner the directions differ, and each gives a contact.
 
 mod clearance;
 mod nesting;
@@ -30,20 +30,20 @@ use surface::TriangleSurface;
 pub(super) use tree::Tree;
 use tree::{TriangleFeature, on_triangle};
 
-/// [-] cosine of 20 degrees, the angle from which two directions are two contacts. A rule of this program: seams of a
-/// round surface are flatter in fine meshes, and corners of vessels are sharper.
+/// [-] cosine of 20 degrees, the smallest angle between the directions of two contacts of one sphere. This value is a
+/// choice of this program: in fine meshes the seams of a round surface are flatter, and corners of vessels are sharper.
 const APART: f64 = 0.939_692_620_785_908_4;
-/// [-] cosine of 10 degrees: a mesh whose normals are all so near to one direction has one contact only.
+/// [-] cosine of 10 degrees: a mesh whose normals all differ by less from their mean has only one contact.
 const HALF_APART: f64 = 0.984_807_753_012_208;
-/// Largest number of contacts of one sphere: it rests on three points.
+/// Largest number of contacts of one sphere: three points hold it at rest.
 const MOST: u32 = 3;
-/// [-] distance from the centre within which contacts are searched, over the radius. Gaps near zero must be exact, so
-/// that the instant at which a contact begins or ends can be found.
+/// [-] distance from the centre within which contacts are searched, over the radius. It exceeds 1, because gaps near
+/// zero must be exact for the times at which a contact begins or ends.
 const REACH: f64 = 1.25;
-/// [-] of the distance: a shorter step of the centre towards a neighbour is rounding.
+/// [-] length over the distance or over another length: smaller fractions count as rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// A surface of triangles.
+/// A wall of triangles.
 #[derive(Clone)]
 pub struct Mesh {
     name: String,
@@ -52,22 +52,22 @@ pub struct Mesh {
     surface: TriangleSurface,
     tree: Tree,
     clearance: Clearance,
-    /// Number of triangles of the surface itself; those after them continue it beyond periodic sides.
+    /// Number of triangles of the surface itself. The triangles after them are copies beyond periodic sides.
     own: usize,
-    /// Axes along which the surface is endless.
+    /// True for the axes along which the surface continues without end.
     spans: [bool; 3],
     /// [m] corners of the box around the triangles of the surface itself.
     bounds: [Vector3<f64>; 2],
 }
 
-/// The nearest point of one triangle, seen from a point.
+/// The nearest point of one triangle to a given point.
 #[derive(Clone, Copy)]
 struct TrianglePoint {
-    /// [m] distance, never negative.
+    /// [m] distance between the two points, never negative.
     distance: f64,
-    /// [-] unit vector from the surface to the point.
+    /// [-] unit vector from the surface to the given point.
     direction: Vector3<f64>,
-    /// True if the point is behind a closed surface.
+    /// True if the given point is behind a closed surface.
     behind: bool,
     face: u32,
     place: TriangleFeature,
@@ -81,12 +81,12 @@ impl TrianglePoint {
 }
 
 impl Mesh {
-    /// A wall of triangles, given by their corners [m]; `name` is its name in results. Without `sides` a closed
-    /// surface is a solid body, and an open one a thin sheet with particles on both sides. Also returns the defects
-    /// of the triangles that were found and corrected.
+    /// Makes a wall of triangles, given by their corners [m]; `name` is its name in results. Without `sides` a closed
+    /// surface is a solid body, and an open one a thin sheet with particles on both sides. Also returns the defects of
+    /// the triangles that were found and corrected.
     ///
     /// # Errors
-    /// If the triangles make no such wall.
+    /// If the triangles do not form a wall of this type.
     pub fn new(name: &str, heap: &[[Vector3<f64>; 3]], sides: Option<Sides>) -> Result<(Self, Findings), Fault> {
         let (surface, sides, findings) = TriangleSurface::new(heap, sides)?;
         let all = || (0..surface.faces.len()).map(|face| surface.corners(face));
@@ -95,7 +95,7 @@ impl Mesh {
         let flat = sum
             .try_normalize(0.0)
             .is_some_and(|mean| surface.faces.iter().all(|face| face.normal.dot(&mean) > HALF_APART));
-        // a sphere between two sheets has a contact on either side
+        // a sphere between two flat sheets has a contact on either side, so only one connected sheet has one contact
         let contacts = if flat && surface.is_one_part() { 1 } else { MOST };
         let (name, own, bounds) = (name.to_owned(), surface.faces.len(), clearance.bounds());
         let mut mesh = Self { name, sides, contacts, surface, tree, clearance, own, spans: [false; 3], bounds };
@@ -105,11 +105,11 @@ impl Mesh {
         Ok((mesh, findings))
     }
 
-    /// A sheet that continues through periodic sides, with the copies that continue it there; otherwise as
-    /// [`new`](Self::new). The findings are those of the surface itself.
+    /// Makes a sheet that continues through periodic sides, with the copies that continue it there. A surface that does
+    /// not continue is made as by [`new`](Self::new). The findings are those of the surface itself.
     ///
     /// # Errors
-    /// If the triangles make no such wall.
+    /// If the triangles do not form a wall of this type.
     pub fn without_end(
         name: &str,
         heap: &[[Vector3<f64>; 3]],
@@ -126,12 +126,12 @@ impl Mesh {
         Ok((Self { own, spans, bounds, ..whole }, findings))
     }
 
-    /// Axes along which the surface is endless, through periodic sides.
+    /// True for the axes along which the surface continues without end, through periodic sides.
     pub fn spans(&self) -> [bool; 3] {
         self.spans
     }
 
-    /// Sides of the surface on which particles are.
+    /// Side of the surface on which particles are.
     pub fn sides(&self) -> Sides {
         self.sides
     }
@@ -141,19 +141,20 @@ impl Mesh {
         self.bounds
     }
 
-    /// [m³] volume inside a closed surface: six times the volume of a tetrahedron is the triple product of its edges.
+    /// [m³] volume inside a closed surface. It is the sum over the triangles of one sixth of the triple product of the
+    /// three corner vectors.
     pub fn volume(&self) -> f64 {
         let [from, _] = self.bounds();
         let corners = self.corners().map(|corners| corners.map(|corner| corner - from));
         corners.map(|[a, b, c]| a.dot(&b.cross(&c))).sum::<f64>().abs() / 6.0
     }
 
-    /// [m] corners of the triangles.
+    /// [m] corners of each triangle.
     pub(super) fn corners(&self) -> impl Iterator<Item = [Vector3<f64>; 3]> + '_ {
         (0..self.surface.faces.len()).map(|face| self.surface.corners(face))
     }
 
-    /// Unit normals of the triangles.
+    /// Unit normal of each triangle.
     pub fn normals(&self) -> impl Iterator<Item = &Vector3<f64>> {
         self.surface.faces.iter().map(|face| &face.normal)
     }
@@ -163,14 +164,14 @@ impl Mesh {
         (&self.surface.points, self.surface.faces[..self.own].iter().map(|face| face.corners))
     }
 
-    /// The nearest point of a triangle.
+    /// The point of triangle `number` that is nearest to `point` [m].
     fn spot(&self, number: u32, point: &Vector3<f64>) -> TrianglePoint {
         let face = &self.surface.faces[number as usize];
         let corners = self.surface.corners(number as usize);
         let (nearest, place) = on_triangle(&corners, point);
         let (away, out) = match place {
             TriangleFeature::Face => {
-                // along the normal, as for a plane: a whole floor of triangles then gives identical bits
+                // uses the plane of the triangle, so that all triangles of a flat floor give identical bits
                 let height = face.normal.dot(&(point - corners[0]));
                 (height.abs(), if height < 0.0 { -face.normal } else { face.normal })
             }
@@ -189,8 +190,8 @@ impl Mesh {
         TrianglePoint { distance: away, direction: out, behind, face: number, place }
     }
 
-    /// True if the point is a local minimum of the distance: all of the surface next to it is further from the centre of
-    /// the sphere.
+    /// True if the point is a local minimum of the distance: all of the surface next to it is farther from the centre
+    /// of the sphere.
     fn is_least(&self, spot: &TrianglePoint) -> bool {
         let (surface, face) = (&self.surface, &self.surface.faces[spot.face as usize]);
         match spot.place {
@@ -208,11 +209,12 @@ impl Mesh {
         }
     }
 
-    /// The nearest point of the surface within `reach` [m]; of equally near ones, that on the first triangle.
+    /// The nearest point of the surface within `reach` [m]; if several are equally near, the one with the lowest
+    /// triangle index.
     fn first(&self, point: &Vector3<f64>, reach: f64) -> Option<TrianglePoint> {
         let first: Cell<Option<TrianglePoint>> = Cell::new(None);
         let least = || first.get().map_or(reach, |first| first.distance);
-        // no point of a triangle is nearer than its plane
+        // no point of a triangle is nearer than the plane of the triangle
         let plane = |face: u32| {
             let corner = self.surface.corners(face as usize)[0];
             self.surface.faces[face as usize].normal.dot(&(point - corner)).abs()
@@ -225,22 +227,22 @@ impl Mesh {
                     first.set(Some(earlier.unwrap_or(spot)));
                 }
             }
-            // so that equally near triangles are tested too
+            // increased by rounding, so that equally near triangles are tested too
             least() * (1.0 + ROUNDING)
         });
         first.get()
     }
 
-    /// True if all of the surface within `reach` [m] faces nearly one way, so that there is at most one contact.
-    /// Around an edge or a corner of a closed surface that is the nearest point, directions lie between the normals
-    /// of the triangles that meet there, all of which are within reach.
+    /// True if all of the surface within `reach` [m] has nearly one normal, so that there is at most one contact. If
+    /// the nearest point is on an edge or a corner of a closed surface, its direction lies between the normals of the
+    /// triangles that meet there. All of these triangles are within reach.
     fn is_smooth(&self, point: &Vector3<f64>, reach: f64) -> bool {
         let mut normals = self.tree.within(point, reach).map(|face| &self.surface.faces[face as usize].normal);
         let first = normals.next();
         self.sides != Sides::Both && first.is_none_or(|first| normals.all(|normal| normal.dot(first) > HALF_APART))
     }
 
-    /// Contacts within `reach` [m], from the nearest on.
+    /// All contacts within `reach` [m], the nearest first.
     fn all(&self, point: &Vector3<f64>, reach: f64) -> Vec<TrianglePoint> {
         let spots = self.tree.within(point, reach).map(|face| self.spot(face, point));
         let mut spots: Vec<TrianglePoint> =
@@ -248,8 +250,8 @@ impl Mesh {
         spots.sort_unstable_by(|a, b| a.distance.total_cmp(&b.distance).then(a.face.cmp(&b.face)));
         let mut kept: Vec<TrianglePoint> = Vec::new();
         for spot in spots {
-            // seen from behind it is the other side of a plate, except for the surface that the point itself has
-            // passed
+            // a surface seen from behind is the other side of a plate, unless the centre of the sphere itself has
+            // passed that surface
             let other_side = spot.behind && !kept.is_empty();
             if !other_side && kept.iter().all(|other| other.direction.dot(&spot.direction) <= APART) {
                 kept.push(spot);
@@ -262,7 +264,7 @@ impl Mesh {
 impl Geometry for Mesh {
     fn nearest(&self, point: &Vector3<f64>) -> Nearest {
         let closest = self.tree.closest(point, f64::MAX, |face| self.spot(face, point).distance);
-        // there is at least one triangle
+        // the fallback is never used, since a mesh has at least one triangle
         let none = Nearest { distance: f64::INFINITY, normal: Vector3::y() };
         closest.map_or(none, |(face, _)| self.spot(face, point).nearest())
     }
@@ -280,7 +282,8 @@ impl Geometry for Mesh {
         (2.0 - 2.0 * APART).sqrt()
     }
 
-    /// Beyond `REACH` radii there is no contact: the distance is then set to `REACH` radii, and the normal to zero.
+    /// Nearest point of a contact. Without a contact within `REACH` radii, the distance is `REACH` radii and the normal
+    /// zero.
     fn contact(&self, which: u32, point: &Vector3<f64>, radius: f64) -> Nearest {
         let reach = REACH * radius;
         let found = if self.clearance.least(point) > reach {
@@ -295,7 +298,7 @@ impl Geometry for Mesh {
         found.map_or(Nearest { distance: reach, normal: Vector3::zeros() }, |spot| spot.nearest())
     }
 
-    /// The first contact is the touch with any part of the surface.
+    /// First touch with any part of the surface, returned for contact 0 only.
     fn first_touch(&self, which: u32, flight: &Flight, radius: f64, until: f64) -> Option<Touch> {
         if which == 0 { self.sweep(flight, radius, until) } else { None }
     }
@@ -384,7 +387,7 @@ impl fmt::Debug for Mesh {
     }
 }
 
-/// Identification of the mesh: written where scenes are compared, and never read back.
+/// Writes an identification of the mesh, by which scenes are compared. It is never read back.
 impl Serialize for Mesh {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut hasher = FxHasher::default();

@@ -1,5 +1,5 @@
-//! Closed parts of a surface within others: a part in an odd number of others is the skin of a cavity and faces into
-//! it.
+//! Closed parts of a surface inside other closed parts. A part inside an odd number of others is the boundary of a
+//! cavity, and its triangles must face into the cavity.
 
 use super::surface::{Edges, Findings, Numbered};
 use super::{Sides, Tree};
@@ -7,33 +7,34 @@ use nalgebra::Vector3;
 use rustc_hash::FxHashMap;
 use serde::Serialize;
 
-/// Number of triangles of a part that are tested for the other parts around them: all must agree, or the parts cross.
+/// Number of triangles of a part that are tested for being inside other parts. If the results differ, the parts cross.
 const SAMPLES: usize = 8;
-/// Directions of outward rays, along one of which triangles are counted; none is along an axis or diagonal of typical
-/// drawings. If a ray passes an edge, the next direction is tried.
+/// Directions of rays, along one of which triangles are counted. None is along an axis or a diagonal of typical
+/// drawings. If a ray passes through an edge, the next direction is tried.
 const WAYS: [[f64; 3]; 4] =
     [[0.731, 0.419, 0.538], [-0.283, 0.874, 0.395], [0.467, -0.612, 0.638], [-0.571, -0.327, 0.753]];
-/// [-] of the size: a point nearer than that to an edge, or to the surface, is on it.
+/// [-] distance over the size of the surface: a point nearer than this to an edge or a triangle counts as on it.
 const ON: f64 = 1e-9;
 
-/// Numbers of closed parts within others.
+/// Numbers of closed parts that are inside others, by type.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Nested {
-    /// Parts in an odd number of others: skins of cavities.
+    /// Number of parts inside an odd number of others: boundaries of cavities.
     pub cavities: usize,
-    /// Cavities that faced away from the cavity and were flipped.
+    /// Number of cavities whose triangles faced away from the cavity and were flipped.
     pub turned: usize,
-    /// Outermost parts left out: particles are to be inside, and the part is drawn as a wall with its thickness.
+    /// Number of outermost parts that were removed. Particles are inside these parts, which are drawn as the outer
+    /// surface of a thick wall.
     pub skins: usize,
-    /// Parts within a vessel that are bodies, because they are drawn facing the same way as the vessel.
+    /// Number of parts inside a vessel that are bodies, because they are drawn facing the same way as the vessel.
     pub bodies: usize,
-    /// Parts that are partly within others.
+    /// Number of parts that are partly inside others.
     pub crossing: usize,
 }
 
-/// Makes the triangles of a closed surface face the particles: outwards, and into cavities. If particles are inside a
-/// part that is drawn as a wall with its thickness, only its cavities are kept. Any other part is a vessel, with
-/// bodies in it.
+/// Makes the triangles of a closed surface face the particles: outwards, and into cavities. Particles may be inside the
+/// outer surface of a thick wall; then the outer surface is removed and only its cavities are kept. Without a thick
+/// wall the outermost part is the vessel, and the parts in it are bodies.
 pub fn face_particles(
     points: &[Vector3<f64>],
     triangles: &mut Numbered,
@@ -45,7 +46,7 @@ pub fn face_particles(
     let inward: Vec<bool> = parts.iter().map(|part| volume(points, triangles, part) < 0.0).collect();
     let around = parts_around(points, triangles, &parts, &mut findings.nested);
     let is_root = |part: usize| around[part].is_empty();
-    // a wall drawn with its thickness: the first part within it faces the other way
+    // an outermost part is the outer surface of a thick wall if a part directly inside it faces the other way
     let mut is_skin = vec![false; parts.len()];
     for (number, around) in around.iter().enumerate() {
         if let (Sides::Inside, &[root]) = (sides, &around[..]) {
@@ -76,7 +77,7 @@ pub fn face_particles(
     triangles.retain(|_| stays.next().unwrap_or(true));
 }
 
-/// Connected parts of `count` triangles.
+/// Connected parts of `count` triangles, as lists of triangle indices.
 fn parts(count: usize, edges: &Edges) -> Vec<Vec<usize>> {
     let mut beside: Vec<Vec<u32>> = vec![Vec::new(); count];
     for there in edges.values() {
@@ -104,7 +105,7 @@ fn parts(count: usize, edges: &Edges) -> Vec<Vec<usize>> {
     parts
 }
 
-/// [m³] six times the volume of a closed part, positive if it faces outwards.
+/// [m³] six times the volume of a closed part, positive if the part faces outwards.
 fn volume(points: &[Vector3<f64>], triangles: &Numbered, part: &[usize]) -> f64 {
     let from = points[triangles[part[0]].0[0] as usize];
     let each = part.iter().map(|k| {
@@ -114,7 +115,7 @@ fn volume(points: &[Vector3<f64>], triangles: &Numbered, part: &[usize]) -> f64 
     each.sum()
 }
 
-/// The other parts that each part is in, in ascending order. Parts that are partly in others are counted.
+/// For each part, the other parts that contain it, in ascending order. Also counts the parts that cross others.
 fn parts_around(
     points: &[Vector3<f64>],
     triangles: &Numbered,
@@ -150,18 +151,18 @@ fn parts_around(
     around
 }
 
-/// All triangles, for counting along outward rays.
+/// All triangles, in a tree that finds those along a ray.
 struct Crossings {
     tree: Tree,
-    /// Index of the part of each triangle.
+    /// Index of the part to which each triangle belongs.
     of: Vec<usize>,
-    /// [m] size of the whole surface.
+    /// [m] diagonal of the box around the whole surface.
     size: f64,
 }
 
 impl Crossings {
-    /// Parts other than `own` that a point [m] is in: an outward ray passes an odd number of their triangles. `None`
-    /// for a point on one of them.
+    /// Parts other than `own` that contain a point [m]: a ray from the point passes through an odd number of their
+    /// triangles. `None` if no direction of [`WAYS`] gives a clear result.
     fn around(
         &self,
         point: &Vector3<f64>,
@@ -186,11 +187,11 @@ impl Crossings {
     }
 }
 
-/// True if a ray from a point, with a direction of length 1, passes a triangle; `None` if it passes an edge, or
-/// begins on the triangle.
+/// True if a ray from the point `from` passes through a triangle; the direction `way` has length 1. `None` if the ray
+/// passes through an edge, or begins on the triangle.
 fn passes(from: &Vector3<f64>, way: &Vector3<f64>, corners: [Vector3<f64>; 3], size: f64) -> Option<bool> {
     let [a, b, c] = corners.map(|corner| corner - from);
-    // seen along the ray, the side of each edge on which it passes: lengths times distances
+    // twice the signed area of each edge and the start of the ray, seen along the ray: its sign gives the side
     let sides = [(a, b), (b, c), (c, a)].map(|(p, q)| (way.dot(&p.cross(&q)), ON * size * (q - p).norm()));
     if sides.iter().any(|(side, on)| *side > *on) && sides.iter().any(|(side, on)| *side < -on) {
         return Some(false);

@@ -4,7 +4,8 @@ use super::surface::{Edges, Findings, count};
 
 /// Flips triangles until neighbours face the same way.
 pub(super) fn face_alike(triangles: &mut [([u32; 3], usize)], edges: &Edges, findings: &mut Findings) {
-    // neighbours, with true if one of the two must be flipped: they should run along their edge in opposite senses
+    // neighbours of each triangle; true if one of the two must be flipped, because both run along their edge in one
+    // sense
     let mut beside: Vec<Vec<(u32, bool)>> = vec![Vec::new(); triangles.len()];
     for there in edges.values() {
         if let [(a, of_a), (b, of_b)] = there[..] {
@@ -38,7 +39,7 @@ pub(super) fn face_alike(triangles: &mut [([u32; 3], usize)], edges: &Edges, fin
         }
         keep_most(&mut turn, &part);
     }
-    // each twisted edge was counted from both of its triangles
+    // each twisted edge was counted twice, once from either triangle
     findings.twisted_edges = twisted / 2;
     for (k, turned) in turn.iter().enumerate() {
         if *turned == Some(true) {
@@ -49,7 +50,7 @@ pub(super) fn face_alike(triangles: &mut [([u32; 3], usize)], edges: &Edges, fin
     }
 }
 
-/// Flips the smaller number of a part's triangles: the majority is taken to be right.
+/// Flips the smaller number of a part's triangles: the orientation of the majority counts as correct.
 fn keep_most(turn: &mut [Option<bool>], part: &[usize]) {
     let turned = part.iter().filter(|k| turn[**k] == Some(true)).count();
     if 2 * turned > part.len() {

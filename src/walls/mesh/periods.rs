@@ -1,42 +1,43 @@
 //! Surfaces that continue through periodic sides: floors, corrugated walls, pipes of one period.
 //!
-//! A surface whose open edges lie on two planes one period apart, and match there, is one endless surface. It is
-//! continued by copies of the triangles near these planes, shifted by one period. Corners on the planes get identical
+//! A surface is endless if its open edges lie on two planes one period apart and match there. Copies of the triangles
+//! near these planes, shifted by one period, then continue the surface. Corners on the planes get identical
 //! coordinates, so that no seam is left.
 
 use nalgebra::Vector3;
 use rustc_hash::{FxHashMap, FxHashSet};
 
-/// Triangles by their corners [m].
+/// List of triangles, each by its corners [m].
 type TriangleList = Vec<[Vector3<f64>; 3]>;
-/// An edge by its corners [m].
+/// An edge, by its two corners [m].
 type Edge = [Vector3<f64>; 2];
 
-/// [-] of the period: corners closer than this are one. A file in single precision has 6e-8 of its largest number.
+/// [-] distance over the period: corners that are closer than this count as equal. A file in single precision has an
+/// accuracy of 6e-8 of its largest number.
 const SAME: f64 = 1e-6;
 
-/// Open edges of a surface on both periodic sides that do not meet there.
+/// The error for open edges of a surface that reach both periodic sides but do not match there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mismatch {
-    /// Axis across the sides: 0, 1, 2 for x, y, z.
+    /// Axis perpendicular to the sides: 0, 1, 2 for x, y, z.
     pub axis: usize,
-    /// [m] largest distance of a corner on one side from the edges on the other, one period on.
+    /// [m] largest distance between a corner on one side and the edges on the other side, shifted by one period.
     pub step: f64,
 }
 
-/// A surface with the copies that continue it.
+/// A surface together with the copies that continue it beyond periodic sides.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Continued {
-    /// Triangles [m]; those of the surface itself come first.
+    /// Triangles, by their corners [m]; those of the surface itself come first.
     pub heap: TriangleList,
-    /// Axes along which it goes on without end.
+    /// True for the axes along which the surface continues without end.
     pub spans: [bool; 3],
-    /// Number of open edges of the surface itself that meet others at periodic sides.
+    /// Number of open edges of the surface itself that meet other edges at periodic sides.
     pub joined: usize,
 }
 
-/// Continues a surface across the periodic sides that it goes through. `periods` [m] are the edges of the domain
-/// where it is periodic. Copies reach `margin` [m] beyond the sides, at most one period.
+/// Continues a surface through the periodic sides at which its open edges match. `periods` [m] are the edges of the
+/// domain along periodic axes. Copies reach `margin` [m] beyond the sides, but at most one period.
 ///
 /// # Errors
 /// If the open edges on two sides do not match.
@@ -54,25 +55,26 @@ pub fn continued(heap: &[[Vector3<f64>; 3]], periods: [Option<f64>; 3], margin: 
     Ok(all)
 }
 
-/// Open edges on two planes one period apart.
+/// Open edges of a surface on two planes one period apart.
 struct OpenEnds {
     axis: usize,
-    /// [m]
+    /// [m] length of the period.
     period: f64,
-    /// [m] coordinate of the lower plane.
+    /// [m] coordinate of the lower plane along the axis.
     low: f64,
-    /// Open edges [m] on the lower and on the upper plane.
+    /// Open edges [m] on the lower plane and on the upper plane.
     edges: [Vec<Edge>; 2],
 }
 
-/// Bits of a point, as a key.
+/// Bits of the coordinates of a point, as a key.
 fn bits(point: &Vector3<f64>) -> [u64; 3] {
-    // 0 and -0 are the same coordinate
+    // adding 0 turns -0 into 0, which is the same coordinate
     [point.x, point.y, point.z].map(|value| (value + 0.0).to_bits())
 }
 
 impl OpenEnds {
-    /// `None` if the surface is not one period long, or has no open edges on one of the planes at its ends.
+    /// Finds the open ends along an axis; `None` if the surface is not one period long, or has no open edges at one of
+    /// its ends.
     fn of(heap: &[[Vector3<f64>; 3]], axis: usize, period: f64) -> Option<Self> {
         let places = || heap.iter().flatten().map(|corner| corner[axis]);
         let (low, high) = (places().fold(f64::INFINITY, f64::min), places().fold(f64::NEG_INFINITY, f64::max));
@@ -89,8 +91,8 @@ impl OpenEnds {
         edges.iter().all(|edges| !edges.is_empty()).then_some(Self { axis, period, low, edges })
     }
 
-    /// For each corner on the upper plane the equal corner on the lower one; corners without a counterpart lie on an
-    /// edge.
+    /// For each corner on the upper plane, the equal corner on the lower plane. Corners without an equal one lie on an
+    /// edge of the other plane.
     fn matched(&self) -> Result<FxHashMap<[u64; 3], Vector3<f64>>, Mismatch> {
         let shift = Vector3::from_fn(|k, _| if k == self.axis { self.period } else { 0.0 });
         let upper: Vec<Edge> = self.edges[1].iter().map(|edge| edge.map(|corner| corner - shift)).collect();
@@ -116,14 +118,14 @@ impl OpenEnds {
     }
 }
 
-/// An edge as a key, equal from both of its triangles.
+/// An edge as a key that is equal for both of its triangles.
 fn key(edge: &Edge) -> [[u64; 3]; 2] {
     let mut key = edge.map(|corner| bits(&corner));
     key.sort_unstable();
     key
 }
 
-/// Edges with one triangle only [m].
+/// Edges that belong to only one triangle, by their corners [m].
 fn open_edges(heap: &[[Vector3<f64>; 3]]) -> Vec<Edge> {
     let mut edges: FxHashMap<[[u64; 3]; 2], (usize, Edge)> = FxHashMap::default();
     for triangle in heap {
@@ -132,13 +134,13 @@ fn open_edges(heap: &[[Vector3<f64>; 3]]) -> Vec<Edge> {
             edges.entry(key(&edge)).or_insert((0, edge)).0 += 1;
         }
     }
-    // in an order that does not depend on the table
+    // sorted, so that the order does not depend on the hash table
     let mut open: Vec<_> = edges.into_iter().filter(|(_, (count, _))| *count == 1).collect();
     open.sort_unstable_by_key(|(key, _)| *key);
     open.into_iter().map(|(_, (_, edge))| edge).collect()
 }
 
-/// [m] largest distance of a corner of some edges from the other edges.
+/// [m] largest distance of a corner of `edges` from the nearest of the `others`.
 fn farthest(edges: &[Edge], others: &[Edge]) -> f64 {
     let corners: FxHashSet<[u64; 3]> = others.iter().flatten().map(bits).collect();
     let alone = edges.iter().flatten().filter(|corner| !corners.contains(&bits(corner)));
@@ -153,7 +155,8 @@ fn farthest(edges: &[Edge], others: &[Edge]) -> f64 {
     alone.map(distance).fold(0.0, f64::max)
 }
 
-/// Adds copies of the triangles within `margin` [m] of the planes, and gives corners on the upper plane the places of those on the lower one.
+/// Adds shifted copies of the triangles within `margin` [m] of the two planes. Corners on the upper plane get exactly
+/// the coordinates of the equal corners on the lower plane, plus one period.
 fn continue_along(heap: &mut TriangleList, sides: &OpenEnds, same: &FxHashMap<[u64; 3], Vector3<f64>>, margin: f64) {
     let (axis, period) = (sides.axis, sides.period);
     let shifted = |corner: &Vector3<f64>| {
@@ -166,7 +169,7 @@ fn continue_along(heap: &mut TriangleList, sides: &OpenEnds, same: &FxHashMap<[u
     let (mut above, mut below) = (Vec::new(), Vec::new());
     for triangle in &heap[..own] {
         let places = triangle.map(|corner| corner[axis] - sides.low);
-        // a corner on the upper plane that a copy below shares becomes the corner on the lower plane, to the last bit
+        // a corner on the upper plane that has an equal corner on the lower plane gets exactly its coordinates
         let down = |corner: &Vector3<f64>| {
             lower(corner).unwrap_or_else(|| {
                 let mut moved = *corner;
@@ -194,7 +197,7 @@ fn continue_along(heap: &mut TriangleList, sides: &OpenEnds, same: &FxHashMap<[u
 mod tests {
     use super::*;
 
-    /// A floor of 4 by 4 squares of two triangles over 8 by 6 m, its height given at each corner.
+    /// A floor of 4 by 4 squares of two triangles over 8 by 6 m; `height` returns its height at each corner.
     fn floor(height: impl Fn(f64, f64) -> f64) -> TriangleList {
         let at = |i: u32, k: u32| {
             let (x, z) = (2.0 * f64::from(i), 1.5 * f64::from(k));
@@ -213,7 +216,7 @@ mod tests {
         let heap = floor(|x, z| bumpy(x % 8.0, z));
         let found = continued(&heap, [Some(8.0), None, Some(6.0)], 2.0).unwrap();
         assert_eq!(found.spans, [true, false, true]);
-        // the remaining open edges are those around the whole
+        // the remaining open edges are those around the continued floor
         let [low, high] = [Vector3::new(-2.0, 0.0, -3.0), Vector3::new(10.0, 0.0, 9.0)];
         let around =
             |corner: &Vector3<f64>| [0, 2].iter().any(|&k| corner[k] <= low[k] + 1e-9 || corner[k] >= high[k] - 1e-9);
@@ -230,7 +233,7 @@ mod tests {
         assert!(step.axis == 0 && (step.step - 0.08).abs() < 1e-12, "{step:?}");
         let found = continued(&tilted, [None, None, Some(6.0)], 2.0).unwrap();
         assert_eq!(found.spans, [false, false, true]);
-        // shorter than the period
+        // the surface is shorter than the period
         let found = continued(&tilted, [Some(9.0), None, None], 2.0).unwrap();
         assert_eq!((found.spans, found.heap.len()), ([false; 3], tilted.len()));
     }

@@ -1,5 +1,5 @@
-//! From a list of triangles to a surface: equal corners are merged, bad triangles counted and left out, neighbours
-//! found and flipped to face the same way.
+//! Makes a surface from a list of triangles. Equal corners are merged, bad triangles are counted and removed, and
+//! neighbours are found and flipped to face the same way.
 
 use super::nesting::{Nested, face_particles};
 use super::orientation::face_alike;
@@ -8,11 +8,11 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
-/// [-] height over the longest edge below which a triangle is degenerate: its normal would be rounding (that of a
-/// file in single precision is 6e-8).
+/// [-] height over the longest edge below which a triangle counts as degenerate, since its normal would be determined
+/// by rounding. The rounding of a file in single precision is 6e-8.
 const THINNEST: f64 = 1e-9;
-/// [-] depth of a neighbour's far corner below a triangle, over the longest edge, from which a sphere can touch their
-/// common edge by itself. Flatter edges are covered by the triangles, which count as larger by
+/// [-] depth of a neighbour's far corner below a triangle, over the longest edge. At larger depths a sphere can touch
+/// their common edge without touching the triangles. Flatter edges need no test, because triangles count as larger by
 /// [`COVER`](super::sweep::COVER).
 const SHARP: f64 = 1e-12;
 
@@ -20,35 +20,36 @@ const SHARP: f64 = 1e-12;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Sides {
-    /// Outside a closed surface: a solid body.
+    /// Particles are outside a closed surface: a solid body.
     Outside,
-    /// Inside a closed surface: a container.
+    /// Particles are inside a closed surface: a container.
     Inside,
-    /// On both sides: a thin sheet, which may be open.
+    /// Particles are on both sides of a thin sheet, which may be open.
     Both,
 }
 
-/// Defects that were found in a list of triangles, and corrected. Triangles are numbered from 1, in the order of the
-/// file.
+/// Defects that were found in a list of triangles. Triangles are numbered from 1, in the order of the file.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Findings {
     /// Number of triangles given.
     pub given: usize,
-    /// Triangles without area, left out: their number, and the first.
+    /// Triangles without area, which are removed: their number, and the number of the first.
     pub degenerate: (usize, usize),
-    /// Triangles with the same corners as an earlier one, left out: their number, and the first.
+    /// Triangles with the corners of an earlier one, which are removed: their number, and the number of the first.
     pub duplicate: (usize, usize),
-    /// Triangles that faced the other way than their neighbours, flipped: their number, and the first.
+    /// Triangles that faced the other way than their neighbours, which are flipped: their number, and the number of the
+    /// first.
     pub turned: (usize, usize),
-    /// True if a closed part that is in no other, or in an even number of others, faced inwards and was flipped.
+    /// True if a closed part that is inside no other part, or inside an even number of parts, faced inwards and was
+    /// flipped.
     pub inside_out: bool,
-    /// Closed parts within others.
+    /// Closed parts inside others.
     pub nested: Nested,
-    /// Edges with one triangle only, where the surface is open.
+    /// Number of edges with only one triangle, at which the surface is open.
     pub open_edges: usize,
-    /// Edges with more than two triangles.
+    /// Number of edges with more than two triangles.
     pub crowded_edges: usize,
-    /// Edges whose triangles cannot be made to face the same way.
+    /// Number of edges whose triangles cannot be made to face the same way.
     pub twisted_edges: usize,
 }
 
@@ -59,17 +60,17 @@ impl Findings {
     }
 }
 
-/// Reason why triangles make no wall.
+/// Reason why triangles do not form a wall.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Fault {
-    /// A corner is not a number.
+    /// A coordinate of a corner is not a finite number.
     #[error("{count} of its {given} triangles have corners that are not finite numbers, the first is triangle {first}")]
     NotFinite {
-        /// Number of such triangles.
+        /// Number of triangles with such corners.
         count: usize,
         /// Number of triangles given.
         given: usize,
-        /// Number of the first such triangle.
+        /// Number of the first triangle with such a corner.
         first: usize,
     },
     /// No triangle has an area.
@@ -86,57 +87,59 @@ pub enum Fault {
     NotClosed(Findings),
 }
 
-/// One triangle.
+/// One triangle, with data on its neighbours.
 #[derive(Clone, Debug)]
 pub struct Face {
     /// Indices of the corners, counter-clockwise seen from the particles.
     pub corners: [u32; 3],
-    /// [-] unit normal, towards the particles (for a sheet: to one side).
+    /// [-] unit normal, towards the particles; for a sheet, towards one of its sides.
     pub normal: Vector3<f64>,
-    /// [-] unit vectors across each edge, into the triangle.
+    /// [-] for each edge, the unit vector in the plane of the triangle, perpendicular to the edge, that points into the
+    /// triangle.
     pub inward: [Vector3<f64>; 3],
-    /// For each edge, the index range in [`TriangleSurface::ways`] of the unit vectors that point across the edge into the
-    /// neighbouring triangles.
+    /// For each edge, a range of indices in [`TriangleSurface::ways`]. The unit vectors there point across the edge
+    /// into the neighbouring triangles.
     pub beyond: [Range<u32>; 3],
-    /// [-] pseudo-normal of each edge: the sum of the normals that meet there.
+    /// [-] pseudo-normal of each edge: the sum of the normals of the triangles that meet at the edge.
     pub at_edge: [Vector3<f64>; 3],
-    /// Edges and corners that a sphere can touch by themselves and that no earlier triangle handles: bits 0 to 2 and
-    /// 3 to 5.
+    /// Edges (bits 0 to 2) and corners (bits 3 to 5) for which this triangle is tested. A sphere can touch them without
+    /// touching the inside of a triangle, and no earlier triangle tests them.
     pub own: u8,
-    /// [m] longest edge.
+    /// [m] length of the longest edge.
     pub longest: f64,
 }
 
-/// Triangles with data of their neighbourhood.
+/// Triangles with data on their neighbours.
 #[derive(Clone, Debug)]
 pub struct TriangleSurface {
-    /// [m] points.
+    /// [m] corner points of the triangles.
     pub points: Vec<Vector3<f64>>,
-    /// Triangles.
+    /// Triangles of the surface, with data on their neighbours.
     pub faces: Vec<Face>,
-    /// [-] unit vectors into neighbours, across edges.
+    /// [-] unit vectors that point across edges into neighbouring triangles.
     pub ways: Vec<Vector3<f64>>,
-    /// [-] pseudo-normal of each point: the normals that meet there, weighted by their angles.
+    /// [-] pseudo-normal of each point: the sum of the normals of the triangles that meet at the point, weighted by
+    /// their angles.
     pub at_point: Vec<Vector3<f64>>,
-    /// Neighbouring points of point p: `beside[from_point[p] .. from_point[p + 1]]`.
+    /// Index ranges of the neighbouring points of point p: `beside[from_point[p] .. from_point[p + 1]]`.
     pub from_point: Vec<u32>,
-    /// See [`from_point`](Self::from_point).
+    /// Neighbouring points of all points, see [`from_point`](Self::from_point).
     pub beside: Vec<u32>,
 }
 
-/// Triangles by their points, each with its number in the file.
+/// Triangles as three point indices, each with the triangle's number in the file.
 pub(super) type Numbered = Vec<([u32; 3], usize)>;
 
-/// Triangles at each edge, keyed by the edge's points in ascending order: index of the triangle, and number of the
-/// edge in it.
+/// Triangles at each edge. The key is the two points of the edge in ascending order. The value lists the index of each
+/// triangle, and the number of the edge in it.
 pub(super) type Edges = FxHashMap<[u32; 2], Vec<(u32, usize)>>;
 
 impl TriangleSurface {
-    /// Makes a surface of triangles given by their corners [m]. Without `sides` a closed surface is a body, and an
-    /// open one a sheet.
+    /// Makes a surface of triangles given by their corners [m]. Without `sides` a closed surface is a solid body, and
+    /// an open one a thin sheet.
     ///
     /// # Errors
-    /// If the triangles make no surface, or have no inside where `sides` needs one.
+    /// If the triangles do not form a surface, or if `sides` requires an inside and the surface has none.
     pub fn new(heap: &[[Vector3<f64>; 3]], sides: Option<Sides>) -> Result<(Self, Sides, Findings), Fault> {
         let mut findings = Findings { given: heap.len(), ..Findings::default() };
         refuse_not_finite(heap)?;
@@ -197,7 +200,7 @@ impl TriangleSurface {
         Self { points, faces, ways, at_point, from_point, beside }
     }
 
-    /// True if all points are connected.
+    /// True if all points are connected by edges.
     pub fn is_one_part(&self) -> bool {
         let mut seen = vec![false; self.points.len()];
         let mut waiting = vec![0];
@@ -211,7 +214,7 @@ impl TriangleSurface {
         seen.into_iter().all(|seen| seen)
     }
 
-    /// [m] corners of a triangle.
+    /// [m] corners of the triangle at the index `face`.
     #[inline]
     pub fn corners(&self, face: usize) -> [Vector3<f64>; 3] {
         self.faces[face].corners.map(|corner| self.points[corner as usize])
@@ -227,13 +230,13 @@ fn refuse_not_finite(heap: &[[Vector3<f64>; 3]]) -> Result<(), Fault> {
     }
 }
 
-/// Counts one defect, and stores its triangle number if it is the first.
+/// Counts one defect, and stores the number of its triangle if it is the first.
 pub(super) fn count(found: &mut (usize, usize), number: usize) {
     *found = (found.0 + 1, if found.0 == 0 { number } else { found.1 });
 }
 
-/// Merges equal points. Returns the points, and triangles by their points, each with its number, without degenerate
-/// and duplicate triangles.
+/// Merges equal points. Returns the points, and the triangles as point indices with their numbers. Degenerate and
+/// duplicate triangles are removed.
 fn weld(heap: &[[Vector3<f64>; 3]], findings: &mut Findings) -> (Vec<Vector3<f64>>, Numbered) {
     let (mut points, mut triangles) = (Vec::new(), Vec::new());
     let mut known: FxHashMap<[u64; 3], u32> = FxHashMap::default();
@@ -246,7 +249,7 @@ fn weld(heap: &[[Vector3<f64>; 3]], findings: &mut Findings) -> (Vec<Vector3<f64
             continue;
         }
         let corners = triangle.map(|point| {
-            // 0 and -0 are the same coordinate
+            // adding 0 turns -0 into 0, which is the same coordinate
             let bits = [point.x, point.y, point.z].map(|value| (value + 0.0).to_bits());
             *known.entry(bits).or_insert_with(|| {
                 points.push(point);
@@ -264,7 +267,7 @@ fn weld(heap: &[[Vector3<f64>; 3]], findings: &mut Findings) -> (Vec<Vector3<f64
     (points, triangles)
 }
 
-/// The points of an edge in ascending order.
+/// The two points of an edge in ascending order.
 fn key(corners: &[u32; 3], edge: usize) -> [u32; 2] {
     let (a, b) = (corners[edge], corners[(edge + 1) % 3]);
     [a.min(b), a.max(b)]
@@ -280,7 +283,7 @@ fn edges(triangles: &[([u32; 3], usize)]) -> Edges {
     edges
 }
 
-/// A triangle without data of its neighbours.
+/// A triangle before the data on its neighbours are computed.
 fn plain(points: &[Vector3<f64>], corners: [u32; 3]) -> Face {
     let at = corners.map(|corner| points[corner as usize]);
     let normal = (at[1] - at[0]).cross(&(at[2] - at[0])).normalize();
@@ -296,7 +299,7 @@ fn plain(points: &[Vector3<f64>], corners: [u32; 3]) -> Face {
     }
 }
 
-/// True if a sphere can touch an edge without touching one of its triangles elsewhere. False where the surface is
+/// True if a sphere can touch an edge without touching the inside of one of its triangles. False where the surface is
 /// flat or, seen from the particles, concave.
 fn is_sharp(points: &[Vector3<f64>], faces: &[Face], there: &[(u32, usize)], sides: Sides) -> bool {
     let [(a, of_a), (b, of_b)] = there[..] else { return true };
@@ -310,7 +313,7 @@ fn is_sharp(points: &[Vector3<f64>], faces: &[Face], there: &[(u32, usize)], sid
     }
 }
 
-/// Pseudo-normals of the points, and the neighbouring points of each.
+/// Pseudo-normals of the points, and the neighbouring points of each as in [`TriangleSurface`].
 fn around_points(points: &[Vector3<f64>], faces: &[Face]) -> (Vec<Vector3<f64>>, Vec<u32>, Vec<u32>) {
     let mut normals = vec![Vector3::zeros(); points.len()];
     let mut beside: Vec<Vec<u32>> = vec![Vec::new(); points.len()];

@@ -1,10 +1,10 @@
-//! Time at which a flying sphere touches a surface of triangles: roots for faces, edges and corners, as of a plane, a
-//! cylinder and a sphere.
+//! Time at which a flying sphere touches a surface of triangles. Faces are treated as planes, edges as cylinders and
+//! corners as spheres.
 //!
-//! The positions that the centre of a sphere may take are bounded by planes above the triangles, cylinders about the
-//! edges and spheres about the corners. Each triangle tests its face, and those edges and corners that it handles.
-//! Where the surface is flat or concave, edges need no test: the faces there are taken as slightly larger, so that no
-//! crack is left between them.
+//! Planes above the triangles, cylinders about the edges and spheres about the corners bound the positions of the
+//! centre of a sphere. For each triangle its face is tested, and those edges and corners that it handles. Where the
+//! surface is flat or concave, edges need no test: the faces there count as slightly larger, so that no crack is left
+//! between them.
 
 use super::surface::{Face, Sides};
 use super::tree::TriangleFeature;
@@ -12,12 +12,12 @@ use super::{Mesh, Nearest};
 use crate::walls::{Flight, Touch, convex, first_touch};
 use nalgebra::Vector3;
 
-/// [-] enlargement of a triangle at each edge, over its longest edge.
+/// [-] width by which a triangle is enlarged at each edge, over its longest edge.
 pub(super) const COVER: f64 = 1e-10;
-/// [-] overlap over the radius that is rounding of a touch.
+/// [-] overlap over the radius that counts as rounding of a touch.
 const TOUCHING: f64 = 1e-9;
 
-/// A face, edge or corner of a triangle as one number.
+/// A face, edge or corner of a triangle, encoded as one number.
 fn numbered(face: u32, place: TriangleFeature) -> u32 {
     face * 8
         + match place {
@@ -28,10 +28,11 @@ fn numbered(face: u32, place: TriangleFeature) -> u32 {
 }
 
 impl Mesh {
-    /// First touch of a sphere of `radius` [m] within `until` [s], with the feature that is touched.
+    /// First touch of a sphere of `radius` [m] within `until` [s], with the number of the face, edge or corner that is
+    /// touched.
     pub(super) fn sweep(&self, flight: &Flight, radius: f64, until: f64) -> Option<Touch> {
         let end = flight.position_at(until);
-        // the path of a falling sphere stays within this distance of the straight one
+        // largest distance between the path of a falling sphere and the straight line between its ends
         let sag = 0.125 * flight.gravity.norm() * until * until;
         let reach = (radius + sag) * (1.0 + TOUCHING);
         let way = (end - flight.position).norm();
@@ -43,7 +44,7 @@ impl Mesh {
             let least = first.map_or(until, |touch| touch.time);
             self.touches(face, flight, radius, least, |time, place| {
                 let place = numbered(face, place);
-                // equal instants are ordered by number, so that runs repeat
+                // touches at equal times are ordered by their numbers, so that runs are repeatable
                 if first.is_none_or(|touch| (time, place) < (touch.time, touch.place)) {
                     first = Some(Touch { time, place });
                 }
@@ -52,7 +53,7 @@ impl Mesh {
         first
     }
 
-    /// Distance and normal from a face, edge or corner that has been touched.
+    /// Distance and normal of `point` [m] from the face, edge or corner with a number from [`numbered`].
     pub(super) fn at(&self, number: u32, point: &Vector3<f64>) -> Nearest {
         let face = &self.surface.faces[number as usize / 8];
         let corner = |k: u32| self.surface.points[face.corners[k as usize % 3] as usize];
@@ -73,7 +74,7 @@ impl Mesh {
         Nearest { distance, normal: if distance > 0.0 { out / distance } else { face.normal } }
     }
 
-    /// Calls `visit` with the touches of a triangle up to `until` [s].
+    /// Calls `visit` with the time and the feature of each touch of one triangle up to `until` [s].
     fn touches(
         &self,
         number: u32,
@@ -101,7 +102,7 @@ impl Mesh {
                     visit(time, end.map_or(TriangleFeature::Edge(k), |end| TriangleFeature::Corner((k + end) % 3)));
                 }
             }
-            // in a fall the bars include their ends
+            // with gravity, the test of an edge includes its end points
             if !falls && face.own & 8 << k != 0 {
                 let apart = flight.position - corners[k];
                 let time = first_touch(&apart, &flight.velocity, radius, flight.velocity.norm());
@@ -113,8 +114,8 @@ impl Mesh {
     }
 }
 
-/// [s] time at which a sphere on the side of `normal` comes down to the plane of a triangle, if it meets the
-/// triangle.
+/// [s] time at which a sphere on the side of `normal` reaches the plane of a triangle from above; `None` if it misses
+/// the triangle.
 fn on_face(
     normal: &Vector3<f64>,
     (face, corners): (&Face, &[Vector3<f64>; 3]),
@@ -130,7 +131,7 @@ fn on_face(
         return None;
     }
     let covers = |time: f64| (time <= until && is_above(face, corners, &flight.position_at(time))).then_some(time);
-    // an approach slower than rounding of the velocity does not count
+    // an approach slower than the rounding of the velocity is ignored
     let approaches = speed < -4.0 * f64::EPSILON * flight.velocity.norm();
     if gap <= 0.0 && height > 0.0 && approaches && covers(0.0).is_some() {
         return Some(0.0);
@@ -140,7 +141,7 @@ fn on_face(
     covers(way_down(gap, speed, fall)?)
 }
 
-/// [s] time t > 0 at which gap + speed t + fall t²/2 goes from positive to negative; there is at most one.
+/// [s] time t > 0 at which gap + speed t + fall t²/2 changes from positive to negative; there is at most one.
 fn way_down(gap: f64, speed: f64, fall: f64) -> Option<f64> {
     let discriminant = speed * speed - 2.0 * fall * gap;
     if discriminant < 0.0 {
@@ -157,13 +158,13 @@ fn way_down(gap: f64, speed: f64, fall: f64) -> Option<f64> {
     }
 }
 
-/// True if a point is above a slightly enlarged triangle.
+/// True if the projection of a point lies in the slightly enlarged triangle.
 fn is_above(face: &Face, corners: &[Vector3<f64>; 3], point: &Vector3<f64>) -> bool {
     let least = -COVER * face.longest;
     face.inward.iter().zip(corners).all(|(inward, corner)| inward.dot(&(point - corner)) >= least)
 }
 
-/// [s] time at which a sphere in straight flight touches the edge between two points [m], not at its ends.
+/// [s] time at which a sphere in straight flight touches the edge between two points [m], without its ends.
 fn on_edge([from, to]: [Vector3<f64>; 2], flight: &Flight, radius: f64) -> Option<(f64, Option<usize>)> {
     let length = (to - from).norm();
     let along = (to - from) / length;
@@ -175,8 +176,8 @@ fn on_edge([from, to]: [Vector3<f64>; 2], flight: &Flight, radius: f64) -> Optio
     (0.0..=length).contains(&place).then_some((time, None))
 }
 
-/// [s] time at which a falling sphere touches the straight bar between two points [m], with the number of the end, if
-/// it touches an end. The bar is convex.
+/// [s] time at which a falling sphere touches the straight edge between two points [m], including its ends. Also
+/// returns the number of the end, if the sphere touches an end. The edge is convex.
 fn on_bar(ends: [Vector3<f64>; 2], flight: &Flight, radius: f64, until: f64) -> Option<(f64, Option<usize>)> {
     let along = ends[1] - ends[0];
     let share = |point: &Vector3<f64>| ((point - ends[0]).dot(&along) / along.norm_squared()).clamp(0.0, 1.0);

@@ -1,4 +1,5 @@
-//! parry's tree of boxes over the triangles of a mesh, and its nearest point of one triangle.
+//! A tree of boxes around the triangles of a mesh, and the nearest point of one triangle, both through the library
+//! parry.
 
 use nalgebra::Vector3;
 use parry3d_f64::bounding_volume::Aabb;
@@ -7,51 +8,51 @@ use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy, BvhNode};
 use parry3d_f64::query::PointQueryWithLocation;
 use parry3d_f64::shape::{Triangle, TrianglePointLocation};
 
-/// [-] of a squared distance: excess by which a box may seem farther than its triangle.
+/// [-] relative error of a squared distance by which a box may seem farther than its triangle.
 const ROUNDING: f64 = 1e-12;
 
 /// Feature of a triangle on which a point lies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TriangleFeature {
-    /// Inside.
+    /// The inside of the triangle.
     Face,
-    /// On the edge from that corner to the next.
+    /// An edge, from the corner with this number to the next.
     Edge(usize),
-    /// At that corner.
+    /// The corner with this number.
     Corner(usize),
 }
 
-/// Boxes around triangles.
+/// A tree of boxes around triangles or bodies.
 #[derive(Clone)]
 pub struct Tree(Bvh);
 
 impl Tree {
-    /// A tree of triangles given by their corners [m].
+    /// Makes a tree of triangles, which are given by their corners [m].
     pub fn new(triangles: impl Iterator<Item = [Vector3<f64>; 3]>) -> Self {
         let boxes: Vec<Aabb> = triangles.map(|corners| Aabb::from_points(corners.iter().map(to_parry))).collect();
         Self(Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes))
     }
 
-    /// A tree of boxes given by their lowest and highest corners [m].
+    /// Makes a tree of boxes, which are given by their lowest and highest corners [m].
     pub fn of_boxes(boxes: impl Iterator<Item = [Vector3<f64>; 2]>) -> Self {
         let boxes: Vec<Aabb> = boxes.map(|[low, high]| Aabb::new(to_parry(&low), to_parry(&high))).collect();
         Self(Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes))
     }
 
-    /// Calls `visit` with every triangle whose box comes within `reach` [m] of a point [m] along each axis.
+    /// Calls `visit` with every triangle whose box is within `reach` [m] of a point [m] along each axis.
     pub fn for_each_near(&self, point: &Vector3<f64>, reach: f64, mut visit: impl FnMut(u32)) {
         let half = ParryVector::splat(reach);
         let around = Aabb::new(to_parry(point) - half, to_parry(point) + half);
         self.0.intersect_aabb(&around).for_each(&mut visit);
     }
 
-    /// Triangles whose box comes within `reach` [m] of a point [m], up to rounding.
+    /// Triangles whose box is within `reach` [m] of a point [m], up to rounding.
     pub fn within(&self, point: &Vector3<f64>, reach: f64) -> impl Iterator<Item = u32> + '_ {
         let (point, square) = (to_parry(point), reach * reach * (1.0 + ROUNDING));
         self.0.leaves(move |node| square_distance(node, point) <= square)
     }
 
-    /// True if some box comes within `reach` [m] of a point [m].
+    /// True if some box is within `reach` [m] of a point [m].
     pub fn is_near(&self, point: &Vector3<f64>, reach: f64) -> bool {
         let point = to_parry(point);
         self.0.leaves(|node| square_distance(node, point) <= reach * reach).next().is_some()
@@ -81,8 +82,9 @@ impl Tree {
         self.0.leaves(meets).for_each(visit);
     }
 
-    /// The triangle with the least distance [m] from a point [m], as `distance` measures it, if that is less than
-    /// `reach` [m]. `distance` is not called for triangles whose box is no nearer than the least distance so far.
+    /// The triangle for which `distance` [m] is smallest, and this distance; `None` if it is not below `reach` [m]. The
+    /// function `distance` must return the distance of a triangle from the point [m]. It is not called for triangles
+    /// whose box is farther than the smallest distance so far.
     pub fn closest(&self, point: &Vector3<f64>, reach: f64, distance: impl Fn(u32) -> f64) -> Option<(u32, f64)> {
         let point = to_parry(point);
         self.0.find_best(
@@ -93,21 +95,21 @@ impl Tree {
     }
 }
 
-/// The nearest point [m] of a triangle, and the feature on which it lies.
+/// The nearest point [m] of a triangle to `point` [m], and the feature on which it lies.
 pub fn on_triangle(corners: &[Vector3<f64>; 3], point: &Vector3<f64>) -> (Vector3<f64>, TriangleFeature) {
     let [a, b, c] = corners.each_ref().map(to_parry);
     let (projection, location) = Triangle::new(a, b, c).project_local_point_and_get_location(to_parry(point), false);
     let nearest = Vector3::new(projection.point.x, projection.point.y, projection.point.z);
     let place = match location {
         TrianglePointLocation::OnVertex(corner) => TriangleFeature::Corner(corner as usize),
-        // parry numbers the edges as here: ab, bc, ca
+        // parry numbers the edges as this program does: ab, bc, ca
         TrianglePointLocation::OnEdge(edge, _) => TriangleFeature::Edge(edge as usize),
         TrianglePointLocation::OnFace(..) | TrianglePointLocation::OnSolid => TriangleFeature::Face,
     };
     (nearest, place)
 }
 
-/// [m²] squared distance from a point to the box of a node.
+/// [m²] squared distance from a point to the box of a node of the tree.
 fn square_distance(node: &BvhNode, point: ParryVector) -> f64 {
     (node.mins() - point).max(point - node.maxs()).max(ParryVector::ZERO).length_squared()
 }

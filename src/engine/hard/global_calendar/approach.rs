@@ -1,47 +1,47 @@
-//! Approach of the neighbours of a particle, four at a time.
+//! Test whether neighbours approach a particle, for four neighbours at the same time.
 //!
-//! If the processor has vectors of four numbers (AVX2, tested at run time), they are used. Otherwise the same
-//! operations are done one by one in the same order, so that the bits agree.
+//! If the processor has vectors of four numbers (AVX2, tested at run time), the code uses them. Otherwise the same
+//! operations are done one by one in the same order, so that the bits are equal.
 
 use super::next_events::FlightState;
 use crate::domain::Domain;
 use nalgebra::Vector3;
 
-/// A particle that checks its neighbours.
+/// Data of a particle whose neighbours are tested.
 pub struct ObservingParticle<'a> {
-    /// Position [m].
+    /// Position [m] of the particle.
     pub here: Vector3<f64>,
-    /// Velocity [m/s].
+    /// Velocity [m/s] of the particle.
     pub velocity: Vector3<f64>,
-    /// Present time [s] since the epoch.
+    /// Present time [s] since the epoch, from which the calendar counts times.
     pub now: f64,
-    /// True if no neighbour is across a periodic side.
+    /// True if no periodic side lies between the particle and its neighbours.
     pub inside: bool,
-    /// The box.
+    /// The box, for its periodic sides.
     pub domain: &'a Domain,
 }
 
-/// Approach of four neighbours.
+/// Relative motion of the particle and four neighbours.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FourNeighbours {
-    /// [m²/s] half the rate at which the squared distance falls.
+    /// [m²/s] half the rate at which the squared distance decreases.
     pub closing: [f64; 4],
-    /// [m²] squared distance minus the squared distance of touch.
+    /// [m²] squared distance of the centres minus the squared distance at touch.
     pub gap: [f64; 4],
-    /// [m⁴/s²] discriminant of the touch time.
+    /// [m⁴/s²] discriminant of the equation for the time of touch; negative if there is no touch.
     pub discriminant: [f64; 4],
 }
 
-/// Values of a function for the four numbers 0 to 3.
+/// Values of a function for the numbers 0 to 3.
 #[inline(always)]
 fn each(f: impl Fn(usize) -> f64) -> [f64; 4] {
     [f(0), f(1), f(2), f(3)]
 }
 
 impl ObservingParticle<'_> {
-    /// Computes the approach of four others; `touch` [m²] are the squared distances of touch. Also returns one bit for
-    /// each that comes nearer, touches, and may do so within half of `soon` [s]: a touch comes no sooner than after
-    /// gap/(2 closing). A particle does not come nearer to itself.
+    /// Computes the relative motion of four neighbours; `touch` [m²] contains the squared distances at touch. Also
+    /// returns a bit mask of those that approach, will touch, and may do so within half of `soon` [s]. A touch occurs
+    /// no sooner than after gap/(2 closing). A particle does not approach itself.
     #[inline(always)]
     pub fn one_by_one(&self, others: &[&FlightState; 4], touch: &[f64; 4], soon: f64) -> (FourNeighbours, u32) {
         let since = each(|k| self.now - others[k].time);
@@ -68,7 +68,7 @@ impl ObservingParticle<'_> {
     }
 }
 
-/// Version with vectors of four numbers.
+/// Test with vectors of four numbers.
 #[cfg(target_arch = "x86_64")]
 pub mod wide {
     use super::{FlightState, FourNeighbours, ObservingParticle};
@@ -76,19 +76,19 @@ pub mod wide {
     use pulp::x86::V3;
     use std::arch::x86_64::{__m256d, _CMP_GE_OQ, _CMP_GT_OQ, _CMP_LE_OQ, _CMP_LT_OQ};
 
-    /// Data of the checking particle, each value four times.
+    /// Data of the particle, each value repeated four times in a vector.
     pub struct Wide {
         simd: V3,
         here: [__m256d; 3],
         velocity: [__m256d; 3],
         now: __m256d,
         soon: __m256d,
-        /// Edges of the box and half of them; `None` if no neighbour is across a periodic side.
+        /// Edges of the box and half of them; `None` if no periodic side lies between the particle and its neighbours.
         sides: Option<([__m256d; 3], [__m256d; 3])>,
     }
 
     impl Wide {
-        /// Copies the data of `view`; `soon` [s] is that of [`ObservingParticle::one_by_one`].
+        /// Copies the data of `view`; `soon` [s] is as in [`ObservingParticle::one_by_one`].
         #[inline(always)]
         pub fn new(simd: V3, view: &ObservingParticle, soon: f64) -> Self {
             let domain = view.domain;
@@ -116,7 +116,7 @@ pub mod wide {
             ]
         }
 
-        /// Separations [m] along an axis, from four others to the particle by the nearest image, and relative
+        /// Separations [m] along an axis from four neighbours to the particle, by the nearest image, and relative
         /// velocities [m/s].
         #[inline(always)]
         fn relative(&self, axis: usize, there: __m256d, theirs: __m256d, since: __m256d) -> (__m256d, __m256d) {
@@ -140,7 +140,7 @@ pub mod wide {
             avx._mm256_add_pd(xy, avx._mm256_mul_pd(a[2], b[2]))
         }
 
-        /// Computes the approach of four others, like [`ObservingParticle::one_by_one`].
+        /// Computes the relative motion of four neighbours, as [`ObservingParticle::one_by_one`] does.
         #[inline(always)]
         pub fn at_once(&self, others: &[&FlightState; 4], touch: &[f64; 4]) -> (FourNeighbours, u32) {
             let (avx, [a, b, c, d]) = (self.simd.avx, *others);
@@ -165,20 +165,20 @@ pub mod wide {
         }
     }
 
-    /// One number per axis, each four times.
+    /// One vector per axis, which contains that component four times.
     #[inline(always)]
     fn axes(simd: V3, x: &Vector3<f64>) -> [__m256d; 3] {
         [simd.avx._mm256_set1_pd(x.x), simd.avx._mm256_set1_pd(x.y), simd.avx._mm256_set1_pd(x.z)]
     }
 
-    /// Position of a body at its own time, and that time.
+    /// Position of a particle at the time of its flight state, and that time.
     #[inline(always)]
     fn place(body: &FlightState) -> __m256d {
         let x = &body.position;
         pulp::cast([x.x, x.y, x.z, body.time])
     }
 
-    /// Velocity of a body.
+    /// Velocity of a particle.
     #[inline(always)]
     fn speed(body: &FlightState) -> __m256d {
         let u = &body.velocity;
@@ -193,7 +193,7 @@ mod tests {
     use rand::{RngExt, SeedableRng};
     use rand_xoshiro::Xoshiro256PlusPlus;
 
-    /// Both versions give equal bits, near periodic sides and away from them.
+    /// Checks that both versions give equal bits, near periodic sides and away from them.
     #[test]
     fn vectors_of_four_give_the_bits_of_one_by_one() {
         let Some(simd) = pulp::x86::V3::try_new() else { return };
@@ -224,7 +224,7 @@ mod tests {
             let itself = view.one_by_one(&[&FlightState { time: 3.0, ..me }; 4], &touch, soon);
             assert_eq!(itself.1, 0);
         }
-        // some come nearer, most do not
+        // some neighbours approach, most do not
         assert!((50..1000).contains(&coming), "{coming}");
     }
 }

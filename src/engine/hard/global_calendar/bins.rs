@@ -1,14 +1,14 @@
-//! Particle indices in many bins, most of which hold few. Bins consist of leaves in one list, and free leaves are
-//! reused.
+//! Many bins of particle indices, most of which contain few. A bin is a chain of leaves (blocks of six indices) in one
+//! list; free leaves are used again.
 
 use prefetch_index::prefetch_index;
 use std::iter::successors;
 use std::num::NonZeroU32;
 
-/// Number of a leaf plus one.
+/// Number of a leaf plus one; `None` if no leaf follows.
 type BinLink = Option<NonZeroU32>;
 
-/// Half a cache line with some indices of one bin.
+/// Some indices of one bin, in half a cache line.
 #[derive(Clone, Copy, Debug)]
 struct Leaf {
     places: [u32; 6],
@@ -17,7 +17,7 @@ struct Leaf {
     next: BinLink,
 }
 
-/// Bins of particle indices.
+/// Bins that contain particle indices.
 #[derive(Clone, Debug, Default)]
 pub struct Bins {
     /// The first leaf of each bin; only this leaf may have free entries.
@@ -40,7 +40,7 @@ impl Bins {
         self.first.len()
     }
 
-    /// Puts an index into a bin.
+    /// Adds an index to a bin.
     #[inline]
     pub fn put(&mut self, bin: usize, place: u32) {
         let link = self.first[bin];
@@ -55,7 +55,7 @@ impl Bins {
         self.first[bin] = Some(self.keep(leaf));
     }
 
-    /// Stores a leaf in a free position, or at the end.
+    /// Stores a leaf in a free position, or at the end of the list.
     fn keep(&mut self, leaf: Leaf) -> NonZeroU32 {
         match self.free {
             Some(one) => {
@@ -66,7 +66,7 @@ impl Bins {
             }
             None => {
                 if self.leaves.len() == self.leaves.capacity() {
-                    // a default growth would double the capacity
+                    // the default growth would double the capacity
                     self.leaves.reserve_exact(self.leaves.len() / 8 + 64);
                 }
                 self.leaves.push(leaf);

@@ -1,67 +1,68 @@
-//! Cells over the domain with the centres of shells.
+//! Grid of cells over the domain that contains the centres of shells. A shell is a ball within which a particle may
+//! move before its neighbours are searched again.
 
 use crate::domain::Domain;
 use nalgebra::Vector3;
 use std::num::NonZeroU32;
 
-/// [-] of the box: bound on the rounding of shell centres and periods by single precision.
+/// [-] bound on the rounding error of shell centres and periods in single precision, over the size of the box.
 pub const ROUNDING: f64 = 1e-6;
 
-/// Cells over the domain with the centres of shells, which are updated one by one.
+/// Grid of cells with the centres of shells, which are updated one by one.
 #[derive(Clone, Debug, Default)]
 pub struct ShellGrid {
     count: [usize; 3],
     periodic: [bool; 3],
-    /// [1/m] cells per length.
+    /// [1/m] number of cells per length along each axis.
     per_length: Vector3<f64>,
     /// [m] edges of a cell.
     edge: [f32; 3],
-    /// [m] edges of the box, and half of them; half is infinite where the box is not periodic.
+    /// [m] edges of the box, and half of them; half is infinite along axes that are not periodic.
     period: [f32; 3],
     half: [f32; 3],
-    /// [m] bound on the error of distances by single precision.
+    /// [m] bound on the error of distances in single precision.
     rounding: f32,
     /// Link to the first centre in each cell.
     first: Vec<CellLink>,
-    /// The centres, by particle index.
+    /// Centres of the shells, by particle index.
     spots: Vec<CellEntry>,
 }
 
-/// An index plus one; `None` ends a list.
+/// A particle index plus one; `None` ends a list.
 type CellLink = Option<NonZeroU32>;
 
-/// Rounded centre of a shell [m], and link to the next one in its cell.
+/// Centre of a shell [m] in single precision, and link to the next centre in the same cell.
 #[derive(Clone, Copy, Debug, Default)]
 struct CellEntry {
     centre: [f32; 3],
     next: CellLink,
 }
 
-/// Link to an index.
+/// Link to a particle index.
 fn link(place: u32) -> CellLink {
     NonZeroU32::new(place + 1)
 }
 
-/// A point [m] in single precision.
+/// Coordinates of a point [m] in single precision.
 pub fn rounded(x: &Vector3<f64>) -> [f32; 3] {
     [x.x as f32, x.y as f32, x.z as f32]
 }
 
-/// A point [m] in double precision.
+/// Coordinates of a point [m] in double precision.
 #[inline]
 pub fn widened(x: &[f32; 3]) -> Vector3<f64> {
     Vector3::from_fn(|axis, _| f64::from(x[axis]))
 }
 
 impl ShellGrid {
-    /// Empty cells with edges of at least `edge` [m] for `particles` particles.
+    /// Makes a grid without centres, for `particles` particles and with cell edges of at least `edge` [m].
     pub fn new(domain: &Domain, edge: f64, particles: usize) -> Self {
-        // not many more cells than particles, however empty the box
+        // limits the number of cells by the number of particles, even in a nearly empty box
         let most = (particles as f64).cbrt().ceil() + 3.0;
         let longest = (domain.volume().cbrt() / most).max(edge);
         let count = std::array::from_fn(|axis| {
             let fitting = (domain.size[axis] / longest).clamp(1.0, 4096.0) as usize;
-            // with two periodic cells, each would be a neighbour of the other twice
+            // with two cells along a periodic axis, each would be a neighbour of the other on both sides
             if domain.periodic[axis] && fitting < 3 { 1 } else { fitting }
         });
         Self {
@@ -79,8 +80,8 @@ impl ShellGrid {
         }
     }
 
-    /// Coordinates of the cell of a point. Beyond an open side this is the nearest cell: clamping never separates
-    /// neighbours.
+    /// Coordinates of the cell that contains a point. Beyond a side that is not periodic, it is the nearest cell, so
+    /// that neighbours remain in neighbouring cells.
     fn coordinates(&self, x: &Vector3<f64>) -> [usize; 3] {
         std::array::from_fn(|axis| ((x[axis] * self.per_length[axis]) as usize).min(self.count[axis] - 1))
     }
@@ -90,14 +91,14 @@ impl ShellGrid {
         c[0] + self.count[0] * (c[1] + self.count[1] * c[2])
     }
 
-    /// Puts the centre of a particle's shell into its cell.
+    /// Adds the centre of a particle's shell to its cell.
     pub fn put(&mut self, place: u32, centre: [f32; 3]) {
         let cell = self.of(&widened(&centre));
         self.spots[place as usize] = CellEntry { centre, next: self.first[cell] };
         self.first[cell] = link(place);
     }
 
-    /// Moves the centre of a particle's shell.
+    /// Moves the centre of a particle's shell from `old` to `new` [m].
     pub fn change(&mut self, place: u32, old: [f32; 3], new: [f32; 3]) {
         let (from, to) = (self.of(&widened(&old)), self.of(&widened(&new)));
         if from == to {
@@ -121,8 +122,9 @@ impl ShellGrid {
         self.put(place, new);
     }
 
-    /// Up to three coordinates along an axis: those of a cell and of its neighbours. Each comes with the least distance
-    /// [m] from a point in the cell. The point is given by its distance [m] from the lower side of the cell.
+    /// Up to three coordinates along an axis: those of a cell and of its neighbours. Each is followed by the smallest
+    /// distance [m] of that cell from a point in the first cell. `from_side` [m] is the distance of the point from the
+    /// lower side of its cell.
     fn beside(&self, axis: usize, at: usize, from_side: f32) -> ([(usize, f32); 3], usize) {
         let n = self.count[axis];
         if n == 1 {
@@ -147,8 +149,8 @@ impl ShellGrid {
         list
     }
 
-    /// Appends the shells near a centre, like [`near`](Self::near), for a reach of any length. It serves a large shell
-    /// among the cells of small ones.
+    /// Appends the shells near a centre as [`near`](Self::near) does, but for a reach of any length. It is used for a
+    /// large shell in the grid of small ones.
     pub fn near_by_far(&self, centre: &Vector3<f64>, reach: f64, found: &mut Vec<u32>) -> u64 {
         let here = rounded(centre);
         let reach = reach as f32 + self.rounding;
@@ -178,8 +180,8 @@ impl ShellGrid {
         checks
     }
 
-    /// Appends to `found` all indices whose centres may be within `reach` [m] of `centre`; `reach` is at most one cell
-    /// edge. Cells that are farther away are skipped. Returns the number of centres checked.
+    /// Appends to `found` all indices whose centres may be within `reach` [m] of `centre`; `reach` must not exceed one
+    /// cell edge. Cells that are farther away are skipped. Returns the number of centres checked.
     pub fn near(&self, centre: &Vector3<f64>, reach: f64, found: &mut Vec<u32>) -> u64 {
         let at = self.coordinates(centre);
         let here = rounded(centre);
@@ -187,7 +189,7 @@ impl ShellGrid {
             std::array::from_fn(|axis| self.beside(axis, at[axis], here[axis] - at[axis] as f32 * self.edge[axis]));
         let reach = reach as f32 + self.rounding;
         let square = reach * reach;
-        // centres are assigned to cells by their rounded position, and cell sides are rounded as well
+        // centres are assigned to cells by rounded positions, and the sides of cells are rounded too
         let farthest = (reach + self.rounding) * (reach + self.rounding);
         let mut checks = 0;
         for &(z, z_apart) in &zs[..nz] {
@@ -203,9 +205,9 @@ impl ShellGrid {
         checks
     }
 
-    /// Appends to `found` the centres of a cell whose squared distance [m²] from `here` is at most `square`. Returns
-    /// the number of centres in the cell. Each index is written, and overwritten by the next one if it is not wanted.
-    /// About half are wanted, so a branch would often be mispredicted.
+    /// Appends to `found` the indices of centres in a cell whose squared distance [m²] from `here` is at most `square`.
+    /// Returns the number of centres in the cell. Each index is written, and overwritten by the next one if it is not
+    /// wanted. About half are wanted, so the processor would often mispredict a branch.
     #[inline]
     fn within(&self, cell: usize, here: [f32; 3], square: f32, found: &mut Vec<u32>) -> u64 {
         let (mut end, mut checks, mut at) = (found.len(), 0, self.first[cell]);

@@ -1,17 +1,17 @@
-//! Order of the store in which neighbours in space are neighbours in memory.
+//! Order of the store in which particles that are neighbours in space are near in memory.
 
 use crate::domain::Domain;
 use crate::particles::Particles;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
-/// Bits per axis: about a thousand cells.
+/// Number of bits per axis, for about a thousand cells along an axis.
 const BITS: u32 = 10;
 
-/// Indices of the particles inside the box, in the order of Morton's curve.
+/// Indices of the particles, whose positions are inside the box, in the order of Morton's curve.
 pub fn order(particles: &Particles, domain: &Domain) -> Vec<u32> {
     let cells = f64::from(1u32 << BITS);
-    // cells are cubes; otherwise a long box would be cut into slices
+    // cells are cubes, because flat cells would cut a long box into slices
     let scale = cells / domain.size.max();
     let key = |x: &Vector3<f64>| {
         (0..3).fold(0u32, |key, axis| key | spread((x[axis] * scale).clamp(0.0, cells - 1.0) as u32) << axis)

@@ -1,72 +1,72 @@
-//! Event queue: near events in order, far ones in unsorted bins.
+//! Event queue of all particles: near events are sorted, later ones are in unsorted bins.
 //!
-//! Each particle has one event, in its [`NextEvents`]. Bins hold only particle indices, and outdated entries are not
-//! removed. When it is the turn of a bin, entries whose event is no longer in it are skipped. Events within the present
-//! bin are sorted.
+//! The queue contains one event per particle, whose time is stored in [`NextEvents`]. Bins cover equal intervals of
+//! time, and contain only particle indices. Outdated entries are not removed from bins. When the time of a bin comes,
+//! entries whose event is no longer in it are skipped, and the others are sorted.
 
 use super::bins::Bins;
 use super::next_events::NextEvents;
 use prefetch_index::prefetch_index;
 use std::cmp::Ordering;
 
-/// Approximate number of events of a bin: few enough that insertion is cheap, enough that there are few bins.
+/// Approximate number of events per bin: few enough for cheap insertion, and enough that there are few bins.
 const PER_BIN: usize = 32;
 
-/// Particles per bin of the ring.
+/// Number of particles per bin of the ring.
 const PARTICLES_PER_BIN: usize = 8;
 
-/// An event of the present bin.
+/// An event of the present bin: its time, and the index of the particle.
 #[derive(Clone, Copy, Debug)]
 struct QueuedEvent {
-    /// Time [s] since the epoch.
+    /// Time [s] of the event since the epoch, from which the calendar counts times.
     time: f64,
     place: u32,
 }
 
 impl QueuedEvent {
-    /// Order of two events: by time, and at equal times by the particle ids.
+    /// Order of two events: by time, and at equal times by the ids of the particles.
     #[inline]
     fn compare(&self, other: &Self, ids: &[u32]) -> Ordering {
         self.time.total_cmp(&other.time).then_with(|| ids[self.place as usize].cmp(&ids[other.place as usize]))
     }
 }
 
-/// Events and ids of all particles, by index.
+/// Next events and ids of all particles, by index.
 #[derive(Clone, Copy)]
 pub struct EventTable<'a> {
-    /// Events of the particles.
+    /// Next events of each particle.
     pub next_events: &'a [NextEvents],
-    /// Ids of the particles.
+    /// Id of each particle.
     pub ids: &'a [u32],
 }
 
 impl EventTable<'_> {
-    /// Time [s] of the event of a particle since the epoch.
+    /// Time [s] since the epoch of the next event of a particle.
     #[inline]
     fn time(&self, place: u32) -> f64 {
         self.next_events[place as usize].time
     }
 }
 
-/// Event queue of all particles.
+/// Event queue of all particles: sorted near events, and bins of later ones.
 #[derive(Clone, Debug, Default)]
 pub struct EventQueue {
-    /// Events in the present bin or before, the earliest at the end.
+    /// Events in the present bin or earlier, the earliest at the end of the list.
     near: Vec<QueuedEvent>,
-    /// Ring of bins of equal length in time, with indices of particles.
+    /// Ring of bins of equal length in time, which contain particle indices.
     bins: Bins,
-    /// Number of indices in the bins.
+    /// Number of indices in all bins.
     filed: usize,
-    /// Particles with events more than a revolution of the ring ahead.
+    /// Indices of particles whose events are more than one revolution of the ring ahead.
     later: Vec<u32>,
-    /// [1/s] bins per time.
+    /// [1/s] number of bins per time.
     rate: f64,
     /// Number of the present bin, counted from the epoch.
     current: u64,
 }
 
 impl EventQueue {
-    /// Queues all events before `before` [s]; the present time is `now` [s] since the epoch.
+    /// Queues all events earlier than `before` [s]; the present time is `now` [s], both since the epoch.
     pub fn fill(&mut self, book: EventTable, now: f64, before: f64) {
         let mut times = Vec::with_capacity(book.next_events.len());
         times.extend(book.next_events.iter().map(|card| card.time).filter(|time| *time < before));
@@ -81,7 +81,7 @@ impl EventQueue {
             let rate = (sample + 1) as f64 / (PER_BIN as f64 * (*time - now));
             self.rate = if rate.is_finite() && rate > 0.0 { rate } else { 1.0 };
         }
-        // the bins need the memory
+        // frees the memory, which the bins need
         drop(times);
         self.current = self.bin(now);
         for (place, _) in book.next_events.iter().enumerate().filter(|(_, card)| card.time < before) {
@@ -93,13 +93,13 @@ impl EventQueue {
         (time * self.rate) as u64
     }
 
-    /// Position of a bin in the ring.
+    /// Position of the bin with number `bin` in the ring.
     #[inline]
     fn slot(&self, bin: u64) -> usize {
         (bin & (self.bins.count() as u64 - 1)) as usize
     }
 
-    /// True if a bin is more than a revolution of the ring ahead.
+    /// True if a bin is more than one revolution of the ring ahead.
     #[inline]
     fn is_later(&self, bin: u64) -> bool {
         bin.saturating_sub(self.current) >= self.bins.count() as u64
@@ -119,14 +119,15 @@ impl EventQueue {
             self.filed += 1;
         } else {
             if self.later.len() == self.later.capacity() {
-                // a default growth would double the capacity
+                // the default growth would double the capacity
                 self.later.reserve_exact(self.later.len() / 8 + 64);
             }
             self.later.push(place);
         }
     }
 
-    /// Removes the next event before `before` [s], and returns the index of its particle.
+    /// Removes the earliest event, and returns the index of its particle; `None` if no event is earlier than `before`
+    /// [s].
     #[inline]
     pub fn next(&mut self, book: EventTable, before: f64) -> Option<u32> {
         loop {
@@ -147,7 +148,7 @@ impl EventQueue {
         }
     }
 
-    /// Index of the particle whose event follows after `after` others, if it is in the present bin.
+    /// Index of the particle whose event comes after `after` others; `None` if it is not in the present bin.
     #[inline]
     pub fn upcoming(&self, after: usize) -> Option<u32> {
         self.near.len().checked_sub(after + 1).map(|at| self.near[at].place)
@@ -156,7 +157,7 @@ impl EventQueue {
     /// Advances to the next bin; returns false if no event is queued.
     fn turn(&mut self, book: EventTable) -> bool {
         if self.filed == 0 {
-            // jump to the first event that was too far ahead for the ring
+            // continues with the first of the events that were too far ahead for the ring
             let times = self.later.iter().map(|&place| book.time(place));
             let first = times.fold(f64::INFINITY, f64::min);
             if first == f64::INFINITY {
@@ -192,7 +193,7 @@ impl EventQueue {
         self.bins.fetch(self.slot(self.current + 2));
     }
 
-    /// Queues again the events that were too far ahead for the ring.
+    /// Queues those events again that were too far ahead for the ring.
     fn refile(&mut self, book: EventTable) {
         let (count, mut kept) = (self.later.len(), 0);
         for k in 0..count {

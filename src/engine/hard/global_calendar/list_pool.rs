@@ -1,20 +1,20 @@
-//! Memory blocks ("rooms") of different sizes in one long list, which are reused.
+//! Memory blocks ("rooms") for neighbour lists, of different sizes in one long list. Free blocks are used again.
 //!
-//! A neighbour list grows and shrinks by one entry at a time. With sizes of powers of two, a quarter of the memory
-//! would be unused on average. With steps of four entries, one or two entries are unused. Above 64 entries the steps
-//! grow with the size, by an eighth at most, so that there are few different sizes.
+//! A particle's neighbour list grows and shrinks by one entry at a time. If sizes were powers of two, a quarter of the
+//! memory would be unused on average. With steps of four entries, one or two entries are unused. Above 64 entries the
+//! steps grow with the size, to at most an eighth of it, so that there are few different sizes.
 
-/// Entries of the smallest step: this many neighbours are checked together.
+/// Number of entries of the smallest step: this many neighbours are tested together.
 const STEP: u32 = 4;
 
-/// Steps of the smallest room: half a cache line.
+/// Number of steps in the smallest room, which is half a cache line.
 const LEAST: u32 = 2;
 
-/// Sizes from one power of two to the next.
+/// Number of sizes from one power of two to the next.
 const PER_OCTAVE: u32 = 8;
 
-/// Number of entries of a room, by the number of its size. Up to twice [`PER_OCTAVE`] this is that many steps; beyond,
-/// there are eight sizes for each power of two.
+/// Number of entries of a room with the size number `room`. Below twice [`PER_OCTAVE`] the size number is the number of
+/// steps. Above, there are eight sizes for each power of two.
 #[inline]
 pub fn size(room: u8) -> u32 {
     let room = u32::from(room);
@@ -25,7 +25,7 @@ pub fn size(room: u8) -> u32 {
     }
 }
 
-/// Number of the smallest size of room for `count` entries.
+/// Smallest size number of a room for `count` entries.
 #[inline]
 pub fn room_for(count: u32) -> u8 {
     let steps = count.div_ceil(STEP).max(LEAST);
@@ -33,19 +33,19 @@ pub fn room_for(count: u32) -> u8 {
         return steps as u8;
     }
     let doublings = (steps / PER_OCTAVE).ilog2();
-    // if rounded up to the next octave, this is the first size of that octave
+    // rounding up to the next octave gives the first size of that octave
     (PER_OCTAVE * doublings + steps.div_ceil(1 << doublings)) as u8
 }
 
-/// Free rooms, left by lists that moved to a room of another size.
+/// Free rooms, left by lists that moved to rooms of other sizes.
 #[derive(Clone, Debug, Default)]
 pub struct ListPool {
-    /// First entries of free rooms, by number of the size.
+    /// First entries of free rooms, by size number.
     free: Vec<Vec<u32>>,
 }
 
 impl ListPool {
-    /// Forgets all free rooms.
+    /// Removes all free rooms from the pool.
     pub fn clear(&mut self) {
         self.free.clear();
     }
@@ -56,7 +56,7 @@ impl ListPool {
         self.free[usize::from(room)].push(first);
     }
 
-    /// Removes a free room of the given size, and returns its first entry.
+    /// Removes a free room of the given size number, and returns its first entry; `None` if none is free.
     pub fn take(&mut self, room: u8) -> Option<u32> {
         self.free.get_mut(usize::from(room))?.pop()
     }

@@ -1,4 +1,5 @@
-//! Exchange between the store and the calendar: loading particles, writing them back, and starting new epochs.
+//! Exchange between the particle store and the calendar (the event queue of all particles): reading particles, writing
+//! them back, and beginning new epochs. The *epoch* is the instant from which the calendar counts times.
 
 use super::cells::ROUNDING;
 use super::event_queue::{EventQueue, EventTable};
@@ -20,13 +21,13 @@ use std::f64::consts::{PI, SQRT_2};
 /// their rounding matters as much as that of positions.
 const CROSSINGS: f64 = 8.0;
 
-/// Shells per particle after which the store is sorted again, because particles have moved away from their neighbours
-/// in memory.
+/// Number of new shells per particle after which the store is sorted again. By then particles have moved away from
+/// their neighbours in memory.
 const SORT_AFTER: u64 = 40;
 
-/// Difference between the store and the state that the calendar left there.
+/// Difference between the store and the state that the calendar wrote to it.
 enum Change {
-    /// Nothing has changed.
+    /// No position or velocity has changed.
     None,
     /// Velocities have changed.
     Kicked,
@@ -35,7 +36,7 @@ enum Change {
 }
 
 impl GlobalCalendar {
-    /// Reads changes of the particles since the last window.
+    /// Reads changes of the particles since the last window, and queues the events of this window.
     pub(super) fn begin(&mut self, work: &mut Work<Recent>, window: Window, outdated: bool) -> Result<(), Failure> {
         let scene = work.scene;
         if !self.ready {
@@ -84,7 +85,7 @@ impl GlobalCalendar {
         change
     }
 
-    /// Present position [m], inside the box, and velocity [m/s] of a particle, as the scene sees it.
+    /// Present position [m], inside the box, and velocity [m/s] of a particle, relative to the scene.
     fn seen(&self, place: usize, scene: &Scene) -> (Vector3<f64>, Vector3<f64>) {
         let body = &self.bodies[place];
         let position = body.position + body.velocity * (self.now - body.time);
@@ -92,14 +93,14 @@ impl GlobalCalendar {
         (scene.domain.wrap(&flight.position), flight.velocity)
     }
 
-    /// Writes the present state to the store.
+    /// Writes the present positions and velocities to the store.
     pub(super) fn write(&self, particles: &mut Particles, scene: &Scene) {
         for place in 0..self.bodies.len() {
             (particles.position[place], particles.velocity[place]) = self.seen(place, scene);
         }
     }
 
-    /// Collision history of each particle, by id; empty if nothing is known.
+    /// Collision history of each particle, by id; empty if no history is known.
     fn history(&self, particles: &Particles, recently: Option<&[Recent]>) -> Vec<LastCollision> {
         let nothing = || vec![LastCollision::default(); particles.len()];
         match recently {
@@ -122,15 +123,16 @@ impl GlobalCalendar {
         }
     }
 
-    /// Frees the memory of all data that can be rebuilt from the store. It is needed for other data during a rebuild
-    /// and after a run.
+    /// Frees the memory of all data that can be rebuilt from the store. Other data need it during a rebuild and after a
+    /// run.
     pub fn forget(&mut self) {
         (self.bodies, self.next_events, self.met) = (Vec::new(), Vec::new(), Vec::new());
         self.agenda = EventQueue::default();
         self.shells.forget();
     }
 
-    /// Loads all particles from the store, after sorting it along a curve through the box; `met` is by id.
+    /// Reads all particles from the store, after sorting it along a curve through the box. `met` contains their
+    /// collision histories by id.
     fn load(
         &mut self,
         particles: &mut Particles,
@@ -161,7 +163,7 @@ impl GlobalCalendar {
         self.bodies = (0..particles.len()).map(body).collect();
         self.shells.kinds = kinds;
         self.met = particles.id.iter().map(|&id| met.get(id as usize).copied().unwrap_or_default()).collect();
-        // the following needs much other memory
+        // frees the memory, since the following requires much
         drop(met);
         self.ids.clone_from(&particles.id);
         self.next_events = vec![NextEvents::blank(); particles.len()];
@@ -182,7 +184,7 @@ impl GlobalCalendar {
         Ok(())
     }
 
-    /// Reads the velocities from the store.
+    /// Reads the velocities of all particles from the store.
     fn reload_velocities(&mut self, particles: &Particles, scene: &Scene, start: f64) -> Result<(), Failure> {
         let of_frame = self.frame.velocity_at(self.now);
         for (body, velocity) in self.bodies.iter_mut().zip(&particles.velocity) {
@@ -192,11 +194,11 @@ impl GlobalCalendar {
         self.set_limit(particles, scene, start)
     }
 
-    /// Chooses the length of the epoch.
+    /// Chooses the length of the epoch from the largest speed and gravity.
     fn set_limit(&mut self, particles: &Particles, scene: &Scene, start: f64) -> Result<(), Failure> {
         let before = self.limit;
         let fastest = self.bodies.iter().map(|body| body.velocity.norm_squared()).fold(0.0, |a: f64, b| {
-            // a plain comparison would pass over a NaN
+            // a comparison alone would miss a NaN
             if b > a || b.is_nan() { b } else { a }
         });
         if !fastest.is_finite() {
@@ -206,8 +208,8 @@ impl GlobalCalendar {
         self.limit = CROSSINGS * crossing;
         let fall = across_walls(scene).norm();
         if fall > 0.0 {
-            // towards walls the frame must not get much faster than the particles are; until then shells allow for the
-            // fall
+            // the frame must not fall towards walls much faster than the particles move; shells are enlarged by its
+            // fall until the end of the epoch
             let count = self.bodies.len().max(1) as f64;
             let square = self.bodies.iter().map(|body| body.velocity.norm_squared()).sum::<f64>() / count;
             let diameter = 2.0 * self.bodies.iter().map(|body| self.shells.radius(body)).sum::<f64>() / count;
@@ -216,11 +218,11 @@ impl GlobalCalendar {
         Ok(())
     }
 
-    /// Starts a new epoch: times are counted from now on.
+    /// Begins a new epoch: times are counted from the present time on.
     pub(super) fn new_epoch(&mut self, work: &mut Work<Recent>, time: f64) -> Result<(), Failure> {
         let (scene, horizon) = (work.scene, self.horizon - self.now);
         if across_walls(scene) != Vector3::zeros() {
-            // the fall of the frame towards walls has to start again from rest
+            // the frame must begin again from rest relative to the walls
             self.write(work.particles, scene);
             let met = self.history(work.particles, None);
             self.load(work.particles, scene, met, time)?;
@@ -244,14 +246,14 @@ impl GlobalCalendar {
         Ok(())
     }
 
-    /// True if a wall may be touched before the particle leaves its shell.
+    /// True if the particle may touch a wall before it leaves its shell.
     pub(super) fn at_wall(&self, place: usize, scene: &Scene) -> bool {
         if scene.walls.is_empty() {
             return false;
         }
         let body = &self.bodies[place];
         let flight = self.frame.flight(&body.position, &body.velocity, self.now);
-        // fall of the frame within the epoch
+        // distance by which the frame falls within the epoch
         let fall = 0.5 * across_walls(scene).norm() * self.limit * self.limit;
         let reach = self.shells.radius(body) + self.shells.margin + fall + ROUNDING * scene.domain.size.max();
         let position = scene.domain.wrap(&flight.position);
@@ -263,17 +265,17 @@ impl GlobalCalendar {
     }
 }
 
-/// [m/s²] the component of gravity that brings particles nearer to walls.
+/// [m/s²] component of gravity that moves particles towards walls.
 fn across_walls(scene: &Scene) -> Vector3<f64> {
     scene.gravity - along_walls(scene, scene.gravity)
 }
 
-/// Order of kinds: by radius, then by mass.
+/// Compares two kinds: by radius, and at equal radii by mass.
 fn by_size(a: &RadiusClass, b: &RadiusClass) -> Ordering {
     a.radius.total_cmp(&b.radius).then(a.mass.total_cmp(&b.mass))
 }
 
-/// All different combinations of radius and mass, in order.
+/// All different combinations of radius and mass, in ascending order.
 fn kinds(particles: &Particles) -> Vec<RadiusClass> {
     let tidy = |kinds: &mut Vec<RadiusClass>| {
         kinds.sort_unstable_by(by_size);
@@ -282,7 +284,7 @@ fn kinds(particles: &Particles) -> Vec<RadiusClass> {
     let (mut kinds, mut most) = (Vec::new(), CHUNK);
     for (&radius, &mass) in particles.radius.iter().zip(&particles.mass) {
         kinds.push(RadiusClass { radius, mass });
-        // now and then, so that the list stays short if there are few kinds
+        // removes duplicates from time to time, so that the list stays short if there are few kinds
         if kinds.len() >= most {
             tidy(&mut kinds);
             most = 2 * kinds.len() + CHUNK;
@@ -293,8 +295,8 @@ fn kinds(particles: &Particles) -> Vec<RadiusClass> {
     kinds
 }
 
-/// Groups of particles within a factor of two in size, as in the shells: number density [1/m³] and largest diameter
-/// [m].
+/// Groups of particles with sizes within a factor of two, as for the shells. For each group: the number density [1/m³]
+/// and the largest diameter [m].
 fn crowds(bodies: &[FlightState], kinds: &[RadiusClass], volume: f64) -> Vec<(f64, f64)> {
     let mut counts = vec![0u32; kinds.len()];
     for body in bodies {
@@ -312,30 +314,30 @@ fn crowds(bodies: &[FlightState], kinds: &[RadiusClass], volume: f64) -> Vec<(f6
     crowds
 }
 
-/// Distance [m] that a particle may move from the centre of its shell: the cheapest one, by counts with fixed weights
-/// in ns on one core. The weights only serve to choose, not to predict the run time.
+/// Distance [m] that a particle may move from the centre of its shell. It is the cheapest one, for costs with fixed
+/// weights in ns on one core. The weights serve only for this choice, not for a prediction of run times.
 fn margin(particles: &Particles, crowds: &[(f64, f64)], scene: &Scene) -> f64 {
     /// [ns] cost of a new shell: fixed, per distance computed, and per neighbour.
     const SHELL: [f64; 3] = [200.0, 3.0, 12.0];
-    /// [ns] cost of predicting an event: fixed, and per neighbour (checked in groups of four). With 7.0 in place of
-    /// 3.5, the value without groups, dense gases take 1.03 to 1.05 times as long (10,000 spheres at volume fractions
-    /// of 0.3 and 0.5).
+    /// [ns] cost of predicting the events of a particle: fixed, and per neighbour (tested in groups of four). Without
+    /// groups the second value was 7.0. With 7.0 dense gases take 1.03 to 1.05 times as long (10,000 spheres at volume
+    /// fractions of 0.3 and 0.5).
     const EVENT: [f64; 2] = [80.0, 3.5];
-    /// Predictions per collision of a particle: after it, and when an event comes up whose partner has collided
-    /// meanwhile.
+    /// Number of predictions per collision of a particle. Some follow its collisions, the others follow events that
+    /// were cancelled by collisions of the partner.
     const FORETOLD: f64 = 1.7;
     let count = particles.len().max(1) as f64;
     let diameter = 2.0 * particles.radius.iter().sum::<f64>() / count;
     let largest = 2.0 * particles.radius.iter().fold(0.0, |a: f64, &r| a.max(r));
     let density = count / scene.domain.volume();
     let filled = (density * PI / 6.0 * diameter.powi(3)).min(0.6);
-    // mean free path, with the crowding of Carnahan and Starling 1969
+    // mean free path, with the crowding factor of Carnahan and Starling 1969
     let crowding = (1.0 - 0.5 * filled) / (1.0 - filled).powi(3);
     let free_path = 1.0 / (SQRT_2 * PI * density * diameter * diameter * crowding);
     let cost = |margin: f64| {
         let near = density * 4.0 / 3.0 * PI * (diameter + 2.0 * margin).powi(3);
         let looked_at: f64 = crowds.iter().map(|(of, largest)| 27.0 * of * (largest + 2.0 * margin).powi(3)).sum();
-        // ballistic motion within a mean free path, diffusion beyond
+        // straight motion within a mean free path, diffusion beyond it
         let flown = margin * (1.0 + margin / (2.0 * free_path));
         let event = EVENT[0] + EVENT[1] * near;
         (SHELL[0] + SHELL[1] * looked_at + SHELL[2] * near + event) / flown + FORETOLD * event / free_path
@@ -344,6 +346,6 @@ fn margin(particles: &Particles, crowds: &[(f64, f64)], scene: &Scene) -> f64 {
     let wanted = candidates.min_by(|a, b| cost(*a).total_cmp(&cost(*b))).unwrap_or(diameter);
     let periods = (0..3).filter(|axis| scene.domain.periodic[*axis]).map(|axis| scene.domain.size[axis]);
     let room = periods.fold(f64::INFINITY, f64::min) * 0.25 - 0.5 * largest;
-    // centres of shells are rounded to 6e-8 of the box
+    // at least the rounding of the centres of shells, which is 6e-8 of the box
     wanted.min(room).min(scene.domain.size.max()).max(0.03 * diameter).max(ROUNDING * scene.domain.size.max())
 }

@@ -1,12 +1,14 @@
-//! One event queue for all particles, which lasts from window to window (the global calendar).
+//! The global calendar: one event queue for all particles, which lasts from window to window.
 //!
-//! Every particle has two events: the earliest two of its touches and of leaving its shell. They are predicted again
-//! when the particle has collided, or when one comes up and its partner has collided meanwhile. The end of a window
-//! changes nothing. Each particle has its own time, so an event moves only two particles and checks their neighbours.
+//! For every particle the calendar stores the earliest two events. An event is a touch, or the exit from the particle's
+//! shell (a ball in which its neighbour list is valid). The events are predicted again after a collision of the
+//! particle, or when an event comes up whose partner has collided meanwhile. The end of a window changes nothing. Each
+//! flight is stored with its own time, so a collision moves only two particles and tests their neighbours. Times are
+//! counted from an *epoch*.
 //!
-//! The calendar keeps its own copy of the flights, in a falling frame. The store is written at the end of each window.
-//! If velocities have changed when the next window begins, they were changed elsewhere, such as by drag. All events are
-//! then predicted again.
+//! The calendar stores its own copy of the flights, in a falling frame, and writes the store at the end of each window.
+//! If velocities in the store have changed when the next window begins, for instance by drag, all events are predicted
+//! again.
 
 mod approach;
 mod bins;
@@ -38,10 +40,10 @@ use shells::Shells;
 use std::time::Duration;
 use walls::WallContacts;
 
-/// Number of impacts kept before they go to the record. A window may have millions, and so few stay in the cache.
+/// Number of impacts after which the log is added to the record. A window may have millions, and few stay in the cache.
 const KEPT_IMPACTS: usize = 1 << 8;
 
-/// The event queue with its data of all particles.
+/// The event queue, with data of all particles.
 #[derive(Clone, Default, Serialize, Deserialize)]
 pub struct GlobalCalendar {
     frame: FallingFrame,
@@ -49,43 +51,43 @@ pub struct GlobalCalendar {
     now: f64,
     /// Time [s] since the epoch at which a new epoch begins.
     limit: f64,
-    /// Time [s] since the epoch up to which events are predicted and queued: the end of the window if drag kicks in
-    /// every window, otherwise infinite.
+    /// Time [s] since the epoch up to which events are predicted and queued. It is the end of the window if drag
+    /// changes velocities in every window, otherwise infinite.
     horizon: f64,
     bodies: Vec<FlightState>,
     next_events: Vec<NextEvents>,
     ids: Vec<u32>,
-    /// Collision history of each particle.
+    /// Collision history of each particle, by which inelastic collapse is detected.
     met: Vec<LastCollision>,
     shells: Shells,
-    /// True for axes along which the box is so short that a pair may touch through an image other than the nearest.
+    /// True for axes along which the box is so short that a pair may touch through an image that is not the nearest.
     far_images: [bool; 3],
-    /// Number of shells made when the store was last sorted.
+    /// Number of shells made until the store was last sorted.
     sorted_at: u64,
-    /// Impulses applied so far.
+    /// Number of impulses applied so far.
     pub events: u64,
-    /// Touch times computed so far.
+    /// Number of touch times computed so far.
     foretold: u64,
-    /// Number of complete rebuilds.
+    /// Number of complete rebuilds so far.
     pub builds: u64,
-    /// Wall-clock time of the rebuilds.
+    /// Wall-clock time spent on rebuilds so far.
     pub building: Duration,
     #[serde(skip)]
     agenda: EventQueue,
     #[serde(skip)]
     walls: WallContacts,
-    /// True if the parts that are not stored (agenda, cells, walls) exist.
+    /// True if the data that are not stored (agenda, cells, walls) have been computed.
     #[serde(skip)]
     ready: bool,
-    /// Contact time t_c [s] of the TC model: a collision sooner than this after another of either particle is elastic.
+    /// Contact time t_c [s] of the TC model: a collision is elastic if either particle collided less than t_c before.
     #[serde(skip)]
     pub contact_time: Option<f64>,
-    /// Clock that times the rebuilds.
+    /// Clock that measures the time of rebuilds.
     #[serde(skip)]
     pub clock: Clock,
 }
 
-/// A window, with times since the epoch.
+/// A window whose end is given as a time since the epoch.
 #[derive(Clone, Copy)]
 struct CalendarWindow {
     window: Window,
@@ -94,23 +96,23 @@ struct CalendarWindow {
 }
 
 impl CalendarWindow {
-    /// Rest of the window [s] at `now` [s] since the epoch.
+    /// Remaining time [s] of the window at `now` [s] since the epoch.
     fn left(&self, now: f64) -> f64 {
         self.end - now
     }
 
-    /// Simulated time [s] at `now` [s] since the epoch.
+    /// Simulated time [s] that corresponds to `now` [s] since the epoch.
     fn time(&self, now: f64) -> f64 {
         self.window.start + (self.window.duration - self.left(now))
     }
 }
 
 impl GlobalCalendar {
-    /// Moves all particles through a window. `outdated` is true if particles were moved elsewhere since the last call;
-    /// then only recent collisions are known of their history.
+    /// Moves all particles through a window. `outdated` must be true if islands have moved particles since the last
+    /// call; only recent collisions are then known of their history.
     ///
     /// # Errors
-    /// Collapse, or values that are not numbers; the store then holds the state at that time.
+    /// Collapse, or values that are not finite numbers; the store then contains the state at that time.
     pub fn run(&mut self, work: &mut Work<Recent>, window: Window, outdated: bool) -> Result<(), Failure> {
         self.begin(work, window, outdated)?;
         for met in &mut self.met {
@@ -146,7 +148,7 @@ impl GlobalCalendar {
         }
     }
 
-    /// Prefetches the data of the next events into the cache. Data found through other data are prefetched one event
+    /// Prefetches the data of the next events into the cache. Data to which other data refer are fetched one event
     /// later: first a particle, then its partner and its neighbour list, then the neighbours.
     fn fetch_ahead(&self) {
         let upcoming = |after| self.agenda.upcoming(after).map(|place| &self.next_events[place as usize]);
@@ -215,8 +217,8 @@ impl GlobalCalendar {
         Ok(())
     }
 
-    /// Relative position and velocity of the two bodies, both at the present time. Of a wall, the part `struck` is
-    /// meant.
+    /// Relative position and velocity of two bodies, both at the present time. For a wall, `struck` is the part that is
+    /// touched.
     fn meet(&self, couple: &Couple, struck: u32, scene: &Scene) -> Encounter {
         let body = &self.bodies[couple.i as usize];
         let radius = self.shells.radius(body);
@@ -279,13 +281,13 @@ impl GlobalCalendar {
         }
     }
 
-    /// True if one of the partners has collided less than the contact time before simulated `time` [s].
+    /// True if one of the partners collided less than the contact time before simulated time `time` [s].
     fn in_contact(&self, couple: &Couple, time: f64) -> bool {
         let Some(contact_time) = self.contact_time else { return false };
         couple.places().into_iter().flatten().any(|i| time - self.met[i as usize].last < contact_time)
     }
 
-    /// Counts the impacts of both partners and recognises inelastic collapse.
+    /// Records the impacts of both partners, and detects inelastic collapse.
     fn watch(&mut self, collision: &Collision, scene: &Scene, time: f64) -> Result<(), Failure> {
         let couple = collision.couple;
         for i in couple.places().into_iter().flatten() {
@@ -305,17 +307,18 @@ impl GlobalCalendar {
         Ok(())
     }
 
-    /// Recent collisions, less than the contact time before simulated `time` [s]; none without a contact time.
+    /// Recent collisions: those less than the contact time before simulated time `time` [s]. Empty without a contact
+    /// time.
     pub fn recent(&self, time: f64) -> impl Iterator<Item = Recent> {
         recent(self.met.iter(), self.contact_time, time)
     }
 
-    /// Touch times and distances computed so far.
+    /// Number of touch times and distances computed so far.
     pub fn pair_checks(&self) -> u64 {
         self.foretold + self.shells.checks
     }
 
-    /// State for storage, in a form that does not depend on how it came about.
+    /// State to be stored, in a form that does not depend on the order in which its lists were built.
     pub fn state(&self) -> Self {
         let (shells, next_events) = self.shells.tidy(&self.next_events);
         Self { shells, next_events, agenda: EventQueue::default(), ..self.clone() }

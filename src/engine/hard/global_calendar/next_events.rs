@@ -1,27 +1,27 @@
-//! Flight data and next events of a particle.
+//! Flight and next events of one particle, as the calendar (the event queue of all particles) stores them.
 
 use super::shells::Shell;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Flight of one particle: all data that its neighbours need, in one cache line.
+/// Flight of one particle: all data that tests by its neighbours read, in one cache line.
 #[repr(align(64))]
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct FlightState {
-    /// Position [m] at the particle's own time, in the frame of the calendar.
+    /// Position [m] at the time `time`, in the frame of the calendar.
     pub position: Vector3<f64>,
-    /// Velocity [m/s] in the frame of the calendar.
+    /// Velocity [m/s] of the particle in the frame of the calendar.
     pub velocity: Vector3<f64>,
-    /// The particle's own time [s] since the epoch.
+    /// Time [s] of `position`, counted from the epoch of the calendar.
     pub time: f64,
-    /// Index of its radius and mass among the kinds.
+    /// Index of the particle's radius and mass in the list of kinds.
     pub kind: u32,
-    /// Number of collisions so far, modulo 2³².
+    /// Number of the particle's collisions so far, modulo 2³².
     pub hits: u32,
 }
 
 impl FlightState {
-    /// Moves the particle to time `now` [s].
+    /// Moves the particle along its flight to the time `now` [s].
     #[inline]
     pub fn advance(&mut self, now: f64) {
         self.position += self.velocity * (now - self.time);
@@ -29,16 +29,16 @@ impl FlightState {
     }
 }
 
-/// Kind of event.
+/// Kind of an event of a particle.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum EventKind {
-    /// Touch of the particle with this index, valid if that has not collided before.
+    /// Touch of the particle with this index, valid if that particle does not collide before.
     Pair(u32),
-    /// Touch of a wall contact; contacts of all walls are counted in the order of the scene.
+    /// Touch of the wall contact with this number; the contacts of all walls are numbered in the order of the scene.
     Wall(u32),
-    /// Leaving the shell: the neighbours must be found again.
+    /// The particle leaves its shell: its neighbours must be searched again.
     Leave,
-    /// No event within the time predicted so far: predict again.
+    /// No event within the time predicted so far: events must be predicted again.
     Look,
 }
 
@@ -46,37 +46,37 @@ pub enum EventKind {
 #[repr(align(64))]
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct NextEvents {
-    /// Time [s] of the next event since the epoch; infinite: never.
+    /// Time [s] of the next event since the epoch; infinite if there is none.
     pub time: f64,
-    /// Time [s] of the second event.
+    /// Time [s] of the second event since the epoch.
     pub then: f64,
-    /// The next event.
+    /// Kind of the next event.
     pub next: EventKind,
-    /// The second event, which becomes next if the partner of the first has collided elsewhere.
+    /// The second event, which becomes the next if the partner of the first has collided with another body.
     pub after: EventKind,
-    /// Detail of the next event. For a pair: number of collisions of the partner at prediction. For a wall: the part
-    /// touched.
+    /// Detail of the next event. For a pair it is the number of collisions of the partner when the event was predicted.
+    /// For a wall it is the part of the wall that is touched.
     pub detail: u32,
-    /// Detail of the second event, like `detail`.
+    /// Detail of the second event, defined as `detail`.
     pub detail_after: u32,
-    /// Shell of the particle.
+    /// Shell of the particle, within which its neighbour list is valid.
     pub shell: Shell,
 }
 
 impl NextEvents {
-    /// A particle without predicted events.
+    /// Makes an entry for a particle without predicted events.
     pub fn blank() -> Self {
         let (never, look) = (f64::INFINITY, EventKind::Look);
         Self { time: never, then: never, next: look, after: look, detail: 0, detail_after: 0, shell: Shell::default() }
     }
 
-    /// True if there is a later event to continue with.
+    /// True if the second event is later than the next one, so that it can replace it.
     #[inline]
     pub fn has_more(&self) -> bool {
         self.then > self.time
     }
 
-    /// Replaces the next event, which will not happen, by the second one.
+    /// Replaces the next event, which was cancelled, by the second one.
     #[inline]
     pub fn go_on(&mut self) {
         (self.time, self.next, self.detail) = (self.then, self.after, self.detail_after);

@@ -1,4 +1,4 @@
-//! Prediction of the next touches of a particle.
+//! Prediction of the next two events of a particle: touches, and the exit from its shell.
 
 use super::GlobalCalendar;
 #[cfg(target_arch = "x86_64")]
@@ -16,16 +16,16 @@ use crate::walls::Touch;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
-/// An event of a particle, and the time [s] until then.
+/// An event of a particle, and the time [s] until it happens.
 #[derive(Clone, Copy)]
 struct Event {
     wait: f64,
     next: EventKind,
-    /// Part of the wall that is touched.
+    /// Part of the wall that is touched; 0 for other events.
     place: u32,
 }
 
-/// The first two events of a particle.
+/// The earliest two events of a particle.
 #[derive(Clone, Copy)]
 struct Events {
     first: Event,
@@ -33,7 +33,8 @@ struct Events {
 }
 
 impl Events {
-    /// Adds an event if it is one of the first two. Ids of the partners decide between touches at equal times.
+    /// Adds an event if it is one of the earliest two. Of touches at equal times, that with the lower id of the partner
+    /// is first.
     #[inline]
     fn offer(&mut self, event: Event, ids: &[u32]) {
         let before = |other: &Event| match (event.next, other.next) {
@@ -48,15 +49,15 @@ impl Events {
     }
 }
 
-/// Groups of four neighbours checked before their touch times are computed.
+/// Number of groups of four neighbours that are tested before their times of touch are computed.
 const AT_ONCE: usize = 4;
 
-/// Smallest resolvable approach, relative to the distance times the sum of the speeds; a slower one is rounding, as in
-/// [`first_touch`].
+/// Smallest resolvable rate of approach, over the distance times the sum of both speeds. Slower approaches are
+/// rounding, as in [`first_touch`].
 const RESOLUTION: f64 = 4.0 * f64::EPSILON;
 
 impl GlobalCalendar {
-    /// Predicts the events of one particle, which is at the present time.
+    /// Predicts the events of one particle, whose flight state is at the present time.
     #[inline]
     pub(super) fn predict_events(&mut self, place: u32, scene: &Scene) {
         let events = self.next_events(place, scene);
@@ -65,7 +66,7 @@ impl GlobalCalendar {
         self.file(place);
     }
 
-    /// Queues the event of a particle, if it is due before the horizon.
+    /// Queues the next event of a particle, if it is earlier than the horizon.
     #[inline]
     pub(super) fn file(&mut self, place: u32) {
         if self.next_events[place as usize].time < self.horizon {
@@ -73,7 +74,7 @@ impl GlobalCalendar {
         }
     }
 
-    /// Predicts all events; all particles are at the present time.
+    /// Predicts the events of all particles, whose flight states are at the present time.
     pub(super) fn foretell_all(&mut self, scene: &Scene) {
         let count = self.bodies.len();
         self.foretold += self.next_events.iter().map(|card| u64::from(card.shell.count())).sum::<u64>();
@@ -84,7 +85,7 @@ impl GlobalCalendar {
             }
             return;
         }
-        // a few chunks at a time, so that most events are in memory only once, as entries of `next_events`
+        // a few chunks at a time, so that most events are stored only once in memory, in `next_events`
         let together = CHUNK * rayon::current_num_threads();
         for first in (0..count).step_by(together) {
             let (last, this) = (count.min(first + together), &*self);
@@ -109,8 +110,8 @@ impl GlobalCalendar {
         (card.detail, card.detail_after) = details;
     }
 
-    /// The earliest two of leaving the shell, reaching the horizon, and all touches. Nothing follows an event that is
-    /// no touch.
+    /// The earliest two events of a particle: leaving its shell, reaching the horizon, and all touches. An event that
+    /// is no touch has no second event.
     #[inline]
     fn next_events(&self, place: u32, scene: &Scene) -> Events {
         let (body, shell) = (&self.bodies[place as usize], &self.next_events[place as usize].shell);
@@ -153,7 +154,7 @@ impl GlobalCalendar {
         near.into_iter().flat_map(|wall| self.walls.of_wall(wall)).for_each(&mut ask);
     }
 
-    /// Adds all touches with neighbours, by the nearest images.
+    /// Adds all touches with neighbours, by their nearest images.
     #[inline]
     fn touches(&self, body: &FlightState, shell: &Shell, domain: &Domain, events: &mut Events) {
         let view = ObservingParticle {
@@ -163,7 +164,7 @@ impl GlobalCalendar {
             inside: shell.inside,
             domain,
         };
-        // the factor allows for rounding, so that ties do not depend on the order
+        // the factor allows for rounding, so that touches at equal times are all found
         let soon = 2.0 * events.second.wait * (1.0 + 1e-9);
         #[cfg(target_arch = "x86_64")]
         if let Some(simd) = pulp::x86::V3::try_new() {
@@ -185,8 +186,8 @@ impl GlobalCalendar {
         self.touches_by(body, shell, |others, touch| view.one_by_one(others, touch, soon), events);
     }
 
-    /// Adds all touches with neighbours, checked four at a time. Neighbours that touch soon enough are selected first,
-    /// without branches: every second branch would be mispredicted.
+    /// Adds all touches with neighbours, which are tested four at a time. Neighbours that touch soon enough are
+    /// selected first, without branches, because the processor would mispredict every second branch.
     #[inline(always)]
     fn touches_by(
         &self,
@@ -224,7 +225,7 @@ impl GlobalCalendar {
         &self.bodies[place as usize]
     }
 
-    /// Adds the touch with an approaching neighbour, given by its number among the four and its index.
+    /// Adds the touch with an approaching neighbour, given by its number in the group of four and its index.
     #[inline(always)]
     fn touch(&self, body: &FlightState, four: &FourNeighbours, (k, place): (usize, u32), events: &mut Events) {
         let (closing, gap, discriminant) = (four.closing[k], four.gap[k], four.discriminant[k]);
@@ -234,14 +235,14 @@ impl GlobalCalendar {
         }
         let other = &self.bodies[place as usize];
         let reach = self.shells.radius(body) + self.shells.radius(other);
-        // at least the square of the sum of the speeds
+        // at least the square of the sum of both speeds
         let speeds_square = 2.0 * (body.velocity.norm_squared() + other.velocity.norm_squared());
         if closing * closing > RESOLUTION * RESOLUTION * (gap + reach * reach) * speeds_square {
             events.offer(Event { wait, next: EventKind::Pair(place), place: 0 }, &self.ids);
         }
     }
 
-    /// Adds all touches with neighbours if a pair may touch across the other side of the box.
+    /// Adds all touches with neighbours in a box so short that images other than the nearest may touch.
     fn all_images(&self, body: &FlightState, neighbours: &[u32], scene: &Scene, events: &mut Events) {
         let size = &scene.domain.size;
         for &j in neighbours {
@@ -265,7 +266,7 @@ impl GlobalCalendar {
     }
 }
 
-/// Time [s] until a particle is `margin` [m] away from the centre of its shell; infinite if it does not move.
+/// Time [s] until a particle is `margin` [m] away from the centre of its shell; infinite if the particle does not move.
 fn leave(body: &FlightState, centre: &Vector3<f64>, margin: f64) -> f64 {
     let from = body.position - centre;
     let (along, square) = (from.dot(&body.velocity), body.velocity.norm_squared());
@@ -273,7 +274,7 @@ fn leave(body: &FlightState, centre: &Vector3<f64>, margin: f64) -> f64 {
         return f64::INFINITY;
     }
     let room = (margin * margin - from.norm_squared()).max(0.0);
-    // the form without cancellation
+    // root in a form without cancellation
     let root = (along * along + square * room).sqrt();
     if along > 0.0 { room / (along + root) } else { (root - along) / square }
 }

@@ -1,8 +1,8 @@
-//! Neighbour lists, updated particle by particle.
+//! Neighbour lists that are updated separately for each particle.
 //!
-//! Each particle has a shell: a ball about its position at the last update of its list. It may move by a margin within
-//! the shell. Its neighbours are the particles whose shells overlap its own. A particle that leaves its shell gets a
-//! new one; the others keep theirs.
+//! Each particle has a shell, a ball about its position when its list was last updated. The particle may move by a
+//! margin before it leaves its shell. Its neighbours are the particles whose shells overlap its own. A particle that
+//! leaves its shell gets a new one, while the other shells stay.
 
 use super::cells::{ROUNDING, ShellGrid, rounded, widened};
 use super::list_pool::{ListPool, room_for, size};
@@ -14,36 +14,36 @@ use prefetch_index::prefetch_index;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-/// Shell of a particle and location of its neighbour list.
+/// Shell of a particle, and the location of its neighbour list.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct Shell {
-    /// Centre [m] of the shell, inside the box; in single precision, as the cells hold it.
+    /// Centre [m] of the shell, inside the box; in single precision, as in the cells.
     centre: [f32; 3],
-    /// The neighbours are `near[first .. first + count]`; `room` is the size of the memory block.
+    /// The neighbours are `near[first .. first + count]`; `room` is the size number of the memory block.
     first: u32,
     count: u32,
     room: u8,
-    /// True if walls are near.
+    /// True if the particle may touch a wall before it leaves the shell.
     pub at_wall: bool,
     /// True if no periodic side lies between the particle and its neighbours.
     pub inside: bool,
 }
 
-/// Properties shared by many particles.
+/// Radius and mass that several particles have in common.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RadiusClass {
-    /// Radius [m].
+    /// Radius [m] of these particles.
     pub radius: f64,
-    /// Mass [kg].
+    /// Mass [kg] of these particles.
     pub mass: f64,
 }
 
-/// Shells of particles within a factor of two in size. Cells as large as the largest particle of all would each hold
-/// very many small ones.
+/// Shells of particles with sizes within a factor of two, in one grid. A single grid for all sizes would have very many
+/// small particles in each cell.
 #[derive(Clone, Debug)]
 struct ShellLevel {
     cells: ShellGrid,
-    /// [m] radii.
+    /// [m] smallest and largest radius.
     smallest: f64,
     largest: f64,
 }
@@ -53,54 +53,55 @@ struct ShellLevel {
 pub struct Shells {
     /// Distance [m] that a particle may move from the centre of its shell.
     pub margin: f64,
-    /// All different combinations of radius and mass.
+    /// All different combinations of radius and mass, in ascending order.
     pub kinds: Vec<RadiusClass>,
-    /// Neighbour lists of all particles; unused entries of a list hold the index of its own particle.
+    /// Neighbour lists of all particles; unused entries of a list contain the index of the particle to which it
+    /// belongs.
     near: Vec<u32>,
-    /// Shells made so far.
+    /// Number of shells made so far.
     pub renewed: u64,
-    /// Distances computed.
+    /// Number of distances computed so far.
     pub checks: u64,
-    /// Centres by size of the particles, from the smallest on.
+    /// Grids with the centres of shells, by size of the particles, the smallest first.
     #[serde(skip)]
     levels: Vec<ShellLevel>,
-    /// Largest radius [m].
+    /// Largest radius [m] of any particle.
     #[serde(skip)]
     largest: f64,
-    /// Smallest radius [m].
+    /// Smallest radius [m] of any particle.
     #[serde(skip)]
     smallest: f64,
     #[serde(skip)]
     found: Vec<u32>,
-    /// Mark of each particle: twice the number of the update, modulo 2³², that last had it as an old neighbour. It is
-    /// one more if the particle stays a neighbour.
+    /// Mark of each particle, by which an update compares old and new neighbours. It is twice the number of the last
+    /// update, modulo 2³², in which the particle was an old neighbour. One is added if the particle stays a neighbour.
     #[serde(skip)]
     marks: Vec<u32>,
-    /// Free memory blocks.
+    /// Free memory blocks between the neighbour lists.
     #[serde(skip)]
     free: ListPool,
 }
 
-/// Neighbour lists of some particles.
+/// Neighbour lists of several particles.
 #[derive(Default)]
 struct Lists {
-    /// One list after the other.
+    /// The lists, one after the other.
     near: Vec<u32>,
-    /// Length of each list.
+    /// Number of neighbours in each list.
     counts: Vec<u32>,
-    /// Distances computed.
+    /// Number of distances computed.
     checks: u64,
 }
 
-/// Inverse of the fraction of memory kept free for growth of the lists. In the first time after a random start they
-/// become longer by up to a quarter, and growing the memory then may mean copying them all. Memory that is never
-/// written takes no space.
+/// Inverse of the fraction of memory that is reserved for growth of the lists. After a random start they first become
+/// longer by up to a quarter, and growing the memory then may require a copy of all lists. Reserved memory that is
+/// never written takes no space.
 const SPARE: usize = 4;
 
-/// Inverse of the fraction by which the memory grows when it is used up.
+/// Inverse of the fraction by which the memory grows when it is full.
 const MORE: usize = 16;
 
-/// Indices in a cache line of 64 bytes.
+/// Number of indices in a cache line of 64 bytes.
 const PER_LINE: usize = 16;
 
 impl Shell {
@@ -110,7 +111,7 @@ impl Shell {
         widened(&self.centre)
     }
 
-    /// Number of neighbours.
+    /// Number of neighbours of the shell's particle.
     #[inline]
     pub fn count(&self) -> u32 {
         self.count
@@ -118,7 +119,7 @@ impl Shell {
 }
 
 impl Shells {
-    /// Makes shells about the positions of all bodies, which are inside the box.
+    /// Makes shells about the positions of all particles, which must be inside the box, and their neighbour lists.
     pub fn build(&mut self, next_events: &mut [NextEvents], bodies: &[FlightState], domain: &Domain, at_wall: &[bool]) {
         for ((card, body), &at_wall) in next_events.iter_mut().zip(bodies).zip(at_wall) {
             card.shell = Shell { centre: rounded(&body.position), at_wall, ..Shell::default() };
@@ -130,7 +131,7 @@ impl Shells {
         self.near.clear();
         self.free.clear();
         let chunks = bodies.len().div_ceil(CHUNK);
-        // a few chunks at a time, so that most lists are in memory only once
+        // a few chunks at a time, so that most lists are stored only once in memory
         let together = rayon::current_num_threads();
         for first in (0..chunks).step_by(together) {
             let last = chunks.min(first + together);
@@ -145,13 +146,13 @@ impl Shells {
         self.renewed += bodies.len() as u64;
     }
 
-    /// Frees the memory of all lists and cells, which are to be built again.
+    /// Frees the memory of all lists and cells, before they are built again.
     pub fn forget(&mut self) {
         (self.near, self.levels) = (Vec::new(), Vec::new());
         self.free.clear();
     }
 
-    /// Neighbour lists of a chunk of particles.
+    /// Makes the neighbour lists of a chunk of particles.
     fn look_around_chunk(
         &self,
         chunk: usize,
@@ -168,8 +169,8 @@ impl Shells {
         lists
     }
 
-    /// Reserves memory for the lists in `parts`, the last of the first `known` particles. If it has to grow, it is
-    /// sized for all `count` particles.
+    /// Reserves memory for the lists in `parts`. With them the first `known` particles have lists. If the memory must
+    /// grow, it is made large enough for all `count` particles.
     fn reserve(&mut self, parts: &[Lists], known: usize, count: usize) {
         let room: usize =
             parts.iter().flat_map(|lists| &lists.counts).map(|&count| size(room_for(count)) as usize).sum();
@@ -194,7 +195,7 @@ impl Shells {
         }
     }
 
-    /// Puts the centres into cells, which are not stored.
+    /// Sorts the centres of the shells into cells, which are not stored with a run.
     pub fn fill_cells(&mut self, next_events: &[NextEvents], bodies: &[FlightState], domain: &Domain) {
         self.largest = self.kinds.iter().fold(0.0, |most: f64, kind| most.max(kind.radius));
         self.smallest = self.kinds.iter().fold(f64::INFINITY, |least: f64, kind| least.min(kind.radius));
@@ -217,14 +218,15 @@ impl Shells {
         }
     }
 
-    /// Level of a body.
+    /// Number of the level to which a particle belongs by its size.
     #[inline]
     fn level(&self, body: &FlightState) -> usize {
         let radius = self.radius(body);
         self.levels.iter().take_while(|level| level.largest < radius).count()
     }
 
-    /// True if a shell's centre [m] is so far from all periodic sides that no neighbour is across one.
+    /// True if a shell's centre [m] is so far from all periodic sides that none lies between the particle and its
+    /// neighbours.
     fn is_inside(&self, centre: &[f32; 3], domain: &Domain) -> bool {
         let reach = 2.0 * (self.largest + self.margin) + 2.0 * ROUNDING * domain.size.max();
         let within = |axis: usize| {
@@ -234,7 +236,7 @@ impl Shells {
         (0..3).all(|axis| !domain.periodic[axis] || within(axis))
     }
 
-    /// Largest radius [m].
+    /// Largest radius [m] of any particle.
     #[inline]
     pub fn largest(&self) -> f64 {
         self.largest
@@ -246,25 +248,25 @@ impl Shells {
         self.smallest == self.largest
     }
 
-    /// Radius [m] of a body.
+    /// Radius [m] of a particle.
     #[inline]
     pub fn radius(&self, body: &FlightState) -> f64 {
         self.kinds[body.kind as usize].radius
     }
 
-    /// Mass [kg] of a body.
+    /// Mass [kg] of a particle.
     #[inline]
     pub fn mass(&self, body: &FlightState) -> f64 {
         self.kinds[body.kind as usize].mass
     }
 
-    /// Indices of the neighbours of a shell.
+    /// Indices of the neighbours of a shell's particle.
     #[inline]
     pub fn neighbours(&self, shell: &Shell) -> &[u32] {
         &self.near[shell.first as usize..(shell.first + shell.count) as usize]
     }
 
-    /// Indices of the neighbours in groups of four; the particle's own index fills the last group.
+    /// Indices of the neighbours in groups of four; the index of the particle itself fills the last group.
     #[inline]
     pub fn in_fours(&self, shell: &Shell) -> &[[u32; 4]] {
         let end = shell.first + shell.count.next_multiple_of(4);
@@ -278,8 +280,8 @@ impl Shells {
         (first..last).step_by(PER_LINE).chain([last]).for_each(|at| prefetch_index(&self.near, at));
     }
 
-    /// Appends to `found` all particles whose shells overlap that of `i`, and some that nearly do. Returns the number
-    /// checked.
+    /// Appends to `found` all particles whose shells overlap that of particle `i`, and some whose shells nearly do.
+    /// Returns the number of shells tested.
     fn look_around(
         &self,
         i: u32,
@@ -312,7 +314,8 @@ impl Shells {
         checks
     }
 
-    /// Gives particle `i` a new shell about its position, which is inside the box.
+    /// Makes a new shell about the position of particle `i`, which must be inside the box, and updates the neighbour
+    /// lists.
     pub fn update_neighbour_list(
         &mut self,
         i: u32,
@@ -331,7 +334,7 @@ impl Shells {
         let mut found = std::mem::take(&mut self.found);
         found.clear();
         self.checks += self.look_around(i, next_events, bodies, domain, &mut found);
-        // most neighbours stay: only lists of new and of lost neighbours are changed
+        // most neighbours stay, so only the lists of new and of lost neighbours are changed
         self.marks.resize(next_events.len(), 0);
         let was_near = 2 * ((self.renewed + 1) as u32 & (u32::MAX >> 1));
         if was_near == 0 {
@@ -355,8 +358,8 @@ impl Shells {
         }
         let count = found.len() as u32;
         let shell = &mut next_events[i as usize].shell;
-        // also to a smaller room: otherwise all rooms would grow to the longest list ever, and small ones would be left
-        // unused
+        // moves also to a smaller room: otherwise all rooms would grow to the longest list so far, and small rooms
+        // would stay unused
         let wanted = room_for(count);
         if wanted != shell.room {
             *shell = self.moved(shell, wanted);
@@ -370,13 +373,14 @@ impl Shells {
         self.renewed += 1;
     }
 
-    /// Returns the shell with another room: a free one of that size, or a new one at the end. Its content is undefined.
+    /// Returns the shell with another room: a free one of the given size, or a new one at the end. The content is
+    /// undefined.
     fn moved(&mut self, shell: &Shell, room: u8) -> Shell {
         self.free.give(shell.room, shell.first);
         let first = self.free.take(room).unwrap_or_else(|| {
             let (first, more) = (self.near.len(), size(room) as usize);
             if self.near.capacity() < first + more {
-                // a default growth would double the capacity
+                // the default growth would double the capacity
                 self.near.reserve_exact(more.max(first / MORE));
             }
             self.near.resize(first + more, 0);
@@ -385,7 +389,7 @@ impl Shells {
         Shell { first, room, ..*shell }
     }
 
-    /// Removes `j` from the neighbours of `i`, whose shell is given.
+    /// Removes `j` from the neighbours of `i`; `shell` is the shell of `i`.
     fn remove(&mut self, shell: &mut Shell, i: u32, j: u32) {
         let list = &mut self.near[shell.first as usize..(shell.first + shell.count) as usize];
         if let Some(k) = list.iter().position(|&other| other == j) {
@@ -396,7 +400,7 @@ impl Shells {
         }
     }
 
-    /// Adds `j` to the neighbours of `i`, whose shell is given.
+    /// Adds `j` to the neighbours of `i`; `shell` is the shell of `i`.
     fn add(&mut self, shell: &mut Shell, i: u32, j: u32) {
         if shell.count == size(shell.room) {
             let old = shell.first as usize..(shell.first + shell.count) as usize;
@@ -409,8 +413,8 @@ impl Shells {
         shell.count += 1;
     }
 
-    /// Returns a copy with all lists in ascending order and without gaps between them, and the matching `next_events`.
-    /// Stored data must not depend on how they came about.
+    /// Returns a copy in which all lists are in ascending order and without gaps between them, and the corresponding
+    /// `next_events`. Stored data must not depend on the order in which the lists were built.
     pub fn tidy(&self, next_events: &[NextEvents]) -> (Self, Vec<NextEvents>) {
         let (mut near, mut next_events) = (Vec::new(), next_events.to_vec());
         for (place, NextEvents { shell, .. }) in (0..).zip(&mut next_events) {

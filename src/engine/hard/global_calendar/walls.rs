@@ -1,24 +1,24 @@
-//! Wall contacts of a scene, as the calendar needs them.
+//! Wall contacts of a scene, numbered for the calendar (the event queue of all particles).
 
 use crate::encounter::AtWall;
 use crate::scene::Scene;
 use crate::walls::NearWalls;
 use std::ops::Range;
 
-/// All contacts that the walls of a scene may have with a sphere, in the order of the walls, and a search for near
-/// walls.
+/// All contacts that a sphere may have with the walls of a scene, in the order of the walls, and a search for walls
+/// near a point.
 #[derive(Clone, Debug, Default)]
 pub struct WallContacts {
-    /// The contacts; events refer to them by number.
+    /// The contacts; events refer to them by their number in this list.
     pub contacts: Vec<AtWall>,
-    /// Numbers of the contacts of each wall.
+    /// Numbers of the contacts with each wall.
     of: Vec<Range<u32>>,
-    /// Search for walls near a position.
+    /// Search structure for the walls near a position.
     pub near: NearWalls,
 }
 
 impl WallContacts {
-    /// Contacts of the walls of a scene.
+    /// Lists the contacts with the walls of a scene.
     pub fn of(scene: &Scene) -> Self {
         let (mut contacts, mut of) = (Vec::new(), Vec::new());
         for (wall, shape) in (0u32..).zip(&scene.walls) {
@@ -29,7 +29,7 @@ impl WallContacts {
         Self { contacts, of, near: NearWalls::of(&scene.walls) }
     }
 
-    /// Numbers of the contacts of a wall.
+    /// Numbers of the contacts with a wall.
     pub fn of_wall(&self, wall: u32) -> Range<u32> {
         self.of[wall as usize].clone()
     }

@@ -1,5 +1,6 @@
-//! Islands that reach as far as their particles might fly: their surroundings are searched for bystanders and for other
-//! islands to unite with, before islands are solved.
+//! Islands (groups of particles that may meet) that reach as far as their particles might fly. Before islands are
+//! solved, their surroundings are searched for *bystanders* (cold particles that they might hit) and for other islands
+//! with which they must unite.
 
 use super::{Cluster, Clusters, Few, IslandFinder, IslandLimits, Member};
 use crate::engine::islands::batch::Retry;
@@ -10,31 +11,31 @@ use crate::neighbours::cells::CellGrid;
 use crate::work_sharing;
 use std::ops::{Deref, DerefMut};
 
-/// Number of contacts in progress beyond which all of them form one crowd. A contact costs four times as much per step
-/// of an island as per uniform step, and with so many contacts something always touches.
+/// Number of contacts in progress beyond which all of them form one crowd. A contact costs four times as much in a step
+/// of an island as in a uniform step, and with so many contacts some particles touch at any time.
 const MANY_CONTACTS: usize = 16;
 
-/// Islands whose surroundings a thread searches at once.
+/// Number of islands whose surroundings a thread searches in one piece of work.
 const BATCH: usize = 16;
 
-/// Islands whose bystanders a thread checks at once.
+/// Number of islands whose bystanders a thread checks in one piece of work.
 const MANY: usize = 512;
 
-/// Result of a search of the surroundings of an island.
+/// Result of searching the surroundings of an island.
 enum Surroundings {
-    /// Cold particles that the island might hit, by index.
+    /// Indices of the cold particles that the island might hit.
     Bystanders(Few),
-    /// Other islands that it might meet; all of them if there may be crowds, otherwise one.
+    /// Numbers of other islands that this island might meet: all of them if islands may be crowds, otherwise one.
     Islands(Vec<usize>),
-    /// The island has grown too large.
+    /// The island is too large.
     TooLarge,
 }
 
-/// Islands that reach as far as their particles might fly.
+/// Islands that reach as far as their particles might fly, found before they are solved.
 pub struct BoundedIslands<'a> {
     clusters: Clusters<'a>,
     limits: IslandLimits,
-    /// The members in cells, as they were last sorted. Members that became hot later stand at the end of `members`.
+    /// Cells into which the members were sorted last. Members that became hot later are only at the end of `members`.
     grid: CellGrid,
     pub(super) sorted: Vec<u32>,
 }
@@ -67,16 +68,16 @@ impl<'a> IslandFinder<'a> for BoundedIslands<'a> {
 
     fn gather(&mut self, touches: &[FirstTouch], carried: &[[Option<u32>; 2]], energy: Vec<f64>) -> bool {
         // many contacts in progress form one crowd from the start, even if they do not touch one another: as separate
-        // islands they would meet one by one, and be stepped at several times the cost
+        // islands they would meet one by one, at several times the cost of uniform steps
         let many = self.limits.crowds && carried.len() > MANY_CONTACTS;
         self.begin(touches, carried, energy, many);
         self.sort();
         self.expand_all((0..self.list.len()).collect())
     }
 
-    /// Lists the pairs whose balls overlap.
+    /// Appends the pairs of one member whose balls overlap.
     fn list_pairs(&self, (a, member): (usize, &Member), (places, hot): (&[u32], usize), pairs: &mut Vec<Pair>) {
-        // a touch at the very start of the ball must not be lost by rounding
+        // enlarged by rounding, so that a touch at the very beginning is not lost
         let here = BoundingSphere { reach: member.ball.reach * (1.0 + 1e-9), ..member.ball };
         let others = (a + 1..places.len()).filter(|&b| here.meets(&self.ball_of(places[b], b < hot), self.domain));
         pairs.extend(others.map(|b| Pair { i: a as u32, j: b as u32 }));
@@ -110,18 +111,18 @@ impl<'a> IslandFinder<'a> for BoundedIslands<'a> {
 }
 
 impl BoundedIslands<'_> {
-    /// Sorts the members into cells.
+    /// Sorts the members of all islands into cells.
     pub(super) fn sort(&mut self) {
         let Clusters { search, members, widest, .. } = &self.clusters;
         let spacing = (search.region.volume() / members.len().max(1) as f64).cbrt();
-        // a bed fills only a part of the domain: with cells of a third of the spacing there are at most 27 for each
+        // contacts fill only a part of the domain: with cells of a third of the mean spacing there are at most 27 per
         // member
         let edge = widest.max(if self.limits.crowds { spacing / 3.0 } else { spacing });
         self.grid.sort(members, |member| member.flight.middle, &search.region, edge, &mut self.sorted);
     }
 
-    /// Ball that holds a particle of an island, given by index: of a member from the first touch on, of a bystander
-    /// throughout its straight flight.
+    /// Ball that contains a particle of an island. For a member it contains the motion after the first touch, for a
+    /// bystander the whole straight flight.
     fn ball_of(&self, place: u32, is_member: bool) -> BoundingSphere {
         match self.search.label[place as usize] {
             Some(label) if is_member => self.members[label.member()].ball,
@@ -129,8 +130,8 @@ impl BoundedIslands<'_> {
         }
     }
 
-    /// Searches the surroundings of islands until no two of them meet; each then knows its bystanders. Returns false if
-    /// one grows too large. The searches run in rounds, in parallel, and change nothing during a round. Islands only
+    /// Searches the surroundings of islands until no two of them meet; the bystanders of each are then known. Returns
+    /// false if an island is too large. Searches run in parallel, in rounds during which nothing changes. Islands only
     /// grow, so the result does not depend on the order of the searches.
     fn expand_all(&mut self, changed: Vec<usize>) -> bool {
         let mut waiting = changed;
@@ -138,8 +139,8 @@ impl BoundedIslands<'_> {
             waiting.sort_unstable();
             waiting.dedup();
             self.settle_changed(&waiting);
-            // crowds first: each takes in at once all that it meets; otherwise the islands around it would be united
-            // with it one by one
+            // crowds first: each adds all that it meets at the same time; otherwise the islands around a crowd would be
+            // united with it one by one
             if self.limits.crowds
                 && !waiting.iter().all(|&which| !self.list[which].is_crowd() || self.expand_crowd(which))
             {
@@ -152,7 +153,7 @@ impl BoundedIslands<'_> {
             let seen = work_sharing::map(looks, |some| some.iter().map(look).collect::<Vec<_>>()).into_iter().flatten();
             let mut united = Vec::new();
             for (which, version, seen) in seen {
-                // otherwise it has been united with another one in this round, which searches in the next
+                // an island that was united with another one in this round is searched around in the next
                 if self.list[which].alive && self.list[which].version == version {
                     match seen {
                         Surroundings::Bystanders(bystanders) => self.has_seen(which, bystanders),
@@ -166,7 +167,7 @@ impl BoundedIslands<'_> {
         true
     }
 
-    /// Computes the reach of the members of islands where it is not known.
+    /// Computes the reach of the members of those islands that have changed.
     fn settle_changed(&mut self, islands: &[usize]) {
         for &which in islands {
             let cluster = &self.list[which];
@@ -176,8 +177,8 @@ impl BoundedIslands<'_> {
         }
     }
 
-    /// Takes into a crowd all particles beside it, finds its bystanders, and unites it with islands that it may meet.
-    /// Returns false if it grows too large.
+    /// Adds all particles next to a crowd to the crowd, finds its bystanders, and unites it with islands that it may
+    /// meet. Returns false if the crowd is too large.
     fn expand_crowd(&mut self, which: usize) -> bool {
         let mut which = which;
         while self.list[which].has_to_look() {
@@ -192,12 +193,12 @@ impl BoundedIslands<'_> {
         true
     }
 
-    /// Unites an island with some others.
+    /// Unites an island with the others, and returns the number of the united island.
     fn unite_all(&mut self, which: usize, others: Vec<usize>) -> usize {
         others.into_iter().fold(which, |which, other| self.unite(which, other))
     }
 
-    /// Records that an island, in its present version, meets no other one.
+    /// Stores the bystanders of an island, which in its present version meets no other island.
     fn has_seen(&mut self, which: usize, bystanders: Few) {
         let cluster = &mut self.list[which];
         cluster.bystanders = bystanders;
@@ -216,7 +217,7 @@ impl BoundedIslands<'_> {
         let largest_reach = search.levels.largest_reach();
         for &member in &cluster.hot {
             let here = self.members[member as usize].ball;
-            // beyond half a period, images other than the nearest may be met
+            // beyond half a period, an image other than the nearest could be hit
             if here.reach + self.widest.max(largest_reach) > self.half_period {
                 return Surroundings::TooLarge;
             }
@@ -251,8 +252,8 @@ impl BoundedIslands<'_> {
         Surroundings::Bystanders(bystanders)
     }
 
-    /// Unites each island with its bystanders that have become members, which are numbered from `known` on. Returns one
-    /// member of each changed island.
+    /// Unites each island with those of its bystanders that have become members. New members have numbers from `known`
+    /// on. Returns one member of each changed island.
     fn unite_with_bystanders(&mut self, known: usize) -> Vec<u32> {
         let mut changed = Vec::new();
         if self.members.len() == known {
@@ -288,8 +289,8 @@ impl BoundedIslands<'_> {
 }
 
 impl Cluster {
-    /// True if the island is a crowd, or has more than `most` members and a shorter part would have fewer. Contacts in
-    /// progress are there in any part, so each of them allows for two members.
+    /// True if the island is a crowd, or has more than `most` members where a shorter part of the window would give
+    /// fewer. Contacts in progress exist in any part, so each of them allows for two members.
     fn is_too_large(&self, most: usize) -> bool {
         self.is_crowd() || self.hot.len() > most.max(2 * self.carried.len())
     }

@@ -1,25 +1,26 @@
-//! Particles beside a crowd, taken into it before they are pushed.
+//! Growth of a crowd, which is an island so large that it is moved by uniform steps. Particles next to the crowd are
+//! added before it pushes them.
 
 use super::Member;
 use super::bounded::BoundedIslands;
 
-/// Gap, relative to the distance of touch, below which a particle beside a crowd is taken into it. In a gas so few
-/// particles are so near that this costs little. It avoids solving the crowd again for each particle that it pushes.
+/// Gap over the distance of touch below which a particle next to a crowd is added to it. In a gas few particles are so
+/// near that this costs much. Without the rule, the crowd would be solved again for each particle that it pushes.
 const BESIDE: f64 = 0.05;
 
-/// Number of late members, beyond an eighth of those in cells, from which all members are sorted into cells again.
-/// Members that became hot late are in no cells, and each search of the surroundings has to check all of them.
+/// Number of late members, in excess of an eighth of those in cells, from which all members are sorted into cells
+/// again. Late members became hot after the last sort, and every search must check all of them.
 const MANY_LATE: usize = 64;
 
 impl BoundedIslands<'_> {
-    /// Takes into a crowd all particles beside its members, then those beside these, and so on. A new member may raise
-    /// the reach of all, and then more particles are beside them. Members whose reach has grown search again, so that
-    /// the result does not depend on the order of the searches.
+    /// Adds all particles next to the members of a crowd, then those next to the new members, and so on. A new member
+    /// may raise the speed limits and so the reach of all. Members whose reach has grown search again, so that the
+    /// result does not depend on the order of the searches.
     pub(super) fn take_in_beside(&mut self, which: usize) {
         loop {
             let before = self.list[which].hot.len();
             let mut next = 0;
-            // new members stand behind the others, and search in their turn
+            // new members are at the end of the list, so the loop reaches them too
             while let Some(&member) = self.list[which].hot.get(next) {
                 next += 1;
                 for place in self.find_beside(member) {
@@ -36,7 +37,7 @@ impl BoundedIslands<'_> {
         }
     }
 
-    /// Makes a particle, given by index, a member of a crowd.
+    /// Makes a particle, given by its index in the store, a member of a crowd.
     fn take_in(&mut self, which: usize, place: u32) {
         if self.search.label[place as usize].is_none() {
             let alone = self.cluster_of(place);
@@ -46,8 +47,8 @@ impl BoundedIslands<'_> {
         }
     }
 
-    /// Indices of the particles in no island that lie beside a member of a crowd and might be hit by it. None if the
-    /// member has already searched with its present reach.
+    /// Indices of the particles in no island that are next to a member of a crowd and might be hit by this member.
+    /// Empty if the member has already searched with its present reach.
     fn find_beside(&mut self, member: u32) -> Vec<u32> {
         let Member { place, ball, took_in, .. } = self.members[member as usize];
         let mut beside = Vec::new();

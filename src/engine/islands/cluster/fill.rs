@@ -1,4 +1,5 @@
-//! An island handed to an engine: its particles, and the pairs that may touch.
+//! Copying an island (a group of particles that may meet) into a small scene: its particles, and the pairs that may
+//! touch.
 
 use super::IslandFinder;
 use crate::encounter::AtWall;
@@ -7,8 +8,8 @@ use crate::neighbours::NearWall;
 use crate::scene::Scene;
 use nalgebra::Vector3;
 
-/// Fills the small scene of an island, except for the carried state. `fallen` [m/s] is the velocity that gravity has
-/// added to those of the store.
+/// Copies the island `which` into a small scene, without its carried state. `fallen` [m/s] is the velocity that gravity
+/// has added to the velocities of the store.
 pub fn fill<'a, C>(
     islands: &impl IslandFinder<'a>,
     which: usize,
@@ -38,7 +39,7 @@ pub fn fill<'a, C>(
             }
         });
         if !islands.search.near_walls.are_few() {
-            // in the order of the case, each wall once
+            // sorted in the order of the case, each wall once
             list.walls[first..].sort_unstable_by_key(|near| (near.at.wall, near.at.which));
             list.walls.dedup();
         }

@@ -1,4 +1,5 @@
-//! Speed limits of the particles of an island, and their reach.
+//! Speed limits of the particles of an island (a group of particles that may meet), and the distances that they may
+//! reach.
 
 use super::{BATCH, Cluster, Clusters, Member};
 use crate::domain::Domain;
@@ -7,42 +8,42 @@ use crate::particles::Particles;
 use crate::work_sharing;
 use nalgebra::Vector3;
 
-/// Factor by which speeds may pass the bound of energy conservation before an island is solved again: contacts with
+/// Factor by which speeds may exceed the bound of energy conservation before an island is solved again: contacts with
 /// finite time steps may gain a little energy.
 const MARGIN: f64 = 1.05;
 
-/// Largest reach [m] of flights and islands.
+/// Largest distances [m] that particles may reach in flights and in islands.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Reach {
-    /// Largest reach of a flight.
+    /// Largest distance from the middle of a straight flight to any point of its particle.
     pub flight: f64,
-    /// Largest reach of a hot particle about the middle of its flight.
+    /// Largest distance from the middle of a hot particle's flight that this particle may reach.
     pub around: f64,
-    /// Largest radius of the ball of a hot particle.
+    /// Largest radius of the ball in which a hot particle may be after the first touch of its island.
     pub ball: f64,
 }
 
 impl Reach {
-    /// Distance [m] that must be seen around an island to know its surroundings: all flights or balls that may meet it,
-    /// and whether those particles are hot.
+    /// Distance [m] around an island within which a process must store all particles. The process then has all flights
+    /// and balls that may meet the island, and can determine whether those particles are hot.
     pub fn sight(&self) -> f64 {
         self.around.max(self.flight) + 2.0 * self.flight
     }
 
-    /// True if no particle can meet an image of another other than the nearest, which is at most half a period [m]
-    /// away.
+    /// True if no particle can meet an image of another particle other than the nearest, which is at most half a period
+    /// [m] away.
     pub fn fits(&self, half_period: f64) -> bool {
         self.ball + self.around.max(self.flight) <= half_period
     }
 }
 
-/// The two largest of four values, given as two pairs in descending order.
+/// The two largest of four values, which are given as two pairs in descending order.
 pub(super) fn two_largest([a, b]: [f64; 2], [c, d]: [f64; 2]) -> [f64; 2] {
     if a >= c { [a, b.max(c)] } else { [c, d.max(a)] }
 }
 
-/// Kinetic energy [J] and speed [m/s] of a particle, given by index, seen from a frame [m/s]. Rotation counts as far as
-/// friction may turn it into motion: with its energy, and with the speed of the surface.
+/// Kinetic energy [J] and speed [m/s] of a particle, given by index, relative to a frame [m/s]. Rotation is included,
+/// since friction may turn it into motion: with its energy, and with the speed of the surface.
 pub(super) fn motion(particles: &Particles, frame: Vector3<f64>, place: u32) -> (f64, f64) {
     let square = (particles.velocity[place as usize] - frame).norm_squared();
     let place = place as usize;
@@ -57,17 +58,17 @@ pub(super) fn motion(particles: &Particles, frame: Vector3<f64>, place: u32) -> 
 }
 
 impl Clusters<'_> {
-    /// Speed limit [m/s] of a hot particle: the lesser of two bounds. One assumes the two most energetic particles of
-    /// the island, the other the two fastest. Both hold for two particles. Among more they are rarely passed; then the
-    /// island is solved again with a higher limit.
+    /// Speed limit [m/s] of a hot particle: the lesser of two bounds. One bound assumes the two most energetic
+    /// particles of the island, the other the two fastest. Both bounds are exact for two particles. Among more
+    /// particles they are rarely exceeded; the island is then solved again with a higher limit.
     ///
     /// The two most energetic particles may give one particle all their energy. The two fastest have speeds s₁ ≥ s₂.
-    /// Their centre of mass is not faster than s₁, and relative to it they move at most at s₁ + s₂. So neither leaves
-    /// at more than 2 s₁ + s₂. Energy E that a contact gives back adds at most √(2E/m). This is the lesser bound for
-    /// light particles among heavy ones.
+    /// Their centre of mass is not faster than s₁, and relative to it each moves at s₁ + s₂ or less. So neither leaves
+    /// faster than 2 s₁ + s₂. An energy E that a contact gives back adds at most √(2E/m). The second bound is the
+    /// lesser one for light particles among heavy ones.
     ///
-    /// The contacts of a crowd together hold far more energy than any of its particles ever gets. There only twice the
-    /// largest contact energy counts, and all particles have equal limits.
+    /// The contacts of a crowd together store far more energy than any of its particles ever gets. Therefore only twice
+    /// the largest energy of one contact is used in a crowd, and all of its particles have equal limits.
     pub(super) fn limit(&self, cluster: &Cluster, place: u32) -> f64 {
         let crowd = cluster.is_crowd();
         let stored = if crowd { 2.0 * cluster.deepest } else { cluster.stored };
@@ -77,8 +78,8 @@ impl Clusters<'_> {
         (of_energy.min(of_momentum) * MARGIN).max(cluster.floor) + self.fall
     }
 
-    /// Computes the reach of the members of all islands, in parallel. Each island needs only its members, and each
-    /// member only its island.
+    /// Computes the reach of the members of all islands, in parallel. This is possible because each island depends only
+    /// on its members, and each member only on its island.
     pub(super) fn settle_all(&mut self) {
         let mut clusters = std::mem::take(&mut self.list);
         work_sharing::for_each(clusters.chunks_mut(BATCH), |some| {
@@ -92,7 +93,7 @@ impl Clusters<'_> {
         self.members = members;
     }
 
-    /// Computes the reach of the members of an island.
+    /// Computes the reach of all members of an island.
     pub(super) fn settle(&mut self, which: usize) {
         let mut clusters = std::mem::take(&mut self.list);
         self.put_in_order(&mut clusters[which]);
@@ -102,16 +103,16 @@ impl Clusters<'_> {
         }
     }
 
-    /// Computes the reach of a member of an island.
+    /// Computes the reach of one member of an island.
     pub(super) fn settle_member(&mut self, member: u32) {
         let mut members = std::mem::take(&mut self.members);
         self.widest = self.widest.max(self.reach_out(&mut members[member as usize]));
         self.members = members;
     }
 
-    /// Sorts the members and the carried state of an island, computes its largest energies and speeds, and sums the
-    /// energy of its carried state. The order does not depend on that of the store, nor on the order in which islands
-    /// were united.
+    /// Sorts the members and the carried state of an island, finds its largest energies and speeds, and sums the energy
+    /// of its carried state. The order does not depend on that of the store, nor on the order in which islands were
+    /// united.
     fn put_in_order(&self, cluster: &mut Cluster) {
         cluster.hot.sort_unstable_by_key(|&member| self.particles.id[self.members[member as usize].place as usize]);
         cluster.carried.sort_unstable();
@@ -126,7 +127,8 @@ impl Clusters<'_> {
         cluster.settled = Some(cluster.version);
     }
 
-    /// Computes the ball of a member of an island, and returns the reach [m] about the middle of its flight.
+    /// Computes the ball of a member of an island, and returns the distance [m] from the middle of its flight that it
+    /// may reach.
     fn reach_out(&self, member: &mut Member) -> f64 {
         let (cluster, i) = (&self.list[member.cluster as usize], member.place as usize);
         member.flight = self.search.flights[i];
@@ -141,13 +143,13 @@ impl Clusters<'_> {
         member.around
     }
 
-    /// Largest reach of flights and islands.
+    /// Largest reach of any flight and of any member of an island.
     pub fn reach(&self) -> Reach {
         let ball = self.members.iter().map(|member| member.ball.reach).fold(0.0, f64::max);
         Reach { flight: self.search.levels.largest_reach(), around: self.widest, ball }
     }
 
-    /// Distance [m] from an island to the end of the region seen; infinite if everything is seen.
+    /// Distance [m] from an island to the end of the region that this process stores; infinite if it stores everything.
     pub(super) fn room(&self, which: usize) -> f64 {
         if self.search.region.is_all() {
             return f64::INFINITY;
@@ -159,7 +161,8 @@ impl Clusters<'_> {
         members.map(room).fold(f64::INFINITY, f64::min)
     }
 
-    /// Least distance [m] to the end of the region seen, over the islands with a chosen particle, given by index.
+    /// Smallest distance [m] to the end of the stored region, over the islands that contain a particle chosen by
+    /// `chosen`.
     pub fn least_room(&self, chosen: impl Fn(u32) -> bool) -> f64 {
         if self.search.region.is_all() {
             return f64::INFINITY;
@@ -168,24 +171,24 @@ impl Clusters<'_> {
         theirs.map(|which| self.room(which)).fold(f64::INFINITY, f64::min)
     }
 
-    /// True if one of the chosen particles belongs to the island.
+    /// True if the island contains a particle, given by index, for which `chosen` is true.
     pub(in crate::engine) fn has(&self, which: usize, chosen: &impl Fn(u32) -> bool) -> bool {
         let Cluster { alive, hot, .. } = &self.list[which];
         *alive && hot.iter().any(|&member| chosen(self.members[member as usize].place))
     }
 
-    /// Index in the store of that member of island `which` whose id is smallest. The process that has this particle counts the events of
-    /// the island.
+    /// Index in the store of the member of island `which` with the smallest id. The process that owns this particle
+    /// counts the events of the island.
     pub fn leader(&self, which: usize) -> Option<u32> {
         self.list[which].hot.first().map(|&member| self.members[member as usize].place)
     }
 
-    /// The box.
+    /// The box of the scene.
     pub fn domain(&self) -> &Domain {
         self.domain
     }
 
-    /// Half the shortest period [m] of the box.
+    /// Half the shortest period [m] of the box; infinite without periodic sides.
     pub fn half_period(&self) -> f64 {
         self.half_period
     }

@@ -1,17 +1,17 @@
-//! Changes to unfinished islands before they are solved again.
+//! Changes to unfinished islands (groups of particles that may meet) before they are solved again.
 
 use super::Clusters;
 use crate::engine::islands::batch::Retry;
 
-/// Factor from the observed speed to the next speed limit, after a limit was passed: few repetitions find a sufficient
-/// limit.
+/// Ratio of the next speed limit to the observed speed, after a limit was exceeded. With this ratio few repetitions are
+/// needed.
 const RAISE: f64 = 1.5;
 
 impl Clusters<'_> {
-    /// Applies the changes of all islands of a round, before the surroundings of any are searched again. So the order
-    /// of the changes does not matter. Returns one member of each island.
+    /// Applies the changes to all islands of a round before any surroundings are searched again. So the order of the
+    /// changes does not matter. Returns one member of each changed island.
     pub(super) fn apply_retries(&mut self, retries: Vec<(usize, Retry)>) -> Vec<u32> {
-        // an island may be united with another one before its turn comes, but its members stay
+        // members identify the islands, since an island may be united with another one before its change is applied
         let retries: Vec<(u32, Retry)> =
             retries.into_iter().map(|(which, retry)| (self.list[which].hot[0], retry)).collect();
         for (member, retry) in &retries {

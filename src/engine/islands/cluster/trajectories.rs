@@ -1,22 +1,22 @@
-//! MemberTrajectories of particles that fly straight between velocity changes.
+//! Trajectories of particles that fly straight between velocity changes.
 
 use crate::engine::islands::search::BoundingSphere;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
-/// A velocity change that ends a straight piece of flight.
+/// A change of a particle's velocity, which ends one straight flight and begins another.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct VelocityChange {
-    /// Time of the change [s] since the start of the part.
+    /// Time of the change [s] since the start of the part of the window.
     pub time: f64,
-    /// Position [m] at the start of the part, extrapolated back along the new flight.
+    /// Position [m] at the start of the part from which the new flight, extended backwards, would have begun.
     pub origin: Vector3<f64>,
     /// New velocity [m/s], relative to the frame of the search.
     pub velocity: Vector3<f64>,
 }
 
-/// Trajectory of a particle through the part.
+/// Trajectory of a particle through a part of a window.
 #[derive(Clone, Copy)]
 pub struct ParticleTrajectory<'a> {
     /// Index of the particle in the store.
@@ -25,32 +25,32 @@ pub struct ParticleTrajectory<'a> {
     pub turns: Option<&'a [VelocityChange]>,
 }
 
-/// Trajectory of a hot particle as it was solved.
+/// Trajectory of a member of a solved island.
 #[derive(Clone)]
 pub struct PiecewiseTrajectory {
-    /// Range of the velocity changes, in the list that came with the trajectory, in the order of time.
+    /// Range of its velocity changes in the list stored with the trajectory, in the order of time.
     pub turns: Range<usize>,
-    /// The ball that holds the trajectory from the first velocity change on.
+    /// The ball that contains the trajectory after the first velocity change.
     pub ball: BoundingSphere,
-    /// Reach [m] about the middle of the straight flight that holds the whole trajectory.
+    /// Distance [m] from the middle of the straight flight within which the whole trajectory lies.
     pub around: f64,
 }
 
-/// A straight piece of a trajectory.
+/// A straight piece of a trajectory between two velocity changes.
 pub struct Segment {
-    /// Beginning and end [s].
+    /// Times [s] of its beginning and end, since the start of the part.
     pub span: [f64; 2],
-    /// Position [m] at the start of the part, extrapolated along this piece.
+    /// Position [m] at the start of the part on the line of this piece.
     pub origin: Vector3<f64>,
-    /// Velocity [m/s] relative to the frame of the search.
+    /// Velocity [m/s] on this piece, relative to the frame of the search.
     pub velocity: Vector3<f64>,
 }
 
-/// MemberTrajectories of hot particles, with their velocity changes.
+/// Trajectories of the members of islands, with their velocity changes.
 #[derive(Default)]
 pub struct MemberTrajectories {
-    /// The trajectories.
+    /// Trajectory of each member.
     pub ways: Vec<PiecewiseTrajectory>,
-    /// Velocity changes of those trajectories.
+    /// Velocity changes of these trajectories.
     pub turns: Vec<VelocityChange>,
 }
