@@ -1,7 +1,7 @@
-//! The command line: types only.
+//! Types of the command line, from which clap makes the parser.
 //!
-//! Doc comments are help texts. Fields that take a shared group of options into a command have none, because it would
-//! become help text too.
+//! clap prints the doc comments of this file as help. A field that includes a shared group of options has no comment,
+//! because clap would print that comment too.
 #![expect(missing_docs, reason = "a doc comment on a group of options would become help text")]
 
 use crate::case::quantity;
@@ -45,8 +45,8 @@ pub enum Command {
     /// Runs the variants of a case at several values of its keys, and plots the results over these values; an
     /// interrupted sweep is continued when started again.
     Sweep(Sweep),
-    /// Tells what matters most: shows in one chart the shift of each result by contact model, stiffness, restitution,
-    /// gas and others.
+    /// Shows in one chart how strongly each result shifts with the contact model, stiffness, restitution, gas and
+    /// others.
     Sensitivity(Sensitivity),
     /// Serves a page on this machine, on which both models run side by side: scenes to try out, sliders, questions.
     #[cfg(feature = "lab")]
@@ -77,20 +77,21 @@ pub struct Input {
 }
 
 impl Input {
-    /// All keys set on the command line, including those set by flags of their own.
+    /// Changes to keys as `key=value`: all of `--set`, and those of flags such as `--relax`.
     pub fn sets(&self) -> Vec<String> {
         let relax = self.relax.then(|| "run.relax=true".to_owned());
         self.set.iter().cloned().chain(relax).collect()
     }
 
-    /// These options with the simulated time added, if it is given.
+    /// Copy of these options, with the simulated time as a further change if one is given.
     pub fn with_duration(&self, duration: Option<&String>) -> Self {
         let mut input = self.clone();
         input.set.extend(duration.map(|duration| format!("run.duration={duration}")));
         input
     }
 
-    /// These options with the time between two instants of the trajectories added, if it is given.
+    /// Copy of these options, with the time between two instants of the trajectories as a further change if one is
+    /// given.
     pub fn with_every(&self, every: Option<&String>) -> Self {
         let mut input = self.clone();
         input.set.extend(every.map(|every| format!("output.every={every}")));
@@ -121,18 +122,18 @@ pub struct Keep {
     pub checkpoint_every: CheckpointEvery,
 }
 
-/// Wall time between checkpoints; `None`: never.
+/// Wall time between two checkpoints; `None`: no checkpoints.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CheckpointEvery(pub Option<Duration>);
 
 impl CheckpointEvery {
-    /// Time between checkpoints by default.
+    /// Default wall time between two checkpoints: 10 minutes.
     pub fn usual() -> Self {
         Self(Some(Duration::from_mins(10)))
     }
 }
 
-/// Parses a wall time with its unit, or `never`.
+/// Parses a wall time with its unit, or the word `never`.
 fn wall_time(text: &str) -> Result<CheckpointEvery, String> {
     if text.trim() == "never" {
         return Ok(CheckpointEvery(None));
@@ -165,7 +166,7 @@ pub struct Repeats {
     pub replicas: u16,
 }
 
-/// `diptych run`.
+/// Arguments of `diptych run`.
 #[derive(Clone, Debug, Args)]
 pub struct Run {
     /// The case file, or the name of a built-in case.
@@ -222,7 +223,7 @@ pub enum ModelChoice {
 }
 
 impl ModelChoice {
-    /// The model itself; `None` for `auto`, where it is still to be chosen.
+    /// Collision model that was chosen; `None` for `auto`, for which `plan` chooses the model later.
     pub fn model(self) -> Option<Model> {
         match self {
             Self::Soft => Some(Model::Soft),
@@ -233,12 +234,12 @@ impl ModelChoice {
     }
 }
 
-/// `diptych plan`.
+/// Arguments of `diptych plan`.
 #[derive(Clone, Debug, Args)]
 pub struct Plan {
     /// The case file, or the name of a built-in case.
     pub case: PathBuf,
-    /// Relative error wanted, for which the recommendation holds, as 1% or 0.01 [-].
+    /// Relative error that the recommended model must keep, as 1% or 0.01 [-].
     #[arg(long, value_name = "ERROR", default_value = "1%", value_parser = relative_error)]
     pub target_error: f64,
     /// Prints the plan as JSON.
@@ -250,7 +251,7 @@ pub struct Plan {
     pub effort: Effort,
 }
 
-/// [-] parses a share between 0 and 1, given as a number or in percent.
+/// [-] parses a share between 0 and 1 from a number or a percentage.
 fn relative_error(text: &str) -> Result<f64, String> {
     let (number, unit) = match text.trim().strip_suffix('%') {
         Some(number) => (number.trim(), 0.01),
@@ -262,7 +263,7 @@ fn relative_error(text: &str) -> Result<f64, String> {
     }
 }
 
-/// `diptych compare`.
+/// Arguments of `diptych compare`.
 #[derive(Clone, Debug, Args)]
 pub struct Compare {
     /// The case file, or the name of a built-in case.
@@ -300,7 +301,7 @@ pub struct Compare {
     pub repeats: Repeats,
 }
 
-/// `diptych resume`.
+/// Arguments of `diptych resume`.
 #[derive(Clone, Debug, Args)]
 pub struct Resume {
     /// The folder of results of the stopped command.
@@ -314,7 +315,7 @@ pub struct Resume {
     pub quiet: bool,
 }
 
-/// `diptych check`.
+/// Arguments of `diptych check`.
 #[derive(Clone, Debug, Args)]
 pub struct Check {
     /// The case file, or the name of a built-in case.
@@ -326,7 +327,7 @@ pub struct Check {
     pub input: Input,
 }
 
-/// `diptych fluid`.
+/// Arguments of `diptych fluid`.
 #[derive(Clone, Debug, Args)]
 pub struct FluidArguments {
     /// The case file, or the name of a built-in case.
@@ -337,7 +338,7 @@ pub struct FluidArguments {
     pub output: Output,
 }
 
-/// `diptych impact`.
+/// Arguments of `diptych impact`.
 #[derive(Clone, Debug, Args)]
 pub struct ImpactArguments {
     /// The case file, or the name of a built-in case: one or two spheres [default: impact].
@@ -348,7 +349,7 @@ pub struct ImpactArguments {
     pub output: Output,
 }
 
-/// `diptych chart`.
+/// Arguments of `diptych chart`.
 #[derive(Clone, Debug, Args)]
 pub struct Chart {
     /// The case file, or the name of a built-in case: one impact, or many particles.
@@ -362,7 +363,7 @@ pub struct Chart {
     pub output: Output,
 }
 
-/// `diptych limits`.
+/// Arguments of `diptych limits`.
 #[derive(Clone, Debug, Args)]
 pub struct Limits {
     /// Uses coarser grids and shorter runs: about a minute on one core.
@@ -378,7 +379,7 @@ pub struct Limits {
     pub output: Output,
 }
 
-/// `diptych sweep`.
+/// Arguments of `diptych sweep`.
 #[derive(Clone, Debug, Args)]
 pub struct Sweep {
     /// The case file, or the name of a built-in case.
@@ -404,7 +405,7 @@ pub struct Sweep {
     pub repeats: Repeats,
 }
 
-/// `diptych sensitivity`.
+/// Arguments of `diptych sensitivity`.
 #[derive(Clone, Debug, Args)]
 pub struct Sensitivity {
     /// The case file, or the name of a built-in case.
@@ -425,7 +426,7 @@ pub struct Sensitivity {
     #[arg(long, value_name = "TIME")]
     pub duration: Option<String>,
     /// Runs each variant with N seeds (that of the case and the next ones) [default: 1, or 8 where averages over time
-    /// mean nothing, as in a cooling gas].
+    /// mean nothing, such as in a cooling gas].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1000))]
     pub replicas: Option<u16>,
     /// Shifts smaller than this count as zero, as 1% or 0.01 of the scale of each observable [-].
@@ -448,7 +449,7 @@ pub struct Sensitivity {
     pub keep: Keep,
 }
 
-/// `diptych lab`.
+/// Arguments of `diptych lab`.
 #[cfg(feature = "lab")]
 #[derive(Clone, Debug, Args)]
 pub struct Lab {
@@ -457,7 +458,7 @@ pub struct Lab {
     pub port: Option<u16>,
 }
 
-/// `diptych init`.
+/// Arguments of `diptych init`.
 #[derive(Clone, Debug, Args)]
 pub struct Init {
     /// Name of the built-in case, see `diptych cases`.
@@ -467,10 +468,10 @@ pub struct Init {
     pub out: Option<PathBuf>,
 }
 
-/// `diptych keys`.
+/// Arguments of `diptych keys`.
 #[derive(Clone, Debug, Args)]
 pub struct Keys {
-    /// Explains only this table and those within it, such as soft or walls.plane [default: all].
+    /// Explains only this table and the tables within it, such as soft or walls.plane [default: all].
     pub table: Option<String>,
     /// Prints a JSON schema of a case for editors; with Even Better TOML: `#:schema diptych.schema.json` at the top of
     /// a case.
@@ -481,16 +482,16 @@ pub struct Keys {
     pub markdown: bool,
 }
 
-/// `diptych completions`.
+/// Arguments of `diptych completions`.
 #[derive(Clone, Debug, Args)]
 pub struct Completions {
-    /// The shell.
+    /// Shell for which completions are printed.
     pub shell: clap_complete::Shell,
 }
 
-/// `diptych man`.
+/// Arguments of `diptych man`.
 #[derive(Clone, Debug, Args)]
 pub struct Man {
-    /// Only this command.
+    /// Command whose manual page is printed [default: the program itself].
     pub command: Option<String>,
 }
