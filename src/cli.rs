@@ -40,7 +40,8 @@ pub enum Command {
     Impact(ImpactArguments),
     /// Charts the error of every method against its cost, with the cheapest ones marked.
     Chart(Chart),
-    /// Maps where each method fails, each point a run: stability, restitution, overlap, collapse, missed collisions.
+    /// Draws maps that show where each method fails: stability, restitution, overlap, collapse, missed collisions. Each
+    /// point of a map is a run.
     Limits(Limits),
     /// Runs the variants of a case at several values of its keys, and plots the results over these values; an
     /// interrupted sweep is continued when started again.
@@ -152,7 +153,7 @@ pub struct Effort {
     /// Threads to use; results are the same for any number [default: one per core].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
-    /// Seed of the initial state, instead of the case's.
+    /// Seed of the initial state, in place of the seed that the case gives.
     #[arg(long, value_name = "N")]
     pub seed: Option<u64>,
 }
@@ -171,7 +172,7 @@ pub struct Repeats {
 pub struct Run {
     /// The case file, or the name of a built-in case.
     pub case: PathBuf,
-    /// Collision model, instead of the case's; auto: the model that `plan` recommends.
+    /// Collision model, in place of the model that the case gives; auto: the model that `plan` recommends.
     #[arg(long)]
     pub model: Option<ModelChoice>,
     /// Also writes the final positions and velocities (state.csv).
@@ -181,8 +182,8 @@ pub struct Run {
     /// (budgets.csv, figures/budgets.svg). For a resumed run the budget begins at the resumption.
     #[arg(long)]
     pub budgets: bool,
-    /// Continues the run by a fifteenth of its length, both as set and at half the step and window, and reports the
-    /// difference; costs about a fifth of the run.
+    /// Continues the run twice by a fifteenth of its length, with the same settings and with half the step and window,
+    /// and reports the difference; costs about a fifth of the run.
     #[arg(long)]
     pub verify: bool,
     /// Writes the particles at regular intervals for ParaView, OVITO and ASE (trajectory/), such as --every "1 ms";
@@ -216,7 +217,7 @@ pub enum ModelChoice {
     Soft,
     /// Instantaneous collisions.
     Hard,
-    /// Instantaneous collisions where two meet alone, spring-dashpot contacts elsewhere.
+    /// Instantaneous collisions where two bodies meet alone, spring-dashpot contacts elsewhere.
     Hybrid,
     /// The model that `plan` recommends for the case.
     Auto,
@@ -268,8 +269,8 @@ fn relative_error(text: &str) -> Result<f64, String> {
 pub struct Compare {
     /// The case file, or the name of a built-in case.
     pub case: PathBuf,
-    /// Continues the run by a fifteenth of its length, both as set and at half the step and window, and reports the
-    /// difference; costs about a fifth of the run.
+    /// Continues the run twice by a fifteenth of its length, with the same settings and with half the step and window,
+    /// and reports the difference; costs about a fifth of the run.
     #[arg(long)]
     pub verify: bool,
     /// Writes the particles at regular intervals for ParaView, OVITO and ASE (trajectory/), such as --every "1 ms";
@@ -277,7 +278,7 @@ pub struct Compare {
     /// results.
     #[arg(long, value_name = "TIME")]
     pub every: Option<String>,
-    /// Differences smaller than this count as zero, as 1% or 0.01 of the scale of each observable [-].
+    /// Differences smaller than this margin count as zero; given as 1% or 0.01 of the scale of each observable [-].
     #[arg(long, value_name = "SHARE", default_value = "1%", value_parser = relative_error)]
     pub margin: f64,
     /// Runs replicas of every variant in batches of four and tests the answers after each batch. Stops when every
@@ -285,8 +286,8 @@ pub struct Compare {
     /// chances of wrong answers hold for all tests together.
     #[arg(long)]
     pub until_decided: bool,
-    /// Also gives the answer by the exit code: 0 all equivalent, 3 some different, 4 some unresolved and none
-    /// different.
+    /// Also gives the answer by the exit code: 0 if all are equivalent, 3 if some are different, 4 if some are
+    /// unresolved and none is different.
     #[arg(long)]
     pub exit_code: bool,
     #[command(flatten)]
@@ -388,11 +389,11 @@ pub struct Sweep {
     /// all combinations are run [default: the case's [[sweep]] list].
     #[arg(long, value_name = "KEY=A,B,...")]
     pub sweep: Vec<String>,
-    /// Runs only the variant of that name; may be repeated [default: all that `compare` would run].
+    /// Runs only the variant with this name; may be repeated [default: all that `compare` would run].
     #[arg(long, value_name = "VARIANT")]
     pub only: Vec<String>,
-    /// Runs one after the other, each with all threads, so that wall times can be compared [default: several runs at
-    /// once, which share the threads].
+    /// Runs the simulations one after the other, each with all threads, so that wall times can be compared [default:
+    /// several runs at once, which share the threads].
     #[arg(long)]
     pub in_turn: bool,
     #[command(flatten)]
@@ -419,7 +420,7 @@ pub struct Sensitivity {
     /// may be repeated.
     #[arg(long, value_name = "KEY=VALUE")]
     pub vary: Vec<String>,
-    /// The collision model of the unchanged case, instead of the case's.
+    /// Collision model of the unchanged case, in place of the model that the case gives.
     #[arg(long, value_parser = PossibleValuesParser::new(MODELS.map(Model::name)).try_map(model_of))]
     pub model: Option<Model>,
     /// Simulated time of each run; the same as --set run.duration=TIME.
@@ -429,14 +430,14 @@ pub struct Sensitivity {
     /// mean nothing, such as in a cooling gas].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1000))]
     pub replicas: Option<u16>,
-    /// Shifts smaller than this count as zero, as 1% or 0.01 of the scale of each observable [-].
+    /// Shifts smaller than this margin count as zero; given as 1% or 0.01 of the scale of each observable [-].
     #[arg(long, value_name = "SHARE", default_value = "1%", value_parser = relative_error)]
     pub margin: f64,
     /// Prints the factors, their sizes, the number of runs and their approximate time, and runs nothing else.
     #[arg(long)]
     pub plan: bool,
-    /// Also gives the answer by the exit code: 0 nothing is beyond the margin, 3 something is, 4 something is
-    /// unresolved.
+    /// Also gives the answer by the exit code: 0 if no shift is beyond the margin, 3 if some shift is, 4 if some shift
+    /// is unresolved and none is beyond.
     #[arg(long)]
     pub exit_code: bool,
     #[command(flatten)]

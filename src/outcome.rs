@@ -34,7 +34,8 @@ pub struct Outcome {
     pub time_step: Option<f64>,
     /// Averages in slices across the height y.
     pub profiles: ProfileTable,
-    /// Averages of each species and impacts of each pair of species, if the particles are a mixture.
+    /// Averages of each species, and impacts of each pair of species or of a species and a wall, if the particles are a
+    /// mixture.
     pub kinds: KindAverages,
     /// Averages in rings about the axis, if the flow is in a pipe.
     pub rings: RingAverages,
@@ -44,7 +45,7 @@ pub struct Outcome {
     /// expected by chance. The value is 1 for a bed at rest and 0 for a gas that mixes. `None` if there are too few
     /// layers or particles for an estimate.
     pub places_kept: Option<f64>,
-    /// Impacts, and the ledger of energy and momentum, of the whole run.
+    /// Impacts, and the balance (ledger) of energy and momentum, of the whole run.
     pub record: Record,
     /// Impacts between particles that ended in the averaging period.
     pub pairs: Impacts,

@@ -11,9 +11,9 @@ pub fn describe(experiment: &Experiment) -> String {
     format!("{}{}\n{}", scene_in_words(experiment), model_in_words(experiment), run_in_words(experiment))
 }
 
-/// Describes all variants, with one statement per line. The properties common to all come first (scene) and last (run).
-/// Between them, a line for each variant contains its name, its model, and those statements that differ from other
-/// variants.
+/// Describes all variants, with one statement per line. Statements about the scene that hold for all variants come
+/// first; such statements about the run come last. Between them is one line per variant with its name, its model, and
+/// its other statements.
 pub fn describe_variants<'a>(variants: impl IntoIterator<Item = &'a Experiment>) -> String {
     let variants: Vec<&Experiment> = variants.into_iter().collect();
     let words = |part: fn(&Experiment) -> String| variants.iter().map(|one| part(one)).collect::<Vec<String>>();
@@ -261,7 +261,7 @@ fn surface(surface: &Surface) -> String {
     format!("restitution {}, friction {}", surface.restitution, surface.friction)
 }
 
-/// A length [m] with a suitable SI prefix.
+/// Text of a length [m] with a suitable SI prefix.
 pub(crate) fn length(metres: f64) -> String {
     let (number, unit) = match metres.abs() {
         0.0 => (0.0, "m"),
@@ -273,7 +273,7 @@ pub(crate) fn length(metres: f64) -> String {
     format!("{} {unit}", short(number, 6))
 }
 
-/// A time [s] with a suitable SI prefix.
+/// Text of a time [s] with a suitable SI prefix.
 fn time(seconds: f64) -> String {
     let (number, unit) = match seconds.abs() {
         0.0 => (0.0, "s"),

@@ -182,7 +182,8 @@ impl Case {
             Some(Value::Array(items)) => items.as_slice(),
             _ => &[],
         };
-        // each variant is the case without its `[[compare]]` list, which need not be read again for each variant
+        // a variant is made from the case without its `[[compare]]` list, so that the list is not read again for each
+        // variant
         let mut case = self.tree.clone();
         case.remove("compare");
         let of_the_case = |setting: &&Setting| setting.path.first().is_none_or(|first| !first.is_key("compare"));
@@ -379,8 +380,8 @@ fn heading(text: &str) -> String {
     lines.join("\n").trim().to_string()
 }
 
-/// Hash of all data that determine the results of a run: the experiment and the version of the program. Names of the
-/// case and settings of unused models are left out. Runs with equal hashes must give equal results.
+/// Hash of all data that determine the results of a run: the experiment and the version of the program. Names of
+/// variants and settings of unused models are left out. Runs with equal hashes must give equal results.
 ///
 /// # Errors
 /// An experiment that cannot be written as JSON, which would be an error of the program.

@@ -35,7 +35,8 @@ pub fn add_limits(schema: &mut Value) {
     add_exclusions(schema);
 }
 
-/// Adds to every table the condition that no two keys of a group are present. Laws to choose from are alternatives
+/// Adds to every table the condition that no two keys of a group are present. A choice between laws contains this
+/// condition already.
 /// already.
 fn add_exclusions(schema: &mut Value) {
     let groups = if is_choice(schema) { Vec::new() } else { groups(schema) };

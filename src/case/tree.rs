@@ -19,7 +19,7 @@ pub struct CaseNode {
     pub origin: Origin,
 }
 
-/// Values of the possible types. Dates are refused when the text is read.
+/// Value in a case, of one of the possible types. Dates are refused when the text is read.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Value {
     /// Table, with its keys in the order of the file.

@@ -87,8 +87,8 @@ impl Store {
         }
     }
 
-    /// Stores the data of one process, `number`, that shares a run. The call comes before [`keep`](Self::keep) stores
-    /// the remaining state, or before [`finish`](Self::finish) does so if the run is over.
+    /// Stores the data `part` of the process `number`, if several processes share a run. The call comes before
+    /// [`keep`](Self::keep) stores the remaining state, or before [`finish`](Self::finish) does so if the run is over.
     ///
     /// # Errors
     /// If a file cannot be written; the state then cannot be stored.
@@ -98,7 +98,7 @@ impl Store {
         self.write(&part_of(&of, number), &(age, run, part))
     }
 
-    /// Reads the data of one process from the newest state of a run, or from its end. The call follows one of
+    /// Reads the data of the process `number` from the newest state of a run, or from its end. The call follows one of
     /// [`newest`](Self::newest) or [`finished`](Self::finished), which checks that all files of the state can be used.
     ///
     /// # Errors

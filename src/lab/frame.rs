@@ -76,7 +76,7 @@ pub struct PanelComparison {
 /// JSON part of a frame.
 #[derive(Clone, Debug, Serialize)]
 pub struct Head<'a> {
-    /// Number of the choice that is running.
+    /// Serial number of the choice of scene and settings that is running.
     pub serial: u32,
     /// States of the left and the right panel.
     pub sides: &'a [Now; 2],

@@ -1,4 +1,5 @@
-//! Quantities that a scene of the lab measures at the end of every window, and their graphs.
+//! Quantities that a scene of the lab measures at the end of every window, and their graphs. A window is the time
+//! between two exchanges of momentum with the gas.
 
 use crate::contact_law::Bodies;
 use crate::encounter::{Couple, FrameTime, Other};

@@ -1,4 +1,5 @@
-//! One panel of the lab: a simulation that is continued window by window, and its state for the page.
+//! One panel of the lab: a simulation that is continued window by window, and its state for the page. A window is the
+//! time between two exchanges of momentum with the gas.
 
 use super::frame::{Live, Now, words};
 use super::gauge::{Gauge, Meter};

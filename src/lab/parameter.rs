@@ -31,7 +31,7 @@ pub enum LabParameter {
     StepsPerContact,
     /// Time integrator of contacts.
     Integrator,
-    /// Window h [µs].
+    /// Window h: time between two exchanges of momentum with the gas [µs].
     Window,
     /// Number of particles of a gas. The box grows or shrinks so that the volume fraction remains.
     Count,

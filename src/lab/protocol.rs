@@ -27,7 +27,7 @@ pub struct SceneChoice {
     /// Model of the right panel, as its index in the list of the scene.
     #[serde(default)]
     pub right: usize,
-    /// Number of this choice, counted by the page; answers contain the same number.
+    /// Serial number of this choice, counted by the page; answers contain the same number.
     #[serde(default)]
     pub serial: u32,
 }
@@ -107,7 +107,7 @@ pub struct PanelDescription {
 /// Description of an opened scene for the page.
 #[derive(Clone, Debug, Serialize)]
 pub struct Opened {
-    /// Number of the choice by which the page opened the scene.
+    /// Serial number of the choice by which the page opened the scene.
     pub serial: u32,
     /// Name of the scene.
     pub scene: &'static str,
@@ -166,7 +166,7 @@ pub enum Tell {
     Opened(Box<Opened>),
     /// Reports that a choice cannot be run, and the reason. The former scene continues.
     Refused {
-        /// Number of the refused choice.
+        /// Serial number of the refused choice of scene and settings.
         serial: u32,
         /// Reason in words.
         why: String,

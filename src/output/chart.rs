@@ -135,7 +135,7 @@ impl ChartSlope {
 /// All results of a work-precision chart.
 #[derive(Clone, Copy, Debug)]
 pub struct ChartStudy<'a> {
-    /// Origin of the results: program, machine and command.
+    /// Origin of the results: title, case and command.
     pub provenance: &'a Provenance,
     /// Description of the reference values and of their accuracy.
     pub reference: &'a str,

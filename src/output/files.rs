@@ -153,7 +153,7 @@ impl Folder {
             let what = "there is a folder of that name; remove it, or name another folder with --out";
             return Err(OutputError::io("write", &path.join(name), std::io::Error::other(what)));
         }
-        // a running command has stored states too, so that the lock decides
+        // a running command also has stored states: if the lock is held, the folder is in use
         owner
             .may_have(&path)
             .map_err(|why| if is_in_use(&path) { OutputError::InUse { path: path.clone() } } else { why })?;

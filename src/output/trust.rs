@@ -1,5 +1,6 @@
 //! Content of trust sheets, which contain checks of the results, as plain data with one [`TrustSheet`] per variant.
-//! Tables and `summary.json` are made from these data.
+//! Tables and `summary.json` are made from these data. A window is the time between two exchanges of momentum with the
+//! gas.
 
 use crate::statistics::Estimate;
 use serde::Serialize;

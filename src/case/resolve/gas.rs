@@ -115,7 +115,7 @@ impl Resolver {
 
     /// Checks that the rows of a gas table cover all possible positions of particle centres. For the smallest
     /// particles, of `radius` [m], these are all heights from y = `radius` to y = `height` - `radius` [m]. An
-    /// incomplete cover leads to a warning, and fewer than two rows in the gap to an error.
+    /// incomplete cover leads to a warning, and fewer than two rows within the domain to an error.
     pub(super) fn check_cover(
         &mut self,
         name: &Located<String>,

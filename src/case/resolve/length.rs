@@ -1,4 +1,5 @@
-//! Refuses runs that would practically never end, because they have too many windows or time steps.
+//! Refuses runs that would practically never end, because they have too many windows or time steps. A window is the
+//! time between two exchanges of momentum with the gas.
 
 use super::{Resolver, short};
 use crate::case::diagnostic::Diagnostic;
@@ -11,7 +12,7 @@ use crate::schedule::Schedule;
 use crate::simulation::soft_step;
 
 /// Largest number of windows, or of time steps of all particles, unless the case allows more. This number is about a
-/// hundred times that of the paper's longest run (6.5e6). Even a single particle takes minutes to hours.
+/// hundred times that of the paper's longest run (6.5e6). With so many, even a single particle takes minutes to hours.
 pub const MOST: f64 = 1e9;
 
 /// Largest number of time steps if only particles in contact are stepped. With more steps, one step would be less than

@@ -12,7 +12,8 @@ use crate::memory;
 use crate::walls::{Continued, Findings, Mesh, Mismatch, Nested, Sides, continued};
 use nalgebra::{Rotation3, Unit, Vector3};
 
-/// [-] largest ratio of the longest edges of mesh and box, either way. Beyond this ratio the unit is probably wrong.
+/// [-] largest ratio of the longest edge of the mesh to that of the box, or the reverse. Beyond this ratio the unit is
+/// probably wrong.
 const ANOTHER_UNIT: f64 = 100.0;
 /// [-] distance, over the largest particle diameter, to which a surface is continued beyond periodic sides. Contacts
 /// are searched for within 1.25 radii.

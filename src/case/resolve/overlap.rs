@@ -26,7 +26,7 @@ const SOFT_LIMIT: f64 = 0.01;
 pub(super) enum Rule {
     /// Hard spheres may not overlap; soft spheres can start within a contact.
     Events,
-    /// Hard spheres may overlap, because the stepped engine finds overlaps at the ends of steps.
+    /// Hard spheres of a saved state may overlap, because the stepped engine finds overlaps at the ends of steps.
     Steps,
     /// Overlapping particles are moved apart before the start, whatever the model.
     PushedApart,
@@ -110,8 +110,9 @@ impl Resolver {
     }
 
     /// [-] largest overlap, over the smaller diameter, with which the model starts; `of` are two particles, or one
-    /// twice for a wall. Particles saved by a run or written by another program may overlap as much as during a run.
-    /// Positions given by the user may overlap a little, but not at all for event-driven hard spheres.
+    /// twice for a wall. Soft and hybrid spheres of a saved state or of another program's file may overlap as during a
+    /// run; those placed by the user only a little. Stepped hard spheres may overlap only in a saved state,
+    /// event-driven ones not at all.
     fn deepest(&self, of: [&Placed; 2], rule: Rule, flat: bool) -> f64 {
         let saved = of.iter().all(|placed| placed.saved);
         let settled = of.iter().all(|placed| placed.saved || placed.foreign);

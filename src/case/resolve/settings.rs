@@ -238,7 +238,7 @@ impl Resolver {
         Ok(settings)
     }
 
-    /// Settings of the run: model, duration, averaging, window and seed.
+    /// Settings of the run: model, duration, averaging, window (time between two exchanges with the gas) and seed.
     pub(super) fn run(
         &mut self,
         file: &CaseFile,

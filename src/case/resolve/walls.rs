@@ -52,7 +52,7 @@ fn around(axis: usize, radius: f64, half_height: f64) -> Vector3<f64> {
 }
 
 impl Resolver {
-    /// Walls of a case, in its order.
+    /// Walls, in the order of the case.
     pub(super) fn walls(
         &mut self,
         file: &CaseFile,

@@ -20,8 +20,8 @@ const ANSWERS: usize = 3;
 /// Number of standard errors beyond which a deviation is highlighted.
 const SUSPECT: f64 = 3.0;
 
-/// [-] unexplained energy, over the energy that passed through the ledger, above which the value is highlighted. The
-/// error of the integrator at 20 steps per contact is much smaller.
+/// [-] energy that the energy balance (ledger) leaves unexplained, over all energy in this balance, above which the
+/// value is highlighted. The error of the integrator at 20 steps per contact is much smaller.
 const SUSPECT_RESIDUAL: f64 = 1e-3;
 
 /// Writes all results of a run or a comparison, and returns the path of the report.
@@ -330,8 +330,8 @@ fn hashes(outcomes: &[Outcome]) -> Block {
     table("variant | hash of the initial state | hash of the final state", outcomes, cells)
 }
 
-/// [-] energy that the ledger leaves unexplained, over all energy that passed through the ledger: initial energy, drag
-/// and gravity. `None` if that energy is 0.
+/// [-] energy that the energy balance (ledger) leaves unexplained, over the initial energy plus the magnitudes of the
+/// work of drag, gravity and moving walls. `None` if that sum is 0.
 fn relative_residual(outcome: &Outcome) -> Option<f64> {
     let ledger = &outcome.record.ledger;
     let through = ledger.through(outcome.energy_at_start);
@@ -343,7 +343,7 @@ pub(super) fn measured(found: Option<Estimate>) -> Value {
     json!({ "value": found.map(|found| found.value), "standard_error": found.and_then(|found| found.error) })
 }
 
-/// Energies of a variant for `summary.json`: start, end, and all entries of the ledger.
+/// Energies of a variant for `summary.json`: start, end, and all terms of the energy balance.
 fn energies(outcome: &Outcome) -> Value {
     let ledger = &outcome.record.ledger;
     let mut energies = json!({ "at_start": outcome.energy_at_start, "at_end": outcome.energy_at_end });

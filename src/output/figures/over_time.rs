@@ -10,7 +10,8 @@ use crate::output::panel::{Figure, Panel, PanelSeries, SeriesPoint, SeriesStyle}
 use crate::predict::closed_form::{Bouncing, Chain, Cooling, settling_velocity};
 use nalgebra::Vector3;
 
-/// Number of parts of a run for which impact rates are computed. So many give a curve, and each still contains impacts.
+/// Number of parts of a run for which impact rates are computed. With so many parts a curve has enough points, and each
+/// part still contains impacts.
 const PARTS: usize = 50;
 
 /// Number of intervals of a theoretical curve.

@@ -189,7 +189,7 @@ fn arrow(x: f64, y: f64, side: f64) -> String {
 pub fn cost(study: &Study) -> Option<Figure> {
     let outcomes = study.outcomes;
     let told = outcomes.iter().filter(|o| o.failure.is_none() && o.timing.wall_seconds >= TELLING);
-    // a run that stopped early has not the cost of the whole case and is left out
+    // a run that stopped early does not have the cost of the whole case, and is left out
     let cheapest = told.filter_map(cost_of).reduce(f64::min)?;
     if study.comparisons.is_empty() || outcomes.len() < 2 {
         return None;

@@ -6,7 +6,8 @@ use crate::walls::{Plane, WallGeometry};
 use nalgebra::Vector3;
 use std::collections::HashMap;
 
-/// [-] cosine of the angle between two triangles, 25 degrees, beyond which their common edge is drawn.
+/// [-] cosine of 25 degrees. If the normals of two triangles differ by more than this angle, their common edge is
+/// drawn.
 const SHARP: f64 = 0.906;
 
 /// Largest number of segments of one surface; more would cover the spheres.

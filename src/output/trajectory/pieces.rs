@@ -1,5 +1,5 @@
 //! Frames of a run that several processes share. Each process writes its own particles as a piece, and the lead process
-//! joins the pieces.
+//! (rank 0) joins the pieces.
 
 use super::frame::{Cast, TrajectoryFrame};
 use super::{TRAJECTORY, Trajectory, WriterMessage};

@@ -6,7 +6,8 @@ use crate::case::resolve::Resolver;
 
 /// Index in [`COLUMNS`] of the species of a particle.
 pub const SPECIES: usize = 7;
-/// Index in [`COLUMNS`] of the x component of the position; velocity, spin and momentum follow below.
+/// Index in [`COLUMNS`] of the x component of the position; the next three lines give those of velocity, spin and
+/// momentum.
 const POSITION: usize = 0;
 const VELOCITY: usize = 3;
 const SPIN: usize = 9;
