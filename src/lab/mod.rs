@@ -7,7 +7,7 @@
 //! ```
 //!
 //! A scene is a case of `cases/` with changes in the form of `--set` arguments, so that scenes need no description of
-//! another kind. A frame is made only after the page has drawn the frames before, so that a slow page receives fewer
+//! another kind. No frame is made while two earlier ones are still to be drawn, so that a slow page receives fewer
 //! frames.
 //!
 //! No file is read or written. The address contains a token that cannot be guessed. A request under another name than

@@ -48,14 +48,14 @@ pub enum LabParameter {
     Seed,
 }
 
-/// Limits of a parameter, in the unit that the page shows.
+/// Limits of a parameter, in the unit of the parameter on the page.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ParameterRange {
     /// Parameter to which the limits apply.
     pub knob: LabParameter,
-    /// Smallest allowed value, in the unit that the page shows.
+    /// Smallest allowed value, in the unit of the parameter on the page.
     pub least: f64,
-    /// Largest allowed value, in the unit that the page shows.
+    /// Largest allowed value, in the unit of the parameter on the page.
     pub most: f64,
 }
 

@@ -1,6 +1,6 @@
 //! Session of an open page, in a separate thread: runs two panels side by side while the page is visible.
 //!
-//! Both panels advance to equal simulated times. Nothing is computed until the page has drawn the earlier frames. A
+//! Both panels advance to equal simulated times. While the page has still to draw two frames, nothing is computed. A
 //! page that is slow, hidden or stopped therefore costs no work, and each frame on the page is recent.
 
 use super::engine_lock::EngineLock;

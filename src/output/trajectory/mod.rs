@@ -2,8 +2,8 @@
 //! `.pvd` index), and extended XYZ for OVITO and ASE.
 //!
 //! An observer copies the required data of the simulation, and sends them to a thread that sorts and writes them. Each
-//! file is written completely or not at all. However long the run is, at most two frames are in memory. If the disk is
-//! slower than the run, the run waits.
+//! file is written completely or not at all. However long the run is, the thread holds at most two frames. If the disk
+//! is slower than the run, the run waits.
 //!
 //! If several processes share a run, each writes its particles as one piece of the frame, in a VTK file, and waits
 //! until all processes have done so. Then the writing thread of the lead process writes the file that joins the pieces
