@@ -67,7 +67,7 @@ pub fn gases(profiles: &[(String, Profile)], height: f64) -> Option<Figure> {
         x_label: format!("y  [{}m]", prefix.symbol),
         y_label: "U  [m/s]".into(),
         series,
-        y_range: Some((0.0, 1.1 * top)), // room above
+        y_range: Some((0.0, 1.1 * top)), // room above the curves
         x_range: Some((NEAREST * height * prefix.factor, 0.5 * height * prefix.factor)),
         log_x: true,
         ..Panel::default()
@@ -107,7 +107,7 @@ fn wall_units(profile: &Profile, flow: &ChannelFlow) -> Panel {
         y_label: "U⁺ = U/u_τ  [–]".into(),
         series: all,
         x_range: Some((1.0, 2.0 * flow.reynolds_tau)),
-        y_range: Some((0.0, 1.1 * top)), // room above
+        y_range: Some((0.0, 1.1 * top)), // room above the curves
         log_x: true,
         ..Panel::default()
     }
