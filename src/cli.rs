@@ -1,7 +1,7 @@
-//! The command line: types only.
+//! Types of the command line, from which clap makes the parser.
 //!
-//! Doc comments are help texts. Fields that take a shared group of options into a command have none, because it would
-//! become help text too.
+//! clap prints the doc comments of this file as help. A field that includes a shared group of options has no comment,
+//! because clap would print that comment too.
 #![expect(missing_docs, reason = "a doc comment on a group of options would become help text")]
 
 use crate::case::quantity;
@@ -40,13 +40,14 @@ pub enum Command {
     Impact(ImpactArguments),
     /// Charts the error of every method against its cost, with the cheapest ones marked.
     Chart(Chart),
-    /// Maps where each method fails, each point a run: stability, restitution, overlap, collapse, missed collisions.
+    /// Draws maps that show where each method fails: stability, restitution, overlap, collapse, missed collisions. Each
+    /// point of a map is a run.
     Limits(Limits),
     /// Runs the variants of a case at several values of its keys, and plots the results over these values; an
     /// interrupted sweep is continued when started again.
     Sweep(Sweep),
-    /// Tells what matters most: shows in one chart the shift of each result by contact model, stiffness, restitution,
-    /// gas and others.
+    /// Shows in one chart how strongly each result shifts with the contact model, stiffness, restitution, gas and
+    /// others.
     Sensitivity(Sensitivity),
     /// Serves a page on this machine, on which both models run side by side: scenes to try out, sliders, questions.
     #[cfg(feature = "lab")]
@@ -77,20 +78,21 @@ pub struct Input {
 }
 
 impl Input {
-    /// All keys set on the command line, including those set by flags of their own.
+    /// Changes to keys as `key=value`: all of `--set`, and those of flags such as `--relax`.
     pub fn sets(&self) -> Vec<String> {
         let relax = self.relax.then(|| "run.relax=true".to_owned());
         self.set.iter().cloned().chain(relax).collect()
     }
 
-    /// These options with the simulated time added, if it is given.
+    /// Copy of these options, with the simulated time as a further change if one is given.
     pub fn with_duration(&self, duration: Option<&String>) -> Self {
         let mut input = self.clone();
         input.set.extend(duration.map(|duration| format!("run.duration={duration}")));
         input
     }
 
-    /// These options with the time between two instants of the trajectories added, if it is given.
+    /// Copy of these options, with the time between two instants of the trajectories as a further change if one is
+    /// given.
     pub fn with_every(&self, every: Option<&String>) -> Self {
         let mut input = self.clone();
         input.set.extend(every.map(|every| format!("output.every={every}")));
@@ -121,18 +123,18 @@ pub struct Keep {
     pub checkpoint_every: CheckpointEvery,
 }
 
-/// Wall time between checkpoints; `None`: never.
+/// Wall time between two checkpoints; `None`: no checkpoints.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CheckpointEvery(pub Option<Duration>);
 
 impl CheckpointEvery {
-    /// Time between checkpoints by default.
+    /// Default wall time between two checkpoints: 10 minutes.
     pub fn usual() -> Self {
         Self(Some(Duration::from_mins(10)))
     }
 }
 
-/// Parses a wall time with its unit, or `never`.
+/// Parses a wall time with its unit, or the word `never`.
 fn wall_time(text: &str) -> Result<CheckpointEvery, String> {
     if text.trim() == "never" {
         return Ok(CheckpointEvery(None));
@@ -151,7 +153,7 @@ pub struct Effort {
     /// Threads to use; results are the same for any number [default: one per core].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
-    /// Seed of the initial state, instead of the case's.
+    /// Seed of the initial state, in place of the seed that the case gives.
     #[arg(long, value_name = "N")]
     pub seed: Option<u64>,
 }
@@ -165,12 +167,12 @@ pub struct Repeats {
     pub replicas: u16,
 }
 
-/// `diptych run`.
+/// Arguments of `diptych run`.
 #[derive(Clone, Debug, Args)]
 pub struct Run {
     /// The case file, or the name of a built-in case.
     pub case: PathBuf,
-    /// Collision model, instead of the case's; auto: the model that `plan` recommends.
+    /// Collision model, in place of the model that the case gives; auto: the model that `plan` recommends.
     #[arg(long)]
     pub model: Option<ModelChoice>,
     /// Also writes the final positions and velocities (state.csv).
@@ -180,8 +182,8 @@ pub struct Run {
     /// (budgets.csv, figures/budgets.svg). For a resumed run the budget begins at the resumption.
     #[arg(long)]
     pub budgets: bool,
-    /// Continues the run by a fifteenth of its length, both as set and at half the step and window, and reports the
-    /// difference; costs about a fifth of the run.
+    /// Continues the run twice by a fifteenth of its length, with the same settings and with half the step and window,
+    /// and reports the difference; costs about a fifth of the run.
     #[arg(long)]
     pub verify: bool,
     /// Writes the particles at regular intervals for ParaView, OVITO and ASE (trajectory/), such as --every "1 ms";
@@ -215,14 +217,14 @@ pub enum ModelChoice {
     Soft,
     /// Instantaneous collisions.
     Hard,
-    /// Instantaneous collisions where two meet alone, spring-dashpot contacts elsewhere.
+    /// Instantaneous collisions where two bodies meet alone, spring-dashpot contacts elsewhere.
     Hybrid,
     /// The model that `plan` recommends for the case.
     Auto,
 }
 
 impl ModelChoice {
-    /// The model itself; `None` for `auto`, where it is still to be chosen.
+    /// Collision model that was chosen; `None` for `auto`, for which `plan` chooses the model later.
     pub fn model(self) -> Option<Model> {
         match self {
             Self::Soft => Some(Model::Soft),
@@ -233,12 +235,12 @@ impl ModelChoice {
     }
 }
 
-/// `diptych plan`.
+/// Arguments of `diptych plan`.
 #[derive(Clone, Debug, Args)]
 pub struct Plan {
     /// The case file, or the name of a built-in case.
     pub case: PathBuf,
-    /// Relative error wanted, for which the recommendation holds, as 1% or 0.01 [-].
+    /// Relative error that the recommended model must keep, as 1% or 0.01 [-].
     #[arg(long, value_name = "ERROR", default_value = "1%", value_parser = relative_error)]
     pub target_error: f64,
     /// Prints the plan as JSON.
@@ -250,7 +252,7 @@ pub struct Plan {
     pub effort: Effort,
 }
 
-/// [-] parses a share between 0 and 1, given as a number or in percent.
+/// [-] parses a share between 0 and 1 from a number or a percentage.
 fn relative_error(text: &str) -> Result<f64, String> {
     let (number, unit) = match text.trim().strip_suffix('%') {
         Some(number) => (number.trim(), 0.01),
@@ -262,13 +264,13 @@ fn relative_error(text: &str) -> Result<f64, String> {
     }
 }
 
-/// `diptych compare`.
+/// Arguments of `diptych compare`.
 #[derive(Clone, Debug, Args)]
 pub struct Compare {
     /// The case file, or the name of a built-in case.
     pub case: PathBuf,
-    /// Continues the run by a fifteenth of its length, both as set and at half the step and window, and reports the
-    /// difference; costs about a fifth of the run.
+    /// Continues the run twice by a fifteenth of its length, with the same settings and with half the step and window,
+    /// and reports the difference; costs about a fifth of the run.
     #[arg(long)]
     pub verify: bool,
     /// Writes the particles at regular intervals for ParaView, OVITO and ASE (trajectory/), such as --every "1 ms";
@@ -276,7 +278,7 @@ pub struct Compare {
     /// results.
     #[arg(long, value_name = "TIME")]
     pub every: Option<String>,
-    /// Differences smaller than this count as zero, as 1% or 0.01 of the scale of each observable [-].
+    /// Differences smaller than this margin count as zero; given as 1% or 0.01 of the scale of each observable [-].
     #[arg(long, value_name = "SHARE", default_value = "1%", value_parser = relative_error)]
     pub margin: f64,
     /// Runs replicas of every variant in batches of four and tests the answers after each batch. Stops when every
@@ -284,8 +286,8 @@ pub struct Compare {
     /// chances of wrong answers hold for all tests together.
     #[arg(long)]
     pub until_decided: bool,
-    /// Also gives the answer by the exit code: 0 all equivalent, 3 some different, 4 some unresolved and none
-    /// different.
+    /// Also gives the answer by the exit code: 0 if all are equivalent, 3 if some are different, 4 if some are
+    /// unresolved and none is different.
     #[arg(long)]
     pub exit_code: bool,
     #[command(flatten)]
@@ -300,7 +302,7 @@ pub struct Compare {
     pub repeats: Repeats,
 }
 
-/// `diptych resume`.
+/// Arguments of `diptych resume`.
 #[derive(Clone, Debug, Args)]
 pub struct Resume {
     /// The folder of results of the stopped command.
@@ -314,7 +316,7 @@ pub struct Resume {
     pub quiet: bool,
 }
 
-/// `diptych check`.
+/// Arguments of `diptych check`.
 #[derive(Clone, Debug, Args)]
 pub struct Check {
     /// The case file, or the name of a built-in case.
@@ -326,7 +328,7 @@ pub struct Check {
     pub input: Input,
 }
 
-/// `diptych fluid`.
+/// Arguments of `diptych fluid`.
 #[derive(Clone, Debug, Args)]
 pub struct FluidArguments {
     /// The case file, or the name of a built-in case.
@@ -337,7 +339,7 @@ pub struct FluidArguments {
     pub output: Output,
 }
 
-/// `diptych impact`.
+/// Arguments of `diptych impact`.
 #[derive(Clone, Debug, Args)]
 pub struct ImpactArguments {
     /// The case file, or the name of a built-in case: one or two spheres [default: impact].
@@ -348,7 +350,7 @@ pub struct ImpactArguments {
     pub output: Output,
 }
 
-/// `diptych chart`.
+/// Arguments of `diptych chart`.
 #[derive(Clone, Debug, Args)]
 pub struct Chart {
     /// The case file, or the name of a built-in case: one impact, or many particles.
@@ -362,7 +364,7 @@ pub struct Chart {
     pub output: Output,
 }
 
-/// `diptych limits`.
+/// Arguments of `diptych limits`.
 #[derive(Clone, Debug, Args)]
 pub struct Limits {
     /// Uses coarser grids and shorter runs: about a minute on one core.
@@ -378,7 +380,7 @@ pub struct Limits {
     pub output: Output,
 }
 
-/// `diptych sweep`.
+/// Arguments of `diptych sweep`.
 #[derive(Clone, Debug, Args)]
 pub struct Sweep {
     /// The case file, or the name of a built-in case.
@@ -387,11 +389,11 @@ pub struct Sweep {
     /// all combinations are run [default: the case's [[sweep]] list].
     #[arg(long, value_name = "KEY=A,B,...")]
     pub sweep: Vec<String>,
-    /// Runs only the variant of that name; may be repeated [default: all that `compare` would run].
+    /// Runs only the variant with this name; may be repeated [default: all that `compare` would run].
     #[arg(long, value_name = "VARIANT")]
     pub only: Vec<String>,
-    /// Runs one after the other, each with all threads, so that wall times can be compared [default: several runs at
-    /// once, which share the threads].
+    /// Runs the simulations one after the other, each with all threads, so that wall times can be compared [default:
+    /// several runs at once, which share the threads].
     #[arg(long)]
     pub in_turn: bool,
     #[command(flatten)]
@@ -404,7 +406,7 @@ pub struct Sweep {
     pub repeats: Repeats,
 }
 
-/// `diptych sensitivity`.
+/// Arguments of `diptych sensitivity`.
 #[derive(Clone, Debug, Args)]
 pub struct Sensitivity {
     /// The case file, or the name of a built-in case.
@@ -418,24 +420,24 @@ pub struct Sensitivity {
     /// may be repeated.
     #[arg(long, value_name = "KEY=VALUE")]
     pub vary: Vec<String>,
-    /// The collision model of the unchanged case, instead of the case's.
+    /// Collision model of the unchanged case, in place of the model that the case gives.
     #[arg(long, value_parser = PossibleValuesParser::new(MODELS.map(Model::name)).try_map(model_of))]
     pub model: Option<Model>,
     /// Simulated time of each run; the same as --set run.duration=TIME.
     #[arg(long, value_name = "TIME")]
     pub duration: Option<String>,
     /// Runs each variant with N seeds (that of the case and the next ones) [default: 1, or 8 where averages over time
-    /// mean nothing, as in a cooling gas].
+    /// mean nothing, such as in a cooling gas].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1000))]
     pub replicas: Option<u16>,
-    /// Shifts smaller than this count as zero, as 1% or 0.01 of the scale of each observable [-].
+    /// Shifts smaller than this margin count as zero; given as 1% or 0.01 of the scale of each observable [-].
     #[arg(long, value_name = "SHARE", default_value = "1%", value_parser = relative_error)]
     pub margin: f64,
     /// Prints the factors, their sizes, the number of runs and their approximate time, and runs nothing else.
     #[arg(long)]
     pub plan: bool,
-    /// Also gives the answer by the exit code: 0 nothing is beyond the margin, 3 something is, 4 something is
-    /// unresolved.
+    /// Also gives the answer by the exit code: 0 if no shift is beyond the margin, 3 if some shift is, 4 if some shift
+    /// is unresolved and none is beyond.
     #[arg(long)]
     pub exit_code: bool,
     #[command(flatten)]
@@ -448,7 +450,7 @@ pub struct Sensitivity {
     pub keep: Keep,
 }
 
-/// `diptych lab`.
+/// Arguments of `diptych lab`.
 #[cfg(feature = "lab")]
 #[derive(Clone, Debug, Args)]
 pub struct Lab {
@@ -457,7 +459,7 @@ pub struct Lab {
     pub port: Option<u16>,
 }
 
-/// `diptych init`.
+/// Arguments of `diptych init`.
 #[derive(Clone, Debug, Args)]
 pub struct Init {
     /// Name of the built-in case, see `diptych cases`.
@@ -467,10 +469,10 @@ pub struct Init {
     pub out: Option<PathBuf>,
 }
 
-/// `diptych keys`.
+/// Arguments of `diptych keys`.
 #[derive(Clone, Debug, Args)]
 pub struct Keys {
-    /// Explains only this table and those within it, such as soft or walls.plane [default: all].
+    /// Explains only this table and the tables within it, such as soft or walls.plane [default: all].
     pub table: Option<String>,
     /// Prints a JSON schema of a case for editors; with Even Better TOML: `#:schema diptych.schema.json` at the top of
     /// a case.
@@ -481,16 +483,16 @@ pub struct Keys {
     pub markdown: bool,
 }
 
-/// `diptych completions`.
+/// Arguments of `diptych completions`.
 #[derive(Clone, Debug, Args)]
 pub struct Completions {
-    /// The shell.
+    /// Shell for which completions are printed.
     pub shell: clap_complete::Shell,
 }
 
-/// `diptych man`.
+/// Arguments of `diptych man`.
 #[derive(Clone, Debug, Args)]
 pub struct Man {
-    /// Only this command.
+    /// Command whose manual page is printed [default: the program itself].
     pub command: Option<String>,
 }

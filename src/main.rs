@@ -1,4 +1,4 @@
-//! Parses the command line, calls the study, maps errors to exit codes.
+//! Entry point of the program: parses the command line, runs the command, and turns its result into an exit code.
 
 use clap::Parser;
 use clap::error::ErrorKind;
@@ -8,7 +8,7 @@ use diptych::statistics::Answer;
 use diptych::study::{self, Ranks, StudyError};
 use std::process::ExitCode;
 
-/// The answer to the name of the program alone.
+/// Text printed when the program is started without a command.
 const FIRST_STEPS: &str = "\
 Diptych runs one particle scene with soft and with hard spheres, and tells whether the choice matters.
 
@@ -38,7 +38,7 @@ fn main() -> ExitCode {
             }
             ExitCode::from(why.exit_code() as u8)
         }
-        // clap reports help and the version as errors too
+        // clap returns requests for help or for the version as errors too
         Err(why) => {
             let _ = ranks.agree(Err::<(), _>(StudyError::Input(why.to_string())), |()| 0);
             let said = if ranks.is_lead() { say(&why) } else { Ok(()) };
@@ -47,8 +47,8 @@ fn main() -> ExitCode {
     }
 }
 
-/// Prints the message of the command-line parser: in colours, unless it quotes control characters that a terminal
-/// would obey.
+/// Prints the message of the command-line parser in colours. If the message quotes control characters, which would act
+/// on the terminal, it is printed without colours, and these characters appear in the form `\u{1b}`.
 fn say(why: &clap::Error) -> std::io::Result<()> {
     let plain = why.render().to_string();
     let shown = legible::lines(&plain);
@@ -59,7 +59,8 @@ fn say(why: &clap::Error) -> std::io::Result<()> {
     Ok(())
 }
 
-/// Runs a command. Returns the exit code: 0 unless `--exit-code` asks for the verdict.
+/// Runs a command and returns the exit code. The code is 0, unless `--exit-code` is given: then it depends on the
+/// verdict.
 fn command(command: Command, ranks: &Ranks) -> Result<u8, StudyError> {
     let done = match command {
         Command::Run(args) => study::run(&args, ranks),
@@ -84,18 +85,19 @@ fn command(command: Command, ranks: &Ranks) -> Result<u8, StudyError> {
     done.map(|()| 0)
 }
 
-/// The exit code of a result.
+/// Exit code of the result of a command.
 fn exit_code(result: &Result<u8, StudyError>) -> u8 {
     match result {
         Ok(code) => *code,
         Err(StudyError::Failed(_)) => 1,
         Err(StudyError::Input(_)) => 2,
-        // as shells report a program ended by Ctrl-C: 128 and the number of the signal
+        // shells use 128 plus the number of the signal for a program ended by Ctrl-C
         Err(StudyError::Stopped(_)) => 130,
     }
 }
 
-/// Exit code for `--exit-code`, if that is asked for; 1 and 2 stand for failures and bad input.
+/// Exit code for the answer of a comparison if `--exit-code` was given, else 0. Codes 1 and 2 are those of failures and
+/// bad input.
 fn verdict(asked: bool, answer: Option<Answer>) -> u8 {
     match answer.filter(|_| asked) {
         None | Some(Answer::Equivalent) => 0,

@@ -1,4 +1,4 @@
-//! The result of one run of one variant: all data that outputs need.
+//! Result of one run of one variant: all data from which outputs are made.
 
 use crate::engine::{Counters, Failure};
 use crate::experiment::{Experiment, Integrator, Model};
@@ -9,42 +9,43 @@ use crate::record::{Impacts, Record};
 use crate::statistics::{Batches, Estimate, ProfileTable, Steadiness};
 use serde::Serialize;
 
-/// The result of running one variant, whole or cut short by a failure.
+/// Result of running one variant, complete or ended early by a failure.
 #[derive(Clone, Debug, Serialize)]
 pub struct Outcome {
     /// The experiment that was run.
     pub experiment: Experiment,
     /// Reason why the run stopped early, if it did.
     pub failure: Option<Failure>,
-    /// Number of particles.
+    /// Number of particles in the run.
     pub particles: usize,
-    /// FNV-1a hash of the initial state: equal for variants that start identically.
+    /// FNV-1a hash of the initial state. Variants that start from the same particles have equal hashes.
     pub initial_state_hash: u64,
     /// FNV-1a hash of the final state.
     pub final_state_hash: u64,
-    /// [s] simulated time reached.
+    /// [s] simulated time that the run reached.
     pub simulated_seconds: f64,
-    /// Number of windows done.
+    /// Number of completed windows. A window is the time between two exchanges of momentum with the gas.
     pub windows: u64,
-    /// [s] window h.
+    /// [s] length h of a window.
     pub window: f64,
-    /// [s] time between samples.
+    /// [s] time between two samples of the statistics.
     pub sample_interval: f64,
-    /// [s] soft time step, or step of the stepped hard engine; `None`: collisions at exact instants.
+    /// [s] time step of soft contacts or of stepped hard spheres; `None` if collisions happen at exact instants.
     pub time_step: Option<f64>,
-    /// Slice averages.
+    /// Averages in slices across the height y.
     pub profiles: ProfileTable,
-    /// Averages of each species, and impacts of each pair of kinds, for a mixture.
+    /// Averages of each species, and impacts of each pair of species or of a species and a wall, if the particles are a
+    /// mixture.
     pub kinds: KindAverages,
-    /// Averages in rings about the axis, for a pipe.
+    /// Averages in rings about the axis, if the flow is in a pipe.
     pub rings: RingAverages,
-    /// Result of the test for a steady state.
+    /// Result of the test for a steady state, with the time from which averages are taken.
     pub steadiness: Steadiness,
-    /// [-] share of the particles that stay in their layer along y while averages are taken, beyond the share that
-    /// does so by chance. It is 1 for a bed at rest and 0 for a gas that mixes. `None` where there are too few layers
-    /// or particles to tell.
+    /// [-] share of the particles that stay in their layer along y during the averaging period, beyond the share
+    /// expected by chance. The value is 1 for a bed at rest and 0 for a gas that mixes. `None` if there are too few
+    /// layers or particles for an estimate.
     pub places_kept: Option<f64>,
-    /// Impacts and ledger, whole run.
+    /// Impacts, and the balance (ledger) of energy and momentum, of the whole run.
     pub record: Record,
     /// Impacts between particles that ended in the averaging period.
     pub pairs: Impacts,
@@ -54,39 +55,39 @@ pub struct Outcome {
     pub pair_rate: Option<Estimate>,
     /// [1/s] wall collisions per time over the averaging period.
     pub wall_rate: Option<Estimate>,
-    /// Realised restitution of pairs over the whole run. `None` without an impact; without an error where too few
-    /// intervals between samples had an impact.
+    /// Realised restitution of impacts between particles over the whole run. `None` without an impact. The estimate has
+    /// no error if too few intervals between samples had an impact.
     pub pair_restitution: Option<Estimate>,
-    /// Realised restitution at walls over the whole run, as for pairs.
+    /// Realised restitution of impacts at walls over the whole run, with the same conditions as `pair_restitution`.
     pub wall_restitution: Option<Estimate>,
     /// [m²/s²] granular temperature over the averaging period: a third of the variance of the velocities about the
     /// mean of each slice at one instant.
     pub temperature: Option<Estimate>,
-    /// The two rates and the temperature by blocks of time, and their errors from replicas.
+    /// Collision rates and temperature averaged in blocks of time, with errors from replicas.
     #[serde(skip)]
     pub averaged: Averaged,
-    /// [J] residual of the ledger over the whole run, with the size of its random fluctuations.
+    /// [J] energy that the balance of the whole run leaves unexplained, with the size of its random fluctuations.
     pub energy_residual: Estimate,
     /// [J] kinetic plus elastic energy at the start.
     pub energy_at_start: f64,
     /// [J] kinetic plus elastic energy at the end.
     pub energy_at_end: f64,
-    /// Streamwise momentum balance over the averaging period.
+    /// Balance of streamwise momentum over the averaging period.
     pub balance: Balance,
     /// Stress, contacts per particle and volume fraction over the averaging period.
     pub stress: Stress,
     /// Averages over all particles as functions of time.
     pub series: Series,
-    /// Path of every particle, if there are few.
+    /// Path of every particle, stored only if the particles are few.
     pub paths: Paths,
-    /// Work counts of the engine.
+    /// Counts of the work done by the engine, such as time steps.
     pub counters: Counters,
-    /// Wall-clock times.
+    /// Wall-clock times of the parts of the run.
     pub timing: Timing,
 }
 
 impl Outcome {
-    /// Time integrators used for contacts; empty for hard spheres and where nothing touched.
+    /// Names of the time integrators used for contacts; empty for hard spheres and for runs without a contact.
     pub fn integrators(&self) -> Vec<&'static str> {
         if !self.experiment.model().has_contacts() || self.counters.steps == 0 {
             return Vec::new();
@@ -99,11 +100,11 @@ impl Outcome {
         uniform.into_iter().chain(local.then_some("fourth-order Runge-Kutta for those in contact")).collect()
     }
 
-    /// Overlaps that a Maxwellian gas of this granular temperature would have, between particles or at walls. `None`
-    /// for hard spheres, several species or sizes of spheres, several surfaces, or without averages.
+    /// Overlaps of a Maxwellian gas with the granular temperature of this run, at walls or between particles. `None`
+    /// for hard spheres, several species or sizes of spheres, several surfaces, or a run without averages.
     pub fn kinetic_theory(&self, wall: bool) -> Option<Overlaps> {
         let experiment = &self.experiment;
-        // instantaneous collisions have no overlap
+        // the prediction is for pure soft spheres: instantaneous collisions have no overlap
         let law = experiment.law().filter(|_| experiment.model() == Model::Soft)?;
         let temperature = self.temperature?.value;
         let pair = |_, _| ImpactSpeeds::isotropic(2.0 * temperature);
@@ -116,7 +117,7 @@ impl Outcome {
     }
 }
 
-/// Averages of single numbers by blocks of time; `None` where there were no samples.
+/// Averages of single quantities in blocks of time; a field is `None` if there were no samples.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Averaged {
     /// [1/s] pair collisions per time.
@@ -125,18 +126,18 @@ pub struct Averaged {
     pub wall_rate: Option<Batches>,
     /// [m²/s²] granular temperature.
     pub temperature: Option<Batches>,
-    /// Errors from the scatter between replicas; `None` for a single run.
+    /// Errors estimated from the scatter between replicas; `None` for a single run.
     pub replicas: Option<Replicas>,
 }
 
-/// Several runs of one variant that differ in their seed.
+/// Several runs of one variant that differ only in their seed.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Replicas {
-    /// Number of runs.
+    /// Number of replicas.
     pub count: usize,
-    /// [-] scatter of averages between the runs over the standard errors computed within each run: root mean square
-    /// over the mean velocity, the temperature and the rates. It is near 1 if the errors are right. `None` if none of
-    /// the averages has errors.
+    /// [-] scatter of averages between the replicas, divided by the standard errors computed within each run. This is a
+    /// root mean square over the mean velocity, the temperature and the rates, and near 1 if the standard errors are
+    /// right. `None` if none of the averages has errors.
     pub scatter_over_errors: Option<f64>,
 }
 
@@ -145,16 +146,16 @@ pub struct Replicas {
 pub struct Timing {
     /// [s] total time between the initial state and the last sample.
     pub wall_seconds: f64,
-    /// [s] in the engine.
+    /// [s] time spent in the engine.
     pub engine: f64,
-    /// [s] time of the engine for neighbour search.
+    /// [s] part of the engine's time that was spent on neighbour search.
     pub neighbours: f64,
-    /// [s] time of the engine for straight flight of all particles; 0 where this is not timed separately.
+    /// [s] part of the engine's time that was spent on straight flight of all particles; 0 if not timed separately.
     pub flight: f64,
-    /// [s] in drag kicks.
+    /// [s] time spent on drag kicks.
     pub drag: f64,
-    /// [s] in sampling.
+    /// [s] time spent on sampling.
     pub statistics: f64,
-    /// Number of threads.
+    /// Number of threads that the run used.
     pub threads: usize,
 }

@@ -1,14 +1,14 @@
-//! Numbers without a unit where a unit is due.
+//! Finds numbers without a unit in keys that require one.
 //!
-//! They are taken as SI, with a warning: 406 where micrometres were meant is a sphere of 406 metres. Plain numbers of
-//! keys that have no unit are correct, and so is 0, which is equal in every unit.
+//! A number without a unit is taken as SI, with a warning: the number 406, meant as micrometres, makes a sphere of 406
+//! metres. Numbers of keys without a unit are correct, and so is 0, which is equal in every unit.
 
 use super::diagnostic::Diagnostic;
 use super::keys::{inner, root, unit};
 use super::source::Sources;
 use super::tree::{CaseNode, Value, child_place};
 
-/// A warning for each key whose value has a number without a unit.
+/// Warnings about all keys whose value has a number without a unit.
 pub fn bare_numbers(tree: &CaseNode, sources: &Sources) -> Vec<Diagnostic> {
     let mut found = Vec::new();
     visit(tree, root(), "", sources, &mut found);
@@ -25,7 +25,7 @@ fn visit(node: &CaseNode, schema: &serde_json::Value, path: &str, sources: &Sour
             }
         }
         Value::Array(items) => match inner(schema, None) {
-            // one warning for a vector, whose components are in one unit
+            // one warning for a whole vector, because all its components have one unit
             Some(element) if unit(element).is_some() => {
                 if let Some(bare) = items.iter().find(|item| is_bare(item)) {
                     let typed: Vec<String> = items.iter().map(|item| with_unit(item, unit(element), sources)).collect();
@@ -53,7 +53,7 @@ fn is_bare(node: &CaseNode) -> bool {
     }
 }
 
-/// The number as it would be typed with its unit; a string as it was typed.
+/// Text of a number with its unit, as it would be typed; other values as they were typed.
 fn with_unit(node: &CaseNode, unit: Option<&str>, sources: &Sources) -> String {
     let typed = sources.typed(&node.origin);
     match node.value {

@@ -1,33 +1,33 @@
-//! The cases and the sets of values that are part of the program, so that it needs no folder on the disk.
+//! Cases and sets of values that are part of the program, which therefore needs no folder on the disk.
 
 use include_dir::{Dir, include_dir};
 use std::path::{Path, PathBuf};
 
-/// The folder `cases`.
+/// Files of the folder `cases`.
 static CASES: Dir = include_dir!("$CARGO_MANIFEST_DIR/cases");
 
-/// The folder `models`.
+/// Files of the folder `models`.
 static MODELS: Dir = include_dir!("$CARGO_MANIFEST_DIR/models");
 
-/// A text that is built in.
+/// Case or set of values that is built into the program.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct BuiltIn {
     /// Name of the text: path within its folder, without `.toml`.
     pub name: String,
     /// Name of the file in messages.
     pub path: PathBuf,
-    /// The whole text.
+    /// Whole text of the file.
     pub text: &'static str,
 }
 
-/// The text with the given name in a folder; `kind` is the name of the folder in messages.
+/// Text of the file `name` in a folder; `kind` is the name of the folder in messages.
 fn find(folder: &'static Dir, kind: &str, name: &str) -> Option<BuiltIn> {
     let text = folder.get_file(format!("{name}.toml"))?.contents_utf8()?;
     let path = PathBuf::from(format!("{kind}/{name}.toml (built in)"));
     Some(BuiltIn { name: name.to_owned(), path, text })
 }
 
-/// All texts of a folder, in the order of their names; those of the folder itself come first.
+/// All texts of a folder, sorted by name. Texts directly in the folder come before those in subfolders.
 fn all(folder: &'static Dir, kind: &str) -> Vec<BuiltIn> {
     fn names(folder: &Dir, found: &mut Vec<String>) {
         let name = |path: &Path| path.with_extension("").to_string_lossy().replace('\\', "/");
@@ -41,18 +41,18 @@ fn all(folder: &'static Dir, kind: &str) -> Vec<BuiltIn> {
     found.iter().filter_map(|name| find(folder, kind, name)).collect()
 }
 
-/// The case of that name, such as `quick` or `paper/figure-5`.
+/// Built-in case with the given name, such as `quick` or `paper/figure-5`.
 pub fn case(name: &str) -> Option<BuiltIn> {
     find(&CASES, "cases", name)
 }
 
-/// The bytes of a file that a built-in case names. `path` starts from the folder above `cases`, such as
+/// Bytes of a data file of a built-in case. `path` begins at the folder that contains `cases`, such as
 /// `cases/paper/gas-dns.csv`.
 pub fn file(path: &Path) -> Option<&'static [u8]> {
     CASES.get_file(path.strip_prefix("cases").ok()?).map(include_dir::File::contents)
 }
 
-/// The data files that a built-in case names, each with its name. A copy of the case needs them too.
+/// Names and contents of the data files of a built-in case. A copy of the case requires these files too.
 pub fn files_of(case: &BuiltIn) -> Vec<(String, &'static [u8])> {
     let folder = Path::new(&case.name).parent().and_then(|folder| match folder.as_os_str().is_empty() {
         true => Some(&CASES),
@@ -66,17 +66,17 @@ pub fn files_of(case: &BuiltIn) -> Vec<(String, &'static [u8])> {
     named.collect()
 }
 
-/// All cases.
+/// All built-in cases.
 pub fn cases() -> Vec<BuiltIn> {
     all(&CASES, "cases")
 }
 
-/// The set of values of that name, such as `fluids/air`.
+/// Built-in set of values with the given name, such as `fluids/air`.
 pub fn set(name: &str) -> Option<BuiltIn> {
     find(&MODELS, "models", name)
 }
 
-/// All sets of values.
+/// All built-in sets of values.
 pub fn sets() -> Vec<BuiltIn> {
     all(&MODELS, "models")
 }

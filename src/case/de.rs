@@ -1,7 +1,9 @@
-//! Reads the tree of a case into the types of [`super::file`] through serde, with the source position of every value.
+//! Reads the tree of a case into the types of [`super::file`] through serde, and keeps the source position of each
+//! value.
 //!
-//! serde's derive writes the code that knows the keys of each table. This deserializer walks the tree and, when a type
-//! refuses a value, remembers the node. [`Located`] lets a type ask for the source position of an accepted value.
+//! The code derived by serde contains the keys of each table. This deserializer walks through the tree, and stores the
+//! position of a value that does not fit its type. A field of type [`Located`] also receives the source position of a
+//! value that does fit.
 
 use super::diagnostic::Diagnostic;
 use super::source::{Origin, Sources};
@@ -17,10 +19,10 @@ use std::borrow::Cow;
 use std::fmt;
 use std::marker::PhantomData;
 
-/// Divides message and remedy in a custom error.
+/// Text that separates the message from the remedy in a custom error.
 pub(super) const HELP_MARK: &str = "\u{1}help: ";
 
-/// Reason why a value does not fit; the source position is added on the way out.
+/// Reason why a value does not fit; its source position is added while the error is passed on.
 #[derive(Clone, Debug)]
 pub struct Error {
     kind: EnumVisitor,
@@ -40,13 +42,14 @@ impl Error {
         Self { kind, at: None }
     }
 
-    /// Adds the source position. The innermost one wins: later calls change nothing.
+    /// Adds the source position and the key path. An error that has a position already keeps it: that of the innermost
+    /// value.
     fn at(mut self, origin: &Origin, path: &str) -> Self {
         self.at.get_or_insert_with(|| Box::new((origin.clone(), path.to_string())));
         self
     }
 
-    /// Turns the error into a message about the text with the value.
+    /// Turns the error into a message that quotes the source text of the value.
     pub fn diagnostic(self, sources: &Sources) -> Diagnostic {
         let (origin, path) = self.at.map_or((Origin { source: 0, span: 0..0 }, String::new()), |at| *at);
         let typed = sources.typed(&origin);
@@ -81,9 +84,9 @@ impl Error {
     }
 }
 
-/// The known name that is nearest to a misspelt one; none if all are far from it.
+/// Known name nearest to a misspelt name; `None` if all known names are too different.
 pub fn nearest<'a, S: AsRef<str>>(name: &str, known: &'a [S]) -> Option<&'a str> {
-    // the distance takes time and memory proportional to the product of both lengths
+    // the time and memory for the distance are proportional to the product of both lengths
     if known.iter().all(|known| name.len() > 2 * known.as_ref().len() + 8) {
         return None;
     }
@@ -92,7 +95,7 @@ pub fn nearest<'a, S: AsRef<str>>(name: &str, known: &'a [S]) -> Option<&'a str>
     distances.min().filter(|(distance, known)| *distance <= 1 + known.len() / 3).map(|(_, known)| known)
 }
 
-/// "did you mean `x`?" if a known name is near, and the list of all known names.
+/// List of all known names, after "did you mean `x`?" if a known name is near.
 pub(super) fn suggestion<S: AsRef<str>>(name: &str, known: &[S], what: &str) -> String {
     let list = known.iter().map(|known| format!("`{}`", known.as_ref())).collect::<Vec<_>>().join(", ");
     match nearest(name, known) {
@@ -113,7 +116,7 @@ fn found(unexpected: &Unexpected) -> String {
     match unexpected {
         Unexpected::Bool(_) => "true or false".into(),
         Unexpected::Unsigned(_) | Unexpected::Signed(_) => "a whole number".into(),
-        // TOML's whole numbers have 64 bits
+        // whole numbers in TOML have 64 bits
         Unexpected::Float(number) if number.abs() >= i64::MAX as f64 => {
             format!("a number beyond {}, the largest whole number", i64::MAX)
         }
@@ -133,7 +136,7 @@ impl de::Error for Error {
 
     fn invalid_type(unexpected: Unexpected, expected: &dyn de::Expected) -> Self {
         let expected = expected.to_string();
-        // serde calls the table of a struct by the name of the struct
+        // serde describes the table of a struct by the name of the struct
         let expected =
             if expected.starts_with("struct ") || expected.starts_with("enum ") || expected.contains("variant") {
                 "a table".to_string()
@@ -166,7 +169,7 @@ impl de::Error for Error {
     }
 }
 
-/// A value with its source position and its key path, for checks after reading.
+/// Value with its source position and its key path, which later checks use in messages.
 #[derive(Clone, Debug)]
 pub struct Located<T> {
     /// The value.
@@ -177,7 +180,7 @@ pub struct Located<T> {
     pub path: String,
 }
 
-/// The name under which [`Located`] asks the deserializer for the source position.
+/// Name of a tuple struct by which [`Located`] requests the source position from the deserializer.
 const LOCATED: &str = "$located";
 
 impl<'de, T: Deserialize<'de>> Deserialize<'de> for Located<T> {
@@ -214,7 +217,7 @@ impl<T: JsonSchema> JsonSchema for Located<T> {
     }
 }
 
-/// Reads a tree into a type.
+/// Reads the tree of a case into a value of a type.
 ///
 /// # Errors
 /// The first value that does not fit, with its source position.
@@ -365,7 +368,7 @@ impl<'de> SeqAccess<'de> for &mut ListAccess<'de, '_> {
     }
 }
 
-/// The five fields of [`Located`].
+/// Sequence of the five fields of [`Located`]: value, source, start, end, path.
 struct PlaceAccess<'de> {
     deserializer: NodeDeserializer<'de>,
     field: usize,
@@ -390,7 +393,7 @@ impl<'de> SeqAccess<'de> for PlaceAccess<'de> {
     }
 }
 
-/// A law by its name, with or without a table.
+/// Choice of a law by its name, with or without a table of its parameters.
 struct NameAccess<'de, 'p> {
     name: &'de str,
     origin: &'de Origin,

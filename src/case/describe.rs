@@ -1,4 +1,4 @@
-//! Describes a scene in plain words.
+//! Describes an experiment in plain words.
 
 use super::parameters::{bulk_velocity, volume_fraction};
 use crate::experiment::{Amount, AverageFrom, Experiment, HardStepping, Integrator, Model, SoftStepping, TimeStep};
@@ -6,13 +6,14 @@ use crate::scene::{Kind, Scene, Species, Surface};
 use nalgebra::Vector3;
 use std::fmt::Write;
 
-/// The scene of an experiment and how it will be run, one statement a line.
+/// Describes the scene of an experiment, its model and its run, with one statement per line.
 pub fn describe(experiment: &Experiment) -> String {
     format!("{}{}\n{}", scene_in_words(experiment), model_in_words(experiment), run_in_words(experiment))
 }
 
-/// Describes all variants, one statement a line: first the common scene, last the common run. Between them stand the
-/// properties of each variant under its name: its model, and the parts of its scene and run that differ from others.
+/// Describes all variants, with one statement per line. Statements about the scene that hold for all variants come
+/// first; such statements about the run come last. Between them is one line per variant with its name, its model, and
+/// its other statements.
 pub fn describe_variants<'a>(variants: impl IntoIterator<Item = &'a Experiment>) -> String {
     let variants: Vec<&Experiment> = variants.into_iter().collect();
     let words = |part: fn(&Experiment) -> String| variants.iter().map(|one| part(one)).collect::<Vec<String>>();
@@ -25,7 +26,7 @@ pub fn describe_variants<'a>(variants: impl IntoIterator<Item = &'a Experiment>)
         let own = own.chain(own_run.lines().filter(|line| !run.contains(line)));
         let line = std::iter::once(model.trim_start_matches("Model ")).chain(own).collect::<Vec<_>>().join(" ");
         let line = format!("\"{}\": {line}\n", experiment.name);
-        // at other points of a sweep a variant may be unchanged
+        // further points of a sweep may contain a variant without changes: its line is written once
         if !text.contains(&line) {
             text += &line;
         }
@@ -34,7 +35,7 @@ pub fn describe_variants<'a>(variants: impl IntoIterator<Item = &'a Experiment>)
     text
 }
 
-/// The lines of the first text that stand in all of them.
+/// Lines of the first text that occur in all texts.
 fn common(texts: &[String]) -> Vec<&str> {
     let lines = texts.first().map_or("", String::as_str).lines();
     lines.filter(|line| texts.iter().all(|text| text.lines().any(|other| other == *line))).collect()
@@ -59,7 +60,7 @@ fn run_in_words(experiment: &Experiment) -> String {
     )
 }
 
-/// The scene, common to all models, in words.
+/// Describes the scene of an experiment, without its model and its run.
 pub(crate) fn scene_in_words(experiment: &Experiment) -> String {
     let scene = &experiment.scene;
     let mut text = String::new();
@@ -160,7 +161,7 @@ fn particles_in_words(text: &mut String, experiment: &Experiment, scene: &Scene)
     }
 }
 
-/// True if there are both weight and friction, so that a particle may rest on a slope.
+/// True if the scene has both gravity and friction, so that a particle may rest on a slope.
 fn rests_by_friction(scene: &Scene) -> bool {
     let at_walls = scene.walls.iter().map(|wall| wall.surface.friction);
     let of_pairs = scene.pairs.iter().map(|(_, _, meeting)| meeting.surface.friction);
@@ -168,7 +169,7 @@ fn rests_by_friction(scene: &Scene) -> bool {
     rough && scene.gravity != Vector3::zeros()
 }
 
-/// The sizes of the particles of a kind, in words.
+/// Describes the sizes of the particles of a species.
 fn sizes_in_words(species: &Species) -> String {
     match &species.sizes {
         None => format!("diameter {}", length(species.diameter)),
@@ -200,7 +201,7 @@ fn gas_in_words(text: &mut String, scene: &Scene) {
     }
 }
 
-/// The model and its settings.
+/// Describes the collision model and its settings.
 pub(crate) fn model_in_words(experiment: &Experiment) -> String {
     match experiment.model() {
         Model::Hybrid => {
@@ -214,7 +215,7 @@ pub(crate) fn model_in_words(experiment: &Experiment) -> String {
         }
         Model::Soft => {
             let soft = &experiment.soft;
-            // what the engine does with each choice: see its `local` module
+            // method of the engine for each choice: see its module `local`
             let integrator = match (soft.integrator, soft.stepping) {
                 (Integrator::Rk2, _) => "second-order Runge-Kutta",
                 (Integrator::VelocityVerlet, SoftStepping::Uniform) => "velocity Verlet",
@@ -260,7 +261,7 @@ fn surface(surface: &Surface) -> String {
     format!("restitution {}, friction {}", surface.restitution, surface.friction)
 }
 
-/// A length [m] with a suitable SI prefix.
+/// Text of a length [m] with a suitable SI prefix.
 pub(crate) fn length(metres: f64) -> String {
     let (number, unit) = match metres.abs() {
         0.0 => (0.0, "m"),
@@ -268,11 +269,11 @@ pub(crate) fn length(metres: f64) -> String {
         size if size < 1.0 => (metres * 1e3, "mm"),
         _ => (metres, "m"),
     };
-    // six decimal places hide the rounding of the product
+    // six decimal places hide the rounding error of the product
     format!("{} {unit}", short(number, 6))
 }
 
-/// A time [s] with a suitable SI prefix.
+/// Text of a time [s] with a suitable SI prefix.
 fn time(seconds: f64) -> String {
     let (number, unit) = match seconds.abs() {
         0.0 => (0.0, "s"),
@@ -283,7 +284,7 @@ fn time(seconds: f64) -> String {
     format!("{} {unit}", short(number, 6))
 }
 
-/// A number without the zeros at its end.
+/// Number with at most `places` decimal places, without zeros at its end.
 fn short(number: f64, places: usize) -> String {
     let text = format!("{number:.places$}");
     let text = text.trim_end_matches('0').trim_end_matches('.');

@@ -1,31 +1,31 @@
-//! One message about a case: position, problem and remedy.
+//! Message about a case: its position, the problem and a remedy.
 
 use crate::legible;
 use serde::Serialize;
 use std::fmt;
 
-/// Severity: tells if a case can still run.
+/// Severity of a message: error or warning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Severity {
     /// The case cannot be run.
     Error,
-    /// The case can run, but the user should know.
+    /// The case can be run, but the user should be informed.
     Warning,
 }
 
-/// A position in a file, or a `--set` argument (which has no lines: `line` is 0).
+/// Position in a file or in a `--set` argument. An argument has no lines, so that `line` is 0.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct SourceLocation {
-    /// Path, or `--set key=value`.
+    /// Path of the file, or `--set key=value`.
     pub name: String,
     /// Line number, 1 for the first; 0 for the file as a whole.
     pub line: usize,
     /// Column in characters, 1 for the first.
     pub column: usize,
-    /// Characters to underline.
+    /// Number of characters to underline.
     pub width: usize,
-    /// The text of that line.
+    /// Text of the line.
     pub text: String,
 }
 
@@ -34,22 +34,22 @@ pub struct SourceLocation {
 pub struct Diagnostic {
     /// Error or warning.
     pub severity: Severity,
-    /// The problem: key, value, allowed range.
+    /// Problem in words: key, value, allowed range.
     pub message: String,
-    /// The position that the message is about.
+    /// Position to which the message refers.
     pub place: Option<Box<SourceLocation>>,
-    /// The remedy.
+    /// Remedy in words.
     pub help: Option<String>,
 }
 
 impl Diagnostic {
-    /// An error about a file as a whole.
+    /// Creates an error about a file as a whole.
     pub fn about(name: impl Into<String>, message: impl Into<String>) -> Self {
         let place = SourceLocation { name: legible::message(&name.into()).into_owned(), ..SourceLocation::default() };
         Self::at(Some(place), message)
     }
 
-    /// An error about a position. The message and the remedy may quote text of others; it is made legible.
+    /// Creates an error about a position. Control characters in quoted texts are made visible.
     pub fn at(place: Option<SourceLocation>, message: impl Into<String>) -> Self {
         let message = legible::message(&message.into()).into_owned();
         Self { severity: Severity::Error, message, place: place.map(Box::new), help: None }
@@ -90,7 +90,7 @@ impl fmt::Display for Diagnostic {
     }
 }
 
-/// The line with the position underlined; a long line is shown only near the position.
+/// Writes the line of the position with an underline; of a long line, only the part near the position.
 fn excerpt(f: &mut fmt::Formatter<'_>, place: &SourceLocation) -> fmt::Result {
     const SHOWN: usize = 110;
     let first = place.column.saturating_sub(SHOWN / 2).min(place.text.chars().count().saturating_sub(SHOWN));

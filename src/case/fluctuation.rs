@@ -1,4 +1,4 @@
-//! A speed for all three components, or one for each.
+//! Velocity fluctuation in a case file: one speed for all components, or one for each.
 
 use super::de::Located;
 use super::quantity::{QUANTITY, Speed, UNIT, si_unit};

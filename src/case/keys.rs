@@ -1,4 +1,4 @@
-//! The description of every key, derived from the types in [`file`](mod@super::file) by means of their schema.
+//! Descriptions of all keys, derived from the JSON schema of the types in [`file`](mod@super::file).
 
 use super::file::CaseFile;
 use super::quantity::{QUANTITY, UNIT};
@@ -9,12 +9,12 @@ use schemars::transform::RecursiveTransform;
 use serde_json::{Map, Value, json};
 use std::sync::LazyLock;
 
-/// A table of a case.
+/// Description of a table of a case.
 #[derive(Clone, Debug, PartialEq)]
 pub struct KeyTable {
     /// Name of the table, such as `soft.hertz`; empty for the case as a whole.
     pub name: String,
-    /// True if a case can have several such tables, as `[[walls]]`.
+    /// True if a case can have several tables of this name, such as `[[walls]]`.
     pub is_list: bool,
     /// Purpose of the table.
     pub about: String,
@@ -24,22 +24,22 @@ pub struct KeyTable {
     pub keys: Vec<Key>,
 }
 
-/// A key of a table.
+/// Description of a key of a table.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Key {
     /// Name of the key in its table.
     pub name: String,
     /// Type of the value, in words: "length", "list of 3 lengths", "whole number".
     pub kind: String,
-    /// SI unit of a number typed without one; none if the key has no unit.
+    /// SI unit of a number typed without one; `None` if the key has no unit.
     pub unit: Option<String>,
-    /// Meaning of an absent key, as it would be typed or in words.
+    /// Default value as it would be typed, or the meaning of an absent key in words.
     pub default: Option<String>,
-    /// Allowed range, in the words of the message about a value out of range.
+    /// Allowed range, in the same words as in the message about a value out of range.
     pub range: Option<String>,
     /// Condition under which the key is required, in words.
     pub required: Option<String>,
-    /// An example value, as it would be typed.
+    /// Example of a value, as it would be typed.
     pub example: Option<String>,
     /// Meaning of the key.
     pub about: String,
@@ -54,24 +54,24 @@ impl KeyTable {
     }
 }
 
-/// The schema of a case.
+/// JSON schema of a case, made from the type [`CaseFile`].
 static SCHEMA: LazyLock<Value> = LazyLock::new(|| {
     let settings = SchemaSettings::draft07().with(|settings| settings.inline_subschemas = true);
-    // an absent key has no value: TOML has no null
+    // TOML has no null: a key without a value is absent
     let generator = settings.with_transform(RecursiveTransform(without_null)).into_generator();
     generator.into_root_schema_for::<CaseFile>().to_value()
 });
 
-/// All tables, each before the tables within it, in the order of the types.
+/// All tables in the order of the types; each comes before the tables within it.
 static TABLES: LazyLock<Vec<KeyTable>> = LazyLock::new(|| {
     let mut tables = Vec::new();
     collect(&SCHEMA, &SCHEMA, "", false, &mut tables);
-    // the case itself has no keys but tables
+    // keys of the case itself are all tables
     tables.retain(|table| !table.name.is_empty());
     tables
 });
 
-/// Removes the `null` from the schema that schemars makes of an `Option`.
+/// Removes `null`, which schemars adds for an `Option`, from a schema.
 fn without_null(schema: &mut Schema) {
     let is_null = |value: &Value| *value == json!("null") || *value == json!({ "type": "null" });
     let Some(map) = schema.as_object_mut() else { return };
@@ -94,13 +94,13 @@ fn without_null(schema: &mut Schema) {
     }
 }
 
-/// All tables of a case, each before the tables within it.
+/// Descriptions of all tables of a case; each comes before the tables within it.
 pub fn tables() -> &'static [KeyTable] {
     &TABLES
 }
 
-/// A JSON schema of a case, for editors. In addition to the keys of [`file`](mod@super::file), every table accepts
-/// `use`.
+/// JSON schema of a case, for editors. In every table the schema allows `use` in addition to the keys of
+/// [`file`](mod@super::file).
 pub fn schema() -> Value {
     let mut schema = SCHEMA.clone();
     add_limits(&mut schema);
@@ -110,7 +110,8 @@ pub fn schema() -> Value {
     schema
 }
 
-/// Lets a choice between tables accept the bare name of a table without keys, as in `drag = "stokes"`.
+/// Changes a schema so that a choice between tables also accepts the name of a table without keys, as in `drag =
+/// "stokes"`.
 fn allow_names(schema: &mut Value) {
     if let Some(Value::Object(properties)) = schema.get_mut("properties") {
         properties.values_mut().for_each(allow_names);
@@ -143,7 +144,7 @@ fn allow_use(schema: &mut Value) {
     }
 }
 
-/// The alternatives of a schema: the branches of a choice, or the schema itself.
+/// Alternatives of a schema: its branches if the schema is a choice, else the schema itself.
 fn branches(schema: &Value) -> &[Value] {
     match schema.get("oneOf").or_else(|| schema.get("anyOf")) {
         Some(Value::Array(branches)) => branches,
@@ -151,13 +152,13 @@ fn branches(schema: &Value) -> &[Value] {
     }
 }
 
-/// The keys of a table with their schemas; none if `schema` is not a table, or is one that accepts any key.
+/// Keys of a table with their schemas; empty if `schema` describes no table, or a table with arbitrary keys.
 pub(super) fn properties(schema: &Value) -> impl Iterator<Item = (&String, &Value)> {
     let of = |branch| Value::as_object(Value::get(branch, "properties")?);
     branches(schema).iter().filter_map(of).flat_map(Map::iter)
 }
 
-/// The schema of the value of a key, or of the elements of a list (`None`).
+/// Schema of the value of a key in a table, or of the elements of a list if `key` is `None`.
 pub(super) fn inner<'a>(schema: &'a Value, key: Option<&str>) -> Option<&'a Value> {
     match key {
         Some(key) => properties(schema).find(|(name, _)| *name == key).map(|(_, inner)| inner),
@@ -165,17 +166,17 @@ pub(super) fn inner<'a>(schema: &'a Value, key: Option<&str>) -> Option<&'a Valu
     }
 }
 
-/// True if a schema is a choice between tables, each named after a law.
+/// True if a schema is a choice between tables, each with the name of a law.
 pub(super) fn is_choice(schema: &Value) -> bool {
     schema.get("oneOf").is_some() && properties(schema).next().is_some()
 }
 
-/// The schema of a whole case, without `use`.
+/// Schema of a whole case, without the key `use`.
 pub(super) fn root() -> &'static Value {
     &SCHEMA
 }
 
-/// The SI unit of a number at this position of a schema; none if the value has no unit.
+/// SI unit that a schema gives for a number; `None` if the value has no unit.
 pub(super) fn unit(schema: &Value) -> Option<&str> {
     schema.get(UNIT)?.as_str().filter(|unit| !unit.is_empty())
 }
@@ -190,7 +191,8 @@ fn is_table(schema: &Value) -> bool {
         .any(|branch| branch.get("properties").is_some() || branch.get("additionalProperties") == Some(&json!(false)))
 }
 
-/// Adds the table that `schema` describes, and the tables within it. `about`: the schema with the description.
+/// Adds the table that `schema` describes, and the tables within it, to `tables`. The schema `about` contains the
+/// description of the table.
 fn collect(schema: &Value, about: &Value, name: &str, is_list: bool, tables: &mut Vec<KeyTable>) {
     let (inner, keys): (Vec<_>, Vec<_>) =
         properties(schema).partition(|(_, value)| is_table(value) || value.get("items").is_some_and(is_table));
@@ -203,7 +205,7 @@ fn collect(schema: &Value, about: &Value, name: &str, is_list: bool, tables: &mu
     });
     for (key, value) in inner {
         let name = super::tree::child_place(name, key);
-        // in a choice of laws, the description stands beside the table of the law
+        // in a choice of laws, the description belongs to the branch that contains the table
         let law = branches(schema)
             .iter()
             .find(|branch| schema.get("oneOf").is_some() && branch["properties"].get(key).is_some());
@@ -235,7 +237,7 @@ fn key(name: &str, schema: &Value) -> Key {
     }
 }
 
-/// The type of a value, in words.
+/// Type of a value, in words.
 fn kind(schema: &Value) -> String {
     if let Some(quantity) = words(schema, QUANTITY) {
         return quantity;
@@ -259,7 +261,7 @@ fn kind(schema: &Value) -> String {
     }
 }
 
-/// A value as it would be typed in a case.
+/// Value as it would be typed in a case.
 fn typed(value: &Value) -> String {
     toml::Value::try_from(value).map_or_else(|_| value.to_string(), |value| value.to_string())
 }

@@ -1,12 +1,12 @@
-//! Merging of trees of values: what a later source says replaces what an earlier one said.
+//! Merges trees of values: values from a later source replace those from an earlier one.
 
 use super::rules::alternatives;
 use super::source::Origin;
 use super::tree::{CaseNode, Entry, KeyPart, Value, child_place};
 
 impl CaseNode {
-    /// Merges `over` into this node, which stands at `place`. Tables are merged key by key, all other values are
-    /// replaced, and a key removes its alternatives.
+    /// Merges `over` into this node, whose key path is `place`. Tables are merged key by key; other values are
+    /// replaced. A new key removes the keys that exclude it.
     pub fn overlay(&mut self, over: CaseNode, place: &str) {
         let (entries, over_entries) = match (&mut self.value, over.value) {
             (Value::Table(entries), Value::Table(over_entries)) => (entries, over_entries),
@@ -33,17 +33,16 @@ impl CaseNode {
         }
     }
 
-    /// Sets the value of the key at `path`, and creates missing tables.
+    /// Sets the value of the key at `path`, and creates missing tables on the way.
     ///
     /// # Errors
-    /// A message, if the path passes through something that is not a table, or names an element of a list that does not
-    /// exist.
+    /// A message, if the path leads through a value that is not a table, or to an element that a list does not have.
     pub fn set(&mut self, path: &[KeyPart], value: CaseNode, key_origin: &Origin) -> Result<(), String> {
         self.set_at(path, value, key_origin, "", "")
     }
 
-    /// Sets a value below this node. `place` is the path of the node, for the alternatives; `walked` is that path as
-    /// typed, for messages.
+    /// Sets a value below this node. `place` is the key path of the node, used to find keys that exclude each other.
+    /// `walked` is that path as typed, for messages.
     fn set_at(
         &mut self,
         path: &[KeyPart],

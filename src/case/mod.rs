@@ -1,11 +1,11 @@
-//! Reading a case: from a TOML file, the sets it uses and the command line to checked experiments in SI.
+//! Reads a case from a TOML file, its sets of values and the command line, and makes checked experiments in SI.
 //!
 //! ```text
 //!  text --tree--> Node --overlay: use, set, --set--> Node --de--> CaseFile --resolve--> Experiment
 //! ```
 //!
-//! Every value keeps its source position through all these steps, so every message names file and line. To add a
-//! key: a field in [`mod@file`], and its check in the matching file of `resolve/`.
+//! Every value keeps its source position through all steps, so that each message contains file and line. A new key
+//! requires a field in [`mod@file`], and a check in the corresponding file of `resolve/`.
 
 mod bare;
 pub mod built_in;
@@ -50,19 +50,19 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use tree::{CaseNode, KeyPart, Value};
 
-/// An experiment and the warnings about it.
+/// Experiment, with the warnings about its case.
 pub type Checked = (Experiment, Vec<Diagnostic>);
 
-/// A case that has been read, with the changes of the command line; only its syntax has been checked.
+/// Case that has been read, with the changes of the command line. Only the syntax of the case has been checked.
 pub struct Case {
     /// Path as given by the user.
     pub path: PathBuf,
-    /// First paragraph of the heading comment, or the name of the file if there is none; then the changes of the
-    /// command line.
+    /// Title: first paragraph of the comment at the beginning, or the name of the file if there is none. The changes of
+    /// the command line follow.
     pub title: String,
-    /// The whole heading comment, without the `#`.
+    /// Whole comment at the beginning of the file, without `#`.
     pub heading: String,
-    /// The text of the file.
+    /// Text of the file.
     pub text: Arc<str>,
     sources: Sources,
     tree: CaseNode,
@@ -70,7 +70,7 @@ pub struct Case {
     library: Library,
 }
 
-/// One change: `--set key=value`, an entry of a variant's `set`, or a value of a sweep.
+/// Change of one key: by `--set key=value`, by an entry of a variant's `set`, or by a value of a sweep.
 struct Setting {
     path: Vec<KeyPart>,
     value: CaseNode,
@@ -78,8 +78,8 @@ struct Setting {
 }
 
 impl Case {
-    /// Reads a case file. If there is no such file, reads the built-in case of that name. `sets` are `key=value`
-    /// arguments; later ones win.
+    /// Reads a case file, or the built-in case with this name if there is no such file. `sets` are arguments of the
+    /// form `key=value`. A later argument replaces an earlier one.
     ///
     /// # Errors
     /// The file cannot be read or is not TOML, or an argument is not `key=value`.
@@ -91,8 +91,8 @@ impl Case {
         }
     }
 
-    /// Reads a built-in case. The sets and the files that it uses are also the built-in ones, in whatever folder the
-    /// program runs.
+    /// Reads a built-in case. The sets of values and the data files that the case uses are built-in ones too, and
+    /// independent of the current folder.
     ///
     /// # Errors
     /// An argument is not `key=value`.
@@ -100,7 +100,7 @@ impl Case {
         Self::of_kind(SourceKind::BuiltIn, &case.path, Arc::from(case.text), sets)
     }
 
-    /// Reads a case from a text in memory; `path` is for messages and for the files that the case names.
+    /// Reads a case from a text in memory. `path` is used in messages, and to find the files that the case names.
     ///
     /// # Errors
     /// The text is not TOML, or an argument is not `key=value`.
@@ -118,7 +118,7 @@ impl Case {
             return Err(Diagnostic::about(path.display().to_string(), message)
                 .help("it needs at least [domain], [[particles]], [contact] and [run]; `cases/quick.toml` is one"));
         }
-        // the heading describes the file: changes from the command line are added to it
+        // the heading describes the file, so changes by the command line are added
         let typed: Vec<&str> = sources.set_arguments().collect();
         let changes = if typed.is_empty() { String::new() } else { format!(" [with {}]", typed.join(", ")) };
         let heading = heading(&text);
@@ -137,10 +137,10 @@ impl Case {
         })
     }
 
-    /// The one experiment of `run`. `model` and `seed` override the case's.
+    /// Makes the experiment of the command `run`. `model` and `seed` replace those of the case.
     ///
     /// # Errors
-    /// The first thing that is wrong with the case, or all keys that are missing.
+    /// The first error of the case, or all keys that are missing.
     pub fn experiment(&self, model: Option<Model>, seed: Option<u64>) -> Result<Checked, Diagnostic> {
         self.merged(self.tree.clone(), &self.sets.iter().collect::<Vec<_>>())?.resolve(&VariantChoice {
             model,
@@ -149,8 +149,8 @@ impl Case {
         })
     }
 
-    /// The experiment of `run` with `more` changes, each `key=value`, in addition to those of the command line. A study
-    /// uses it to vary a case.
+    /// Makes the experiment of the command `run` with the changes `more`, each of the form `key=value`, in addition to
+    /// those of the command line. Studies use this function to vary a case.
     ///
     /// # Errors
     /// As for [`experiment`](Self::experiment).
@@ -162,15 +162,16 @@ impl Case {
         self.merged_with(sources, self.tree.clone(), &changes)?.resolve(&choice)
     }
 
-    /// The experiments of `compare`: the case's `[[compare]]` list, or soft and hard. `seed` overrides the case's.
+    /// Makes the experiments of the command `compare`: those of the `[[compare]]` list, or soft and hard without a
+    /// list. `seed` replaces that of the case.
     ///
     /// # Errors
-    /// As for [`experiment`](Self::experiment), in any variant; two variants of one name.
+    /// As for [`experiment`](Self::experiment), for any variant. Also an error if two variants have one name.
     pub fn variants(&self, seed: Option<u64>) -> Result<Vec<Checked>, Diagnostic> {
         self.variants_with(&self.sets.iter().collect::<Vec<_>>(), seed)
     }
 
-    /// The experiments of `compare` with the changes `sets` in place of those of the command line.
+    /// Makes the experiments of `compare` with the changes `sets` instead of those of the command line.
     fn variants_with(&self, sets: &[&Setting], seed: Option<u64>) -> Result<Vec<Checked>, Diagnostic> {
         let whole = self.merged(self.tree.clone(), sets)?;
         let Some(list) = whole.file.compare.as_ref().filter(|list| !list.is_empty()) else {
@@ -181,7 +182,8 @@ impl Case {
             Some(Value::Array(items)) => items.as_slice(),
             _ => &[],
         };
-        // a variant is the case without the list, which would otherwise be read again for each entry
+        // a variant is made from the case without its `[[compare]]` list, so that the list is not read again for each
+        // variant
         let mut case = self.tree.clone();
         case.remove("compare");
         let of_the_case = |setting: &&Setting| setting.path.first().is_none_or(|first| !first.is_key("compare"));
@@ -215,18 +217,18 @@ impl Case {
         Ok(variants)
     }
 
-    /// The trajectories that all variants write; `None`: none.
+    /// Settings of the trajectory files, common to all variants; `None` if no trajectories are written.
     ///
     /// # Errors
-    /// As for [`experiment`](Self::experiment), as far as `[output]` goes.
+    /// Errors of [`experiment`](Self::experiment) that concern the table `[output]`.
     pub fn trajectories(&self) -> Result<Option<Trajectories>, Diagnostic> {
         let merged = self.merged(self.tree.clone(), &self.sets.iter().collect::<Vec<_>>())?;
         resolve::trajectories(&merged.file, merged.sources)
     }
 
-    /// The keys that each variant sets besides its model, as typed in the case, in the order of
-    /// [`variants`](Self::variants). A variant that sets no key has an empty text. Without a `[[compare]]` list the
-    /// result is empty.
+    /// Keys that each variant sets in addition to its model, as typed in the case, in the order of
+    /// [`variants`](Self::variants). The text is empty for a variant that sets no key. The list is empty without a
+    /// `[[compare]]` list.
     pub fn overrides(&self) -> Vec<String> {
         let Some(Value::Array(items)) = self.tree.get("compare").map(|node| &node.value) else { return Vec::new() };
         let typed = |entry: &tree::Entry| format!("{} = {}", entry.key, self.sources.typed(&entry.node.origin));
@@ -237,12 +239,12 @@ impl Case {
         items.iter().map(one).collect()
     }
 
-    /// True if the case has its own `[[compare]]` list; without one `compare` runs soft and hard.
+    /// True if the case has a `[[compare]]` list. Without such a list, `compare` runs soft and hard.
     pub fn names_variants(&self) -> bool {
         matches!(self.tree.get("compare").map(|node| &node.value), Some(Value::Array(items)) if !items.is_empty())
     }
 
-    /// Checks that a reference variant exists and is not itself compared with another.
+    /// Checks that a reference variant exists and is not itself compared with a further variant.
     fn check_reference(&self, against: &de::Located<String>, variants: &[Checked]) -> Result<(), Diagnostic> {
         let name = &against.value;
         let error = |message: String, help: String| Err(self.sources.error(&against.origin, message).help(help));
@@ -259,17 +261,17 @@ impl Case {
         }
     }
 
-    /// Every resolved parameter of an experiment in SI, for `summary.json`.
+    /// All parameters of an experiment in SI, for `summary.json`.
     pub fn parameters(&self, experiment: &Experiment) -> serde_json::Value {
         parameters(experiment)
     }
 
-    /// The tree with the changes, then with the sets that are used.
+    /// Applies changes to the tree of a case, then adds the sets of values that the case uses.
     fn merged(&self, tree: CaseNode, changes: &[&Setting]) -> Result<Merged, Diagnostic> {
         self.merged_with(self.sources.clone(), tree, changes)
     }
 
-    /// The tree with the changes and the sets; `sources` has the texts of the changes.
+    /// Applies changes and adds sets of values; `sources` contains the texts of the changes.
     fn merged_with(
         &self,
         mut sources: Sources,
@@ -288,7 +290,7 @@ impl Case {
     }
 }
 
-/// A case with all changes applied: the tree of values and their source positions.
+/// Case after all changes: the tree of values, the typed values, and the source texts.
 struct Merged {
     tree: CaseNode,
     file: CaseFile,
@@ -296,7 +298,7 @@ struct Merged {
 }
 
 impl Merged {
-    /// The experiment of one choice of model and seed, with all warnings.
+    /// Makes the experiment for one choice of model and seed, with all warnings.
     fn resolve(&self, choice: &VariantChoice) -> Result<Checked, Diagnostic> {
         rules::refuse_conflicts(&self.tree, &self.sources)?;
         let (experiment, warnings) = resolve((&self.file, &self.tree), choice, self.sources.clone())?;
@@ -304,7 +306,7 @@ impl Merged {
     }
 }
 
-/// The error about a case that cannot be read, with the built-in case that may have been meant.
+/// Error about a case that cannot be read. The remedy names the built-in case that was probably meant.
 fn unreadable(name: &str, why: &str) -> Diagnostic {
     let known: Vec<String> = built_in::cases().into_iter().map(|case| case.name).collect();
     let stem = name.trim_end_matches(".toml");
@@ -318,7 +320,7 @@ fn unreadable(name: &str, why: &str) -> Diagnostic {
     Diagnostic::about(name, format!("the case `{name}` cannot be read: {why}")).help(help)
 }
 
-/// Reads one `key=value` argument.
+/// Reads an argument of the form `key=value`.
 fn argument(text: &str, sources: &mut Sources) -> Result<Setting, Diagnostic> {
     let name = format!("--set {text}");
     let source = sources.add(Source { name, folder: PathBuf::new(), text: text.into(), kind: SourceKind::Argument });
@@ -327,7 +329,7 @@ fn argument(text: &str, sources: &mut Sources) -> Result<Setting, Diagnostic> {
     Ok(Setting { path, value, key_origin })
 }
 
-/// The key of an argument `key=value`, and where the value begins.
+/// Key of an argument `key=value`, its source position, and the position at which the value begins.
 fn key_of(text: &str, source: usize, sources: &Sources) -> Result<(Vec<KeyPart>, Origin, usize), Diagnostic> {
     let help = "such as --set particles[0].count=100 or --set \"run.duration=2 s\"";
     let end = text.find('=').unwrap_or(text.len());
@@ -339,7 +341,7 @@ fn key_of(text: &str, source: usize, sources: &Sources) -> Result<(Vec<KeyPart>,
     Ok((path, origin, end + 1))
 }
 
-/// The value that begins at `start` of an argument: TOML, or else a bare string.
+/// Value that begins at position `start` of an argument. A text that is not a TOML value counts as a string.
 fn value_of(text: &str, start: usize, source: usize, sources: &Sources) -> Result<CaseNode, Diagnostic> {
     let start = start + text.len() - text.trim_start().len();
     let text = text.trim();
@@ -352,7 +354,7 @@ fn value_of(text: &str, start: usize, source: usize, sources: &Sources) -> Resul
     }
 }
 
-/// The entries of a variant's `set`.
+/// Changes in the table `set` of a variant.
 fn settings(set: Option<&CaseNode>, sources: &Sources) -> Result<Vec<Setting>, Diagnostic> {
     let Some(set) = set else { return Ok(Vec::new()) };
     let Value::Table(entries) = &set.value else {
@@ -368,7 +370,7 @@ fn settings(set: Option<&CaseNode>, sources: &Sources) -> Result<Vec<Setting>, D
         .collect()
 }
 
-/// The comment lines at the beginning of a text, without the `#`.
+/// Comment lines at the beginning of a text, without `#`.
 fn heading(text: &str) -> String {
     let lines: Vec<&str> = text
         .lines()
@@ -378,11 +380,11 @@ fn heading(text: &str) -> String {
     lines.join("\n").trim().to_string()
 }
 
-/// A hash of everything that determines the results of a run: the resolved case and the version of the program. The
-/// name of the case and the settings of other models are left out. Runs that must give equal results have equal hashes.
+/// Hash of all data that determine the results of a run: the experiment and the version of the program. Names of
+/// variants and settings of unused models are left out. Runs with equal hashes must give equal results.
 ///
 /// # Errors
-/// A case that cannot be written as JSON, which would be a fault of the program.
+/// An experiment that cannot be written as JSON, which would be an error of the program.
 pub fn fingerprint(experiment: &Experiment) -> Result<String, serde_json::Error> {
     let mut json = serde_json::to_value(experiment)?;
     let others: &[&str] = match experiment.model() {

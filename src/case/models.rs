@@ -1,4 +1,4 @@
-//! `use = "particles/polystyrene-406um"`: named, cited sets of values from `models/`.
+//! Sets of values: named and cited parts of cases in `models/`, included by `use = "particles/polystyrene-406um"`.
 
 use super::built_in;
 use super::de::suggestion;
@@ -10,17 +10,17 @@ use crate::legible::quote;
 use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
 
-/// Largest depth to which sets may use other sets.
+/// Largest depth to which one set of values may use further sets.
 const DEEPEST: usize = 8;
 
-/// Search path for sets: `models/` beside the folder of the case and its ancestors, then in the current folder, then
-/// the built-in sets.
+/// Folders in which sets of values are searched: `models/` next to the folder of the case and next to its ancestors,
+/// then `models/` in the current folder. Built-in sets come last.
 pub struct Library {
     folders: Vec<PathBuf>,
 }
 
 impl Library {
-    /// The library of a case file.
+    /// Search path for the sets of a case file.
     pub fn beside(case: &Path) -> Self {
         let folder = case.parent().unwrap_or(Path::new(""));
         let mut folders: Vec<PathBuf> = folder.ancestors().map(|ancestor| ancestor.join("models")).collect();
@@ -32,15 +32,16 @@ impl Library {
         Self { folders }
     }
 
-    /// Only the sets that are built in.
+    /// Search path that consists only of the built-in sets.
     pub fn built_in() -> Self {
         Self { folders: Vec::new() }
     }
 
-    /// Replaces every `use` in the tree by the values of the named set; keys beside it win.
+    /// Replaces every `use` in the tree by the values of the named set. Keys in the same table as `use` replace those
+    /// of the set.
     ///
     /// # Errors
-    /// A set that does not exist or cannot be read, with the position of its `use`.
+    /// A set that does not exist or cannot be read, with the source position of its `use`.
     pub fn expand(&self, node: &mut CaseNode, sources: &mut Sources) -> Result<(), Diagnostic> {
         self.expand_at(node, "", 0, sources)
     }
@@ -58,17 +59,17 @@ impl Library {
                 let message = "sets use one another in a circle, or too deep";
                 return Err(sources.error(&used.node.origin, message).help("at most eight levels of `use`"));
             }
-            // the citation is only for readers of the set
+            // the key `source` is a citation, which is only for human readers
             set.remove("source");
             self.expand_at(&mut set, place, depth + 1, sources)?;
             let own = std::mem::replace(node, set);
-            // keep the position of the table that uses the set
+            // keep the source position of the table that uses the set
             node.origin = own.origin.clone();
             node.overlay(own, place);
         }
         match &mut node.value {
             Value::Table(entries) => {
-                // the changes of a variant are applied to the case before the sets are looked up
+                // the changes of a variant are applied to the case before its sets are read
                 for entry in entries.iter_mut().filter(|entry| !(place.is_empty() && entry.key == "compare")) {
                     self.expand_at(&mut entry.node, &child_place(place, &entry.key), depth, sources)?;
                 }
@@ -97,7 +98,7 @@ impl Library {
         let found = self.folders.iter().map(|folder| folder.join(format!("{name}.toml"))).find(|path| path.is_file());
         let (path, text, kind) = match (found, built_in::set(name)) {
             (Some(path), _) => {
-                // the folder that contains `models/`
+                // folder that contains `models/`
                 let root =
                     self.folders.iter().find(|folder| path.starts_with(folder)).and_then(|folder| folder.parent());
                 if root.is_some_and(|root| leads_out(&path, root)) {
@@ -133,7 +134,7 @@ impl Library {
     }
 }
 
-/// The names of the sets in a folder.
+/// Adds the names of all sets of values in a folder to `names`.
 fn list(root: &Path, folder: &Path, depth: usize, names: &mut Vec<String>) {
     let Ok(entries) = std::fs::read_dir(folder) else { return };
     for path in entries.flatten().map(|entry| entry.path()) {

@@ -1,49 +1,49 @@
 //! Quantities with units, as users type them: `"406 um"`, `"7.5e-7 s"`, `"1.205 kg/m^3"`.
 //!
-//! A quantity is a number and a product of units. It is checked against the dimension of its key and converted to SI. A
-//! plain number (no quotes) is already in SI. Powers of ten of the prefix are added to the decimal exponent before the
-//! number is read, so that `"406 um"` is exactly the double nearest to 4.06e-4.
+//! A quantity is a number and a product of units. Its dimension is checked against that of the key, and its value is
+//! converted to SI. A plain number (without quotes) is already in SI. The power of ten of a prefix is added to the
+//! decimal exponent before the number is read. Thus `"406 um"` is exactly the double nearest to 4.06e-4.
 
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::{Deserialize, Deserializer, Error, Visitor};
 use std::borrow::Cow;
 use std::fmt;
 
-/// Schema entry for the quantity of a key, in words.
+/// Name of the schema entry that holds the kind of quantity in words, such as "length".
 pub(super) const QUANTITY: &str = "x-quantity";
 
-/// Schema entry for the SI unit of a number typed without one.
+/// Name of the schema entry that holds the SI unit of a number typed without a unit.
 pub(super) const UNIT: &str = "x-unit";
 
-/// Exponents of metre, kilogram and second.
+/// Exponents of metre, kilogram and second in a dimension.
 pub type Exponents = [i8; 3];
 
-/// A finite number [SI] of the dimension m^M kg^K s^S.
+/// Finite number [SI] with the dimension m^M kg^K s^S.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quantity<const M: i8, const K: i8, const S: i8>(pub f64);
 
-/// [-] a plain number, or a percentage.
+/// [-] number without dimension, typed as a plain number or a percentage.
 pub type Ratio = Quantity<0, 0, 0>;
-/// [m].
+/// [m] length.
 pub type Length = Quantity<1, 0, 0>;
-/// [s].
+/// [s] time.
 pub type Time = Quantity<0, 0, 1>;
-/// [m/s].
+/// [m/s] speed, or component of a velocity.
 pub type Speed = Quantity<1, 0, -1>;
-/// [rad/s].
+/// [rad/s] angular velocity.
 pub type Spin = Quantity<0, 0, -1>;
-/// [s/m].
+/// [s/m] time per length.
 pub type Slowness = Quantity<-1, 0, 1>;
-/// [m/s²].
+/// [m/s²] acceleration.
 pub type Acceleration = Quantity<1, 0, -2>;
-/// [kg/m³].
+/// [kg/m³] density.
 pub type Density = Quantity<-3, 1, 0>;
-/// [m²/s].
+/// [m²/s] kinematic viscosity.
 pub type KinematicViscosity = Quantity<2, 0, -1>;
-/// [N/m].
+/// [N/m] stiffness.
 pub type Stiffness = Quantity<0, 1, -2>;
 
-/// [Pa].
+/// [Pa] pressure or elastic modulus.
 pub type Pressure = Quantity<-1, 1, -2>;
 
 /// Names of the common dimensions, each with its SI unit and an example.
@@ -67,7 +67,7 @@ const DIMENSIONS: &[(Exponents, &str, &str, &str)] = &[
     ([2, 1, -2], "an energy", "J", "\"1 uJ\""),
 ];
 
-/// Units that take no prefix: name, exponents, power of ten, factor.
+/// Units that take no prefix: name, exponents of the dimension, power of ten, factor.
 pub(super) const WHOLE_UNITS: &[(&str, Exponents, i32, f64)] = &[
     ("1", [0, 0, 0], 0, 1.0),
     ("%", [0, 0, 0], -2, 1.0),
@@ -78,7 +78,7 @@ pub(super) const WHOLE_UNITS: &[(&str, Exponents, i32, f64)] = &[
     ("h", [0, 0, 1], 0, 3600.0),
 ];
 
-/// Units that take a prefix: name, exponents, power of ten.
+/// Units that take a prefix: name, exponents of the dimension, power of ten.
 pub(super) const UNITS: &[(&str, Exponents, i32)] = &[
     ("m", [1, 0, 0], 0),
     ("g", [0, 1, 0], -3),
@@ -92,7 +92,7 @@ pub(super) const UNITS: &[(&str, Exponents, i32)] = &[
     ("L", [3, 0, 0], -3),
 ];
 
-/// Prefixes and their powers of ten; micro in each of its spellings.
+/// Prefixes and their powers of ten; micro in all its spellings.
 pub(super) const PREFIXES: &[(&str, i32)] = &[
     ("p", -12),
     ("n", -9),
@@ -110,9 +110,9 @@ pub(super) const PREFIXES: &[(&str, i32)] = &[
 /// Reason why a text is not a quantity, with a remedy for the author of the case.
 #[derive(Clone, Debug, PartialEq)]
 pub struct QuantityError {
-    /// The problem, in words that follow the key and the value: "is a time, but a length belongs here".
+    /// Problem, in words that follow the key and the value: "is a time, but a length belongs here".
     pub message: String,
-    /// The remedy: text to type in its place.
+    /// Remedy: what to type instead.
     pub help: Option<String>,
 }
 
@@ -122,7 +122,7 @@ impl QuantityError {
     }
 }
 
-/// Words for a dimension, "a length" or "m^2 kg".
+/// Name of a dimension, such as "a length", or its unit if it has no name, as in "a quantity in m^2 kg".
 pub fn dimension_name(exponents: Exponents) -> String {
     if let Some((_, name, ..)) = DIMENSIONS.iter().find(|(known, ..)| *known == exponents) {
         return (*name).to_string();
@@ -130,12 +130,12 @@ pub fn dimension_name(exponents: Exponents) -> String {
     format!("a quantity in {}", powers(exponents))
 }
 
-/// An example of a dimension, as it would be typed in a case.
+/// Example of a quantity of a dimension, as it would be typed in a case.
 pub fn dimension_example(exponents: Exponents) -> &'static str {
     DIMENSIONS.iter().find(|(known, ..)| *known == exponents).map_or("a plain SI number", |(.., example)| example)
 }
 
-/// The SI unit of a dimension, as it would be typed in a case; empty for plain numbers.
+/// SI unit of a dimension, as it would be typed in a case; empty for numbers without dimension.
 pub fn si_unit(exponents: Exponents) -> String {
     match DIMENSIONS.iter().find(|(known, ..)| *known == exponents) {
         Some((_, _, unit, _)) => (*unit).to_owned(),
@@ -193,13 +193,13 @@ pub fn parse(text: &str, wanted: Exponents) -> Result<f64, QuantityError> {
     Ok(value)
 }
 
-/// [SI] value of a text that is a quantity of any named dimension; `None` if it is not a quantity.
+/// [SI] value of a text that is a quantity of any dimension with a name; `None` for other texts.
 pub fn value(text: &str) -> Option<f64> {
     DIMENSIONS.iter().find_map(|(dimension, ..)| parse(text, *dimension).ok())
 }
 
-/// Splits a leading decimal number into its mantissa, its decimal exponent and the rest of the text; `None` without a
-/// digit.
+/// Splits a text into the mantissa and the decimal exponent of its leading number, and the remaining text. Returns
+/// `None` if the text does not begin with a number.
 fn split_number(text: &str) -> Option<(String, i64, &str)> {
     let mut mantissa = String::new();
     let mut digits = 0;
@@ -238,15 +238,15 @@ fn split_number(text: &str) -> Option<(String, i64, &str)> {
     Some((mantissa, 0, rest))
 }
 
-/// A product of units: its dimension and its size in SI, 10^power · factor.
+/// Product of units: its dimension, and its size in SI as 10^power · factor.
 struct Unit {
     exponents: Exponents,
     power: i32,
     factor: f64,
 }
 
-/// Reads "kg/m^3", "kg m^-3", "kg·m⁻³", "Pa s": factors separated by blanks, `*`, `·` or `/`; a slash divides by the
-/// one factor after it.
+/// Reads a product of units, such as "kg/m^3", "kg m^-3", "kg·m⁻³" or "Pa s". Factors are separated by blanks, `*`, `·`
+/// or `/`; a slash divides only by the next factor.
 fn parse_unit(text: &str) -> Result<Unit, String> {
     let mut unit = Unit { exponents: [0; 3], power: 0, factor: 1.0 };
     let mut divide = false;
@@ -272,7 +272,7 @@ fn parse_unit(text: &str) -> Result<Unit, String> {
     Ok(unit)
 }
 
-/// Multiplies `unit` by one factor such as `m^-3`.
+/// Multiplies `unit` by one factor such as `m^-3`, or divides by that factor if `sign` is -1.
 fn multiply(unit: &mut Unit, factor: &str, sign: i32) -> Result<(), String> {
     let plain: String = factor.chars().map(plain_digit).collect();
     let split = plain
@@ -304,7 +304,7 @@ fn multiply(unit: &mut Unit, factor: &str, sign: i32) -> Result<(), String> {
     Ok(())
 }
 
-/// Superscript digits as plain ones, the typographic minus as the plain one.
+/// Turns a superscript digit into a plain digit, and a typographic minus into a plain minus.
 fn plain_digit(c: char) -> char {
     match c {
         '⁰' => '0',
@@ -379,7 +379,7 @@ impl<const M: i8, const K: i8, const S: i8> JsonSchema for Quantity<M, K, S> {
         format!("Quantity_{M}_{K}_{S}").into()
     }
 
-    /// A string with a unit, or a number in SI.
+    /// Schema of a quantity: a string with a unit, or a number in SI.
     fn json_schema(_: &mut SchemaGenerator) -> Schema {
         let dimension = [M, K, S];
         let name = dimension_name(dimension);

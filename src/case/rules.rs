@@ -1,5 +1,5 @@
-//! Rules of keys that the types in [`file`](mod@super::file) state: required keys, keys of which one at most may be
-//! given, ranges of numbers. They are read off the schema, so that a rule stands at its key and nowhere else.
+//! Rules for keys, which the types in [`file`](mod@super::file) declare: required keys, keys that exclude each other,
+//! ranges of numbers. This module reads the rules from the schema, so that each rule is declared only with its key.
 
 use super::diagnostic::Diagnostic;
 use super::keys::{inner, is_choice, properties, root};
@@ -7,35 +7,36 @@ use super::source::{Origin, Sources};
 use super::tree::{CaseNode, Value, child_place};
 use serde_json::Value as Schema;
 
-/// Attribute of a key: the name of its group within the table, of which one key at most may be given.
+/// Attribute of a key with the name of a group within the table. At most one key of a group may be given.
 const GROUP: &str = "x-one-of";
 
-/// Attribute of a key: the condition under which it is required, in words. `always` and `or ...` are judged here, other
-/// conditions by the code that resolves the key.
+/// Attribute of a key with the condition, in words, under which the key is required. The conditions `always` and `or
+/// ...` are checked in this file, other conditions where the key is resolved.
 const REQUIRED: &str = "x-required";
 
-/// Attribute of a key: the range of its numbers, in the words of the message about a number out of range.
+/// Attribute of a key with the allowed range of its numbers, in the same words as in messages.
 const RANGE: &str = "x-range";
 
-/// Keys of a table of which one at most may be given.
+/// Keys of a table of which at most one may be given.
 pub(super) struct KeyGroup<'a> {
-    /// The keys, in the order of the types.
+    /// Keys of the group, in the order of the types.
     pub keys: Vec<&'a str>,
-    /// True if one of them must be given.
+    /// True if one of the keys must be given.
     pub required: bool,
 }
 
-/// A required key that a case lacks.
+/// Required key that a case lacks.
 pub(super) struct MissingKey<'a> {
     /// Path of the key.
     pub path: String,
-    /// Keys of the same table that would do as well.
+    /// Keys of the same table that could be given instead.
     pub alternatives: Vec<&'static str>,
     /// Source position of the table that lacks the key; `None` for the case as a whole.
     pub table: Option<&'a Origin>,
 }
 
-/// The groups of keys in the table with this schema: laws to choose from, and keys that name a common group.
+/// Groups of exclusive keys in the table with this schema: either laws to choose from, or keys with a common group
+/// name.
 pub(super) fn groups(table: &Schema) -> Vec<KeyGroup<'_>> {
     if is_choice(table) {
         return vec![KeyGroup { keys: properties(table).map(|(key, _)| key.as_str()).collect(), required: false }];
@@ -53,21 +54,21 @@ pub(super) fn groups(table: &Schema) -> Vec<KeyGroup<'_>> {
     found.into_iter().map(|(_, group)| group).collect()
 }
 
-/// The keys of which only one may stand in the table at `place`, `key` among them; empty if `key` excludes no other.
-/// `[]` stands for any element of a list.
+/// Keys of the group of `key`, of which only one may be in the table at `place`. The list is empty if `key` excludes no
+/// other key. In `place`, `[]` means any element of a list.
 pub(super) fn alternatives(place: &str, key: &str) -> Vec<&'static str> {
     let groups = schema_at(place).map(groups).unwrap_or_default();
     groups.into_iter().find(|group| group.keys.contains(&key)).map_or(Vec::new(), |group| group.keys)
 }
 
-/// The range of the numbers of a key in words; `None` if it has none.
+/// Allowed range of the numbers of a key, in words; `None` if the key has no range.
 pub(super) fn range(path: &str) -> Option<&'static str> {
-    // a range stands at the key of a list, not at its elements
+    // the range of a list is declared with the key of the list, not with its elements
     let key = path.strip_suffix(']').and_then(|path| path.rsplit_once('[')).map_or(path, |(list, _)| list);
     words(schema_at(key)?, RANGE)
 }
 
-/// True if a number is within a range in words.
+/// True if a number is within a range given in words.
 pub(super) fn is_within(range: &str, number: f64) -> bool {
     limits(range).iter().all(|(kind, limit)| {
         let limit = limit.as_f64().unwrap_or(f64::NAN);
@@ -79,7 +80,7 @@ pub(super) fn is_within(range: &str, number: f64) -> bool {
     })
 }
 
-/// The schema at a path such as `particles[].sizes`; any index may stand between the brackets.
+/// Schema at a path such as `particles[].sizes`; between the brackets may be any index.
 fn schema_at(path: &str) -> Option<&'static Schema> {
     path.split('.').filter(|part| !part.is_empty()).try_fold(root(), |schema, part| {
         let (key, brackets) = part.split_at(part.find('[').unwrap_or(part.len()));
@@ -92,7 +93,7 @@ fn words<'a>(schema: &'a Schema, attribute: &str) -> Option<&'a str> {
     schema.get(attribute)?.as_str()
 }
 
-/// A table of a case with its schema and its path.
+/// Table of a case, with its schema and its path.
 struct TypedTable<'a> {
     node: &'a CaseNode,
     schema: &'static Schema,
@@ -104,13 +105,13 @@ impl<'a> TypedTable<'a> {
         self.node.get(key).is_none()
     }
 
-    /// Source position for messages; the case as a whole has none.
+    /// Source position of the table, for messages; `None` for the case as a whole.
     fn origin(&self) -> Option<&'a Origin> {
         (!self.path.is_empty()).then_some(&self.node.origin)
     }
 }
 
-/// All tables of a case, each before the tables within it.
+/// All tables of a case; each comes before the tables within it.
 fn tables(tree: &CaseNode) -> Vec<TypedTable<'_>> {
     let mut found = Vec::new();
     collect(tree, root(), String::new(), &mut found);
@@ -136,7 +137,7 @@ fn collect<'a>(node: &'a CaseNode, schema: &'static Schema, path: String, found:
     }
 }
 
-/// The keys that are always required and that a case lacks, in the order of the types.
+/// Keys that are always required and that a case lacks, in the order of the types.
 pub(super) fn missing(tree: &CaseNode) -> Vec<MissingKey<'_>> {
     let mut found = Vec::new();
     for table in tables(tree) {
@@ -156,17 +157,17 @@ fn is_required(schema: &Schema) -> bool {
     words(schema, REQUIRED) == Some("always")
 }
 
-/// The required keys of a table that is itself absent; the table, if it has none.
+/// Required keys of an absent table. If the table has no required keys, the result is the table itself.
 fn absent<'a>(schema: &'static Schema, path: String, table: Option<&'a Origin>) -> Vec<MissingKey<'a>> {
     let required = properties(schema).filter(|(_, inner)| is_required(inner));
     let keys: Vec<_> = required.flat_map(|(key, inner)| absent(inner, child_place(&path, key), table)).collect();
     if keys.is_empty() { vec![MissingKey { path, alternatives: Vec::new(), table }] } else { keys }
 }
 
-/// Refuses a table with several keys of which one at most may be given.
+/// Refuses a table that has several keys of one group, which exclude each other.
 ///
 /// # Errors
-/// Points at the second of these keys.
+/// An error about the second of these keys.
 pub(super) fn refuse_conflicts(tree: &CaseNode, sources: &Sources) -> Result<(), Diagnostic> {
     for table in tables(tree) {
         for group in groups(table.schema) {
@@ -181,7 +182,7 @@ pub(super) fn refuse_conflicts(tree: &CaseNode, sources: &Sources) -> Result<(),
     Ok(())
 }
 
-/// Keys in words: "`a`, `b` and `c`".
+/// Text with a list of keys: "`a`, `b` and `c`".
 fn list(keys: &[&str]) -> String {
     match keys {
         [] => String::new(),
@@ -190,7 +191,7 @@ fn list(keys: &[&str]) -> String {
     }
 }
 
-/// The limits named by the words of a range.
+/// Limits in a range given in words, as entries of a JSON schema.
 pub(super) fn limits(words: &str) -> Vec<(&'static str, Schema)> {
     if let Some((low, high)) = words.split_once("..=") {
         return [("minimum", low), ("maximum", high)]
@@ -205,7 +206,7 @@ pub(super) fn limits(words: &str) -> Vec<(&'static str, Schema)> {
     words.split(',').filter_map(one).collect()
 }
 
-/// The number at the beginning of a text.
+/// Number at the beginning of a text.
 fn first(text: &str) -> Option<Schema> {
     let word = text.split_whitespace().next()?;
     word.parse::<i64>().map(Schema::from).or_else(|_| word.parse::<f64>().map(Schema::from)).ok()

@@ -1,22 +1,22 @@
-//! The lines above the table of a state that a run has saved.
+//! Lines above the table of a saved state, from which a changed file is recognized.
 //!
-//! The first line gives the number of particles and a checksum of all the rest. So a table that was cut short or
-//! changed is not taken for the state of a run. The other lines describe the run.
+//! The first line contains the number of particles and a checksum of the rest. A table that was cut short or changed is
+//! therefore not accepted as a saved state. The other lines describe the run.
 
 use crate::domain::Domain;
 
-/// Beginning of the first line; to readers of CSV it is a comment.
+/// Beginning of the first line of a saved state, which is a comment in CSV.
 const BEGIN: &str = "# diptych state: ";
 
-/// The table `text` of `particles` particles, below a line with the number of particles and the checksum.
+/// Adds the first line, with the number of particles and the checksum, to the table `text`.
 pub fn sign(text: &str, particles: usize) -> String {
     format!("{BEGIN}{particles} particles, checksum {:016x}\n{text}", checksum(text))
 }
 
-/// True if `text` is a saved state; a table without the first line was made by the user.
+/// Returns true if `text` is an unchanged saved state, false if it has no first line of that kind.
 ///
 /// # Errors
-/// In words: the line is there, but the text below does not match its checksum or number of particles.
+/// In words: the text does not match the checksum or the number of particles in its first line.
 pub fn verify(text: &str) -> Result<bool, String> {
     let Some(signed) = text.strip_prefix(BEGIN) else { return Ok(false) };
     let (line, table) = signed.split_once('\n').unwrap_or((signed, ""));
@@ -34,26 +34,27 @@ pub fn verify(text: &str) -> Result<bool, String> {
     Ok(true)
 }
 
-/// The lines `# key: value` above the table of a saved state. Files of older versions and tables made by the user have
-/// none.
+/// Entries of the lines `# key: value` above the table of a saved state. Files of older versions and tables made by the
+/// user have no such lines.
 pub fn head(text: &str) -> impl Iterator<Item = (&str, &str)> {
     let lines = text.lines().skip(1).map_while(|line| line.strip_prefix("# "));
     lines.filter_map(|line| line.split_once(": ")).map(|(key, value)| (key, value.trim_end()))
 }
 
-/// Lines about the box of a saved state: edges [m] and periodic axes, as text.
+/// Entries about the box of a saved state: edges [m] and periodic axes, as text.
 pub fn box_lines(domain: &Domain) -> [(&'static str, String); 2] {
     let axes = ["x", "y", "z"].into_iter().zip(domain.periodic).filter(|(_, periodic)| *periodic).map(|(axis, _)| axis);
     let edges: Vec<String> = domain.size.iter().map(|edge| format!("{edge:?}")).collect();
     [("box_m", edges.join(" ")), ("periodic", axes.collect::<Vec<_>>().join(" "))]
 }
 
-/// A checksum of a text, to tell one case from another.
+/// Checksum of a text, by which different cases are distinguished.
 pub fn fingerprint(text: &str) -> u64 {
     checksum(text)
 }
 
-/// FNV-1a over all bytes except carriage returns, which a change of line ends adds, and blank space at the end.
+/// FNV-1a hash of all bytes except blank space at the end and carriage returns. Changed line ends therefore do not
+/// matter.
 pub(super) fn checksum(text: &str) -> u64 {
     let bytes = text.trim_end().bytes().filter(|byte| *byte != b'\r');
     // offset basis and prime: Fowler, Noll & Vo

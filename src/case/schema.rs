@@ -1,15 +1,15 @@
-//! Limits in the schema for editors, in addition to the list of keys: ranges of numbers, units of quantities, and keys
-//! that exclude each other.
+//! Limits for the JSON schema that editors use: ranges of numbers, units of quantities, and keys that exclude each
+//! other.
 //!
-//! A schema can judge a number, but not a product of units. For quantities with units it refuses single units of
-//! another dimension, and words that are not units. The reader of the case checks everything.
+//! A schema can check a number, but cannot compute the dimension of a product of units. The schema therefore refuses
+//! only single units of another dimension, and words that are not units. The reader of the case checks all quantities.
 
 use super::keys::is_choice;
 use super::quantity::{Exponents, PREFIXES, UNITS, WHOLE_UNITS};
 use super::rules::{groups, limits};
 use serde_json::{Map, Value, json};
 
-/// A pattern (ECMA 262) of quantities of a dimension; a fixed `word` is also accepted.
+/// Regular expression (ECMA 262) that matches quantities of a dimension, and also `word` if one is given.
 pub fn pattern(wanted: Exponents, word: Option<&str>) -> String {
     let named = |only: Option<Exponents>| {
         let is_wanted = |exponents: &Exponents| only.is_none_or(|only| only == *exponents);
@@ -29,13 +29,15 @@ pub fn pattern(wanted: Exponents, word: Option<&str>) -> String {
     format!(r"^\s*{number}\s*(?:{single}{product})\s*${word}")
 }
 
-/// Adds the allowed ranges of numbers and the keys that exclude each other to the schema of a case.
+/// Adds the allowed ranges of numbers, and the keys that exclude each other, to the schema of a case.
 pub fn add_limits(schema: &mut Value) {
     add_ranges(schema);
     add_exclusions(schema);
 }
 
-/// Requires at every level that no two keys of a group stand in a table. Laws to choose from need no such rule.
+/// Adds to every table the condition that no two keys of a group are present. A choice between laws contains this
+/// condition already.
+/// already.
 fn add_exclusions(schema: &mut Value) {
     let groups = if is_choice(schema) { Vec::new() } else { groups(schema) };
     let groups: Vec<Vec<String>> =
@@ -50,7 +52,7 @@ fn add_exclusions(schema: &mut Value) {
     }
 }
 
-/// Requires that no two of these keys stand in the table.
+/// Adds to a table the condition that no two of these keys are present.
 fn exclude(table: &mut Map<String, Value>, keys: &[String]) {
     let pairs = keys.iter().enumerate().flat_map(|(k, one)| keys[k + 1..].iter().map(move |other| [one, other]));
     let refused: Vec<Value> = pairs.map(|pair| json!({ "not": { "required": pair } })).collect();
@@ -60,14 +62,14 @@ fn exclude(table: &mut Map<String, Value>, keys: &[String]) {
     }
 }
 
-/// Adds the ranges given in words as numbers, at every level; existing numbers stay.
+/// Adds ranges given in words as numbers, at every level. Numbers that exist already are kept.
 fn add_ranges(schema: &mut Value) {
     match schema {
         Value::Array(items) => items.iter_mut().for_each(add_ranges),
         Value::Object(map) => {
             if let Some(Value::String(words)) = map.get("x-range") {
                 let limits = limits(words);
-                // in a list each element is limited, and in a number or a list both
+                // the limits of a list hold for each element; if a number or a list is allowed, they hold for both
                 if let Some(Value::Object(items)) = map.get_mut("items") {
                     limit(items, &limits);
                 }
@@ -81,7 +83,7 @@ fn add_ranges(schema: &mut Value) {
     }
 }
 
-/// Sets limits that are not yet set.
+/// Sets those limits that are not set yet.
 fn limit(numbers: &mut Map<String, Value>, limits: &[(&'static str, Value)]) {
     for (key, value) in limits {
         numbers.entry(*key).or_insert_with(|| value.clone());

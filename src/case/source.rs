@@ -1,4 +1,4 @@
-//! Source texts of values: a case file, a file of `models/`, a table of numbers, or a `--set` argument.
+//! Source texts of the values of a case: a case file, a file of `models/`, a table of numbers, or a `--set` argument.
 
 use super::diagnostic::{Diagnostic, Severity, SourceLocation};
 use crate::legible;
@@ -6,40 +6,40 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// A text that values come from.
+/// Text that contains values of a case.
 #[derive(Clone, Debug)]
 pub struct Source {
-    /// Name of the text in messages: a path, or `--set key=value`.
+    /// Name of the text in messages: the path of a file, or `--set key=value`.
     pub name: String,
-    /// Folder that file names in the text are relative to.
+    /// Folder to which file names in the text are relative.
     pub folder: PathBuf,
-    /// The text itself.
+    /// Whole text.
     pub text: Arc<str>,
     /// Kind of the text.
     pub kind: SourceKind,
 }
 
-/// Kind of a text with values.
+/// Kind of a source text: file, built-in text or argument.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SourceKind {
     /// A file on the disk.
     File,
-    /// A text that is built into the program; the files that it names are built in too.
+    /// Text that is built into the program; the files that it names are built in too.
     BuiltIn,
     /// An argument of the command line, which has no line numbers.
     Argument,
 }
 
-/// A range of bytes in a source.
+/// Range of bytes in a source text, from which a value was read.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Origin {
-    /// Index into [`Sources`].
+    /// Index of the text in [`Sources`].
     pub source: usize,
-    /// First byte of the range, and the byte after its last.
+    /// Range from the first byte to the byte after the last.
     pub span: Range<usize>,
 }
 
-/// All texts that a case was read from, in the order of reading.
+/// All texts from which a case was read, in the order of reading.
 #[derive(Clone, Debug, Default)]
 pub struct Sources(Vec<Arc<Source>>);
 
@@ -50,18 +50,18 @@ impl Sources {
         self.0.len() - 1
     }
 
-    /// Adds a file that has been read.
+    /// Adds a file that has been read, and returns its index.
     pub fn add_file(&mut self, path: &Path, text: Arc<str>) -> usize {
         self.add_text(path, text, SourceKind::File)
     }
 
-    /// Adds a text of the given kind, named by its path.
+    /// Adds a text of the given kind, named by its path, and returns its index.
     pub fn add_text(&mut self, path: &Path, text: Arc<str>, kind: SourceKind) -> usize {
         let folder = path.parent().map(Path::to_path_buf).unwrap_or_default();
         self.add(Source { name: path.display().to_string(), folder, text, kind })
     }
 
-    /// The source of an origin.
+    /// Source text to which an origin refers.
     pub fn get(&self, origin: &Origin) -> Option<&Source> {
         self.0.get(origin.source).map(AsRef::as_ref)
     }
@@ -76,7 +76,7 @@ impl Sources {
         self.0.iter().filter(|source| source.kind == SourceKind::Argument).map(|source| source.text.as_ref())
     }
 
-    /// The typed text at an origin, cut after 60 characters.
+    /// Typed text at an origin, cut after 60 characters.
     pub fn typed(&self, origin: &Origin) -> String {
         let text = self.get(origin).and_then(|source| source.text.get(origin.span.clone())).unwrap_or("").trim();
         let mut short: String = text.chars().take(60).map(|c| if legible::acts(c) { ' ' } else { c }).collect();
@@ -86,12 +86,12 @@ impl Sources {
         short
     }
 
-    /// The line number of an origin, 1 for the first; 0 where it has none.
+    /// Line number of an origin, counted from 1; 0 if the origin has no line.
     pub fn line(&self, origin: &Origin) -> usize {
         self.place(origin).map_or(0, |place| place.line)
     }
 
-    /// File, line and column of an origin.
+    /// File, line and column of an origin; only the name for an argument of the command line.
     pub fn place(&self, origin: &Origin) -> Option<SourceLocation> {
         let source = self.get(origin)?;
         if source.kind == SourceKind::Argument {
@@ -101,7 +101,7 @@ impl Sources {
             });
         }
         let text = &source.text;
-        // spans of an empty or cut text may end anywhere: move to a character boundary
+        // the range of an empty or incomplete text may end anywhere: both ends are moved to a character boundary
         let mut start = origin.span.start.min(text.len());
         while !text.is_char_boundary(start) {
             start -= 1;
@@ -121,12 +121,12 @@ impl Sources {
         })
     }
 
-    /// An error that points at `origin`.
+    /// Creates an error about the text at `origin`.
     pub fn error(&self, origin: &Origin, message: impl Into<String>) -> Diagnostic {
         Diagnostic::at(self.place(origin), message)
     }
 
-    /// A warning that points at `origin`.
+    /// Creates a warning about the text at `origin`.
     pub fn warning(&self, origin: &Origin, message: impl Into<String>) -> Diagnostic {
         Diagnostic { severity: Severity::Warning, ..self.error(origin, message) }
     }

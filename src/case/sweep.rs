@@ -1,4 +1,4 @@
-//! Keys that a sweep varies, from `[[sweep]]` in a case and from `--sweep key=a,b,c`.
+//! Keys that a sweep varies, given by `[[sweep]]` in a case or by `--sweep key=a,b,c`.
 
 use super::diagnostic::Diagnostic;
 use super::source::{Source, SourceKind, Sources};
@@ -6,21 +6,21 @@ use super::tree::{self, CaseNode, KeyPart, Value};
 use super::{Case, Checked, Setting, keys, quantity, value_of};
 use std::path::PathBuf;
 
-/// A key with its values, one after the other.
+/// Key that a sweep varies, with its values in order.
 pub struct SweepAxis {
-    /// Full name of the key.
+    /// Full path of the key.
     pub key: String,
-    /// SI unit of the numbers; none if the key has no unit.
+    /// SI unit of the numbers; `None` if the key has no unit.
     pub unit: Option<String>,
-    /// The values as they were typed.
+    /// Values as they were typed.
     pub typed: Vec<String>,
-    /// [the unit] The values as numbers in SI; none if any of them is not a number.
+    /// [the unit] Values as numbers in SI; `None` if any value is not a number.
     pub numbers: Option<Vec<f64>>,
     settings: Vec<Setting>,
 }
 
 impl SweepAxis {
-    /// The last part of the key, which names it in a sentence.
+    /// Last part of the key, used as its name in sentences.
     pub fn name(&self) -> &str {
         self.key.rsplit('.').next().unwrap_or(&self.key)
     }
@@ -33,7 +33,7 @@ impl SweepAxis {
     }
 }
 
-/// The SI unit of a key; none if it has none, or if there is no such key.
+/// SI unit of a key; `None` if the key has no unit or does not exist.
 fn unit(path: &[KeyPart]) -> Option<String> {
     let step = |schema, segment: &KeyPart| match segment {
         KeyPart::Key(key) if segment.index().is_none() => keys::inner(schema, Some(key)),
@@ -53,11 +53,11 @@ fn number(value: &CaseNode) -> Option<f64> {
 }
 
 impl Case {
-    /// The keys that a sweep varies: first those of the case, then those of `arguments` (each `key=a,b,c`). An argument
-    /// replaces a key of equal name in the case.
+    /// Keys that a sweep varies: first those of the case, then those of `arguments` (each `key=a,b,c`). A key in an
+    /// argument replaces the equal key of the case.
     ///
     /// # Errors
-    /// No key at all, one named twice, no value, or an argument that is not such a list.
+    /// There is no key, a key occurs twice, a value is empty, or an argument is not such a list.
     pub fn axes(&mut self, arguments: &[String]) -> Result<Vec<SweepAxis>, Diagnostic> {
         let mut axes = self.own_axes()?;
         let mut named: Vec<SweepAxis> = Vec::new();
@@ -79,10 +79,10 @@ impl Case {
         Ok(axes)
     }
 
-    /// The keys in `[[sweep]]` of the case.
+    /// Keys in the `[[sweep]]` list of the case.
     ///
     /// # Errors
-    /// An entry without a key or without values, or a key named twice.
+    /// An entry has no key or no values, or a key occurs twice.
     pub fn own_axes(&self) -> Result<Vec<SweepAxis>, Diagnostic> {
         let whole = self.merged(self.tree.clone(), &self.sets.iter().collect::<Vec<_>>())?;
         let items = match whole.tree.get("sweep").map(|node| &node.value) {
@@ -111,8 +111,8 @@ impl Case {
         Ok(axes)
     }
 
-    /// The variants of the case at one point of a sweep: `at` gives for every axis the index of its value. `seed`
-    /// overrides that of the case.
+    /// Variants of the case at one point of a sweep. For every axis, `at` contains the index of the value. `seed`
+    /// replaces that of the case.
     ///
     /// # Errors
     /// As for [`variants`](Self::variants).
@@ -122,7 +122,7 @@ impl Case {
     }
 }
 
-/// Reads `key=a,b,c`.
+/// Reads an argument of the form `key=a,b,c`.
 fn argument(text: &str, sources: &mut Sources) -> Result<SweepAxis, Diagnostic> {
     let name = format!("--sweep {text}");
     let source = sources.add(Source { name, folder: PathBuf::new(), text: text.into(), kind: SourceKind::Argument });
@@ -139,7 +139,7 @@ fn argument(text: &str, sources: &mut Sources) -> Result<SweepAxis, Diagnostic> 
     Ok(SweepAxis::new(text[..start - 1].trim().to_owned(), settings, sources))
 }
 
-/// The parts of a text between commas outside brackets and quotes, each with its position.
+/// Parts of a text between commas outside brackets and quotes, each with its byte position.
 fn split(text: &str) -> Vec<(usize, &str)> {
     let (mut parts, mut begin, mut depth, mut quote) = (Vec::new(), 0, 0, None);
     for (place, c) in text.char_indices() {

@@ -1,4 +1,4 @@
-//! A time, or one fixed word in its place.
+//! Keys whose value is a time, or one fixed word instead.
 
 use super::quantity::{self, QUANTITY, UNIT};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
@@ -8,25 +8,25 @@ use std::borrow::Cow;
 /// Exponents of the dimension time.
 const TIME: quantity::Exponents = [0, 0, 1];
 
-/// A time, or `"steady"`.
+/// Start of the averaging period: a time, or `"steady"`.
 #[derive(Clone, Copy, Debug)]
 pub enum AverageFromFile {
-    /// A given time [s].
+    /// Given start of the averaging period [s].
     Time(f64),
-    /// A time found by the run.
+    /// Start found by the run: the time from which the flow is steady.
     Steady,
 }
 
-/// A time, or `"auto"`.
+/// Length of a window: a time, or `"auto"`. A window is the time between two exchanges of momentum with the gas.
 #[derive(Clone, Copy, Debug)]
 pub enum WindowFile {
-    /// A given length [s].
+    /// Given length of the window [s].
     Time(f64),
-    /// A length chosen from the scene.
+    /// Length chosen by the program from the scene.
     Auto,
 }
 
-/// Reads a time or one fixed word.
+/// Reads a time [s] or one fixed word; the word gives `None`.
 fn time_or_word<'de, D: serde::Deserializer<'de>>(
     deserializer: D,
     word: &'static str,
@@ -76,7 +76,7 @@ impl<'de> Deserialize<'de> for WindowFile {
     }
 }
 
-/// The schema of a time or `word`.
+/// JSON schema of a time or the given word.
 fn schema(word: &str) -> Schema {
     let name = format!("time, or \"{word}\"");
     let pattern = super::schema::pattern(TIME, Some(word));

@@ -1,7 +1,7 @@
 //! A case as a tree of values, each with its source position.
 //!
-//! A file, the parts of `models/` that it uses, the `set` of a variant and the `--set` arguments all become such trees.
-//! One rule, [`CaseNode::overlay`], merges them.
+//! A case file, the sets of `models/` that it uses, the `set` of a variant and the `--set` arguments all become such
+//! trees. They are merged by one function, [`CaseNode::overlay`].
 
 use super::diagnostic::Diagnostic;
 use super::source::{Origin, Sources};
@@ -10,34 +10,34 @@ use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-/// A value and its source position.
+/// Value with its source position.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CaseNode {
-    /// The value.
+    /// Value: a table, a list or a single value.
     pub value: Value,
     /// Source position of the value.
     pub origin: Origin,
 }
 
-/// Kinds of values in a case; dates are refused on reading.
+/// Value in a case, of one of the possible types. Dates are refused when the text is read.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Value {
-    /// Keys in the order of the file.
+    /// Table, with its keys in the order of the file.
     Table(Vec<Entry>),
-    /// `[..]` or `[[..]]`.
+    /// List, written as `[..]` or `[[..]]`.
     Array(Vec<CaseNode>),
-    /// A string.
+    /// String.
     String(String),
-    /// A whole number.
+    /// Whole number.
     Integer(i64),
-    /// A number; infinite if it was too large for a double.
+    /// Floating-point number; infinite if the typed number is too large for a double.
     Float(f64),
-    /// `true` or `false`.
+    /// Boolean, `true` or `false`.
     Boolean(bool),
 }
 
 impl Value {
-    /// The type in words.
+    /// Type of the value, in words.
     pub fn kind(&self) -> &'static str {
         match self {
             Self::Table(_) => "a table",
@@ -50,10 +50,10 @@ impl Value {
     }
 }
 
-/// A key of a table with its value.
+/// Key of a table with its value.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Entry {
-    /// The key.
+    /// Name of the key.
     pub key: String,
     /// Source position of the key.
     pub key_origin: Origin,
@@ -61,23 +61,23 @@ pub struct Entry {
     pub node: CaseNode,
 }
 
-/// `place.key`, or `key` at the root.
+/// Path of a key in the table at `place`: `place.key`, or `key` in the case itself.
 pub fn child_place(place: &str, key: &str) -> String {
     if place.is_empty() { key.to_string() } else { format!("{place}.{key}") }
 }
 
 impl CaseNode {
-    /// An empty table.
+    /// Creates an empty table.
     pub fn empty_table(origin: Origin) -> Self {
         Self { value: Value::Table(Vec::new()), origin }
     }
 
-    /// The value of a key, if this is a table that has it.
+    /// Value of a key; `None` if this node is not a table with that key.
     pub fn get(&self, key: &str) -> Option<&CaseNode> {
         self.entry(key).map(|entry| &entry.node)
     }
 
-    /// The entry of a key, if this is a table that has it.
+    /// Entry of a key; `None` if this node is not a table with that key.
     pub fn entry(&self, key: &str) -> Option<&Entry> {
         match &self.value {
             Value::Table(entries) => entries.iter().find(|entry| entry.key == key),
@@ -85,7 +85,7 @@ impl CaseNode {
         }
     }
 
-    /// Takes a key out of a table.
+    /// Removes a key from a table and returns its entry.
     pub fn remove(&mut self, key: &str) -> Option<Entry> {
         match &mut self.value {
             Value::Table(entries) => {
@@ -97,22 +97,22 @@ impl CaseNode {
     }
 }
 
-/// One step of the path `particles[0].count`.
+/// One step of a path such as `particles[0].count`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum KeyPart {
-    /// A key; a number where a list stands is an index (`particles.0.count`).
+    /// Key of a table. A number is also an index if the value is a list (`particles.0.count`).
     Key(String),
-    /// `[n]`.
+    /// Index `[n]` in a list.
     Index(usize),
 }
 
 impl KeyPart {
-    /// True if it is this key.
+    /// True if this step is the given key.
     pub fn is_key(&self, key: &str) -> bool {
         matches!(self, Self::Key(known) if known == key)
     }
 
-    /// The index in a list, if the step is one.
+    /// Index in a list; `None` if this step cannot be an index.
     pub fn index(&self) -> Option<usize> {
         match self {
             Self::Key(key) => key.parse().ok(),
@@ -121,18 +121,18 @@ impl KeyPart {
     }
 }
 
-/// Largest number of parts of a path; the longest path of a case has five.
+/// Largest number of steps of a path; the longest path of a case has five.
 const DEEPEST: usize = 64;
 
-/// Reads `a.b[0].c`.
+/// Reads a path such as `a.b[0].c`.
 ///
 /// # Errors
-/// In words, if it is not such a path.
+/// In words: the text is not such a path.
 pub fn parse_path(text: &str) -> Result<Vec<KeyPart>, String> {
     let bad = |why: &str| format!("`{}` is not a key such as `particles[0].count`: {why}", quote(text));
     let mut path = Vec::new();
     for part in text.split('.') {
-        // each part is a table within the previous one, and all of them are visited by recursion
+        // steps become nested tables, which are visited by recursion: their number must be limited
         if path.len() >= DEEPEST {
             return Err(bad(&format!("it has more than {DEEPEST} parts")));
         }
@@ -158,10 +158,10 @@ pub fn parse_path(text: &str) -> Result<Vec<KeyPart>, String> {
     Ok(path)
 }
 
-/// Reads a whole TOML text.
+/// Reads a whole TOML text into a tree.
 ///
 /// # Errors
-/// Points at the line that is not TOML, with a remedy for common mistakes.
+/// An error about the line that is not TOML, with a remedy for common mistakes.
 pub fn parse(text: &str, source: usize, sources: &Sources) -> Result<CaseNode, Diagnostic> {
     match DeTable::parse(text) {
         Ok(table) => {
@@ -183,7 +183,7 @@ pub fn parse(text: &str, source: usize, sources: &Sources) -> Result<CaseNode, D
     }
 }
 
-/// Reads one TOML value; `None` if the text is not one (it is then taken as a bare string).
+/// Reads one TOML value; `None` if the text is not TOML, so that the caller may take it as a string.
 pub fn parse_value(
     text: &str,
     offset: usize,
@@ -220,7 +220,7 @@ fn syntax_message(parser: &str, typed: &str) -> String {
     }
 }
 
-/// Likely meaning of a line that is not TOML.
+/// Remedy for a line that is not TOML, guessed from common mistakes.
 fn syntax_help(line: &str) -> Option<String> {
     if line.trim_start().starts_with('#') {
         return None;
@@ -257,7 +257,7 @@ fn convert_table(
         let key = key.into_inner().into_owned();
         entries.push(Entry { key, key_origin, node: convert(value, source, sources)? });
     }
-    // toml keeps keys in alphabetical order
+    // the parser returns keys in alphabetical order
     entries.sort_by_key(|entry| entry.key_origin.span.start);
     Ok(CaseNode { value: Value::Table(entries), origin: Origin { source, span } })
 }

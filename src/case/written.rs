@@ -1,27 +1,27 @@
-//! Writes a case with its changes as a case file.
+//! Writes a case with all changes as a new case file.
 
 use super::Case;
 use super::diagnostic::Diagnostic;
 use super::tree::{CaseNode, Value, parse_path};
 use crate::experiment::Model;
 
-/// A variant of a case that is to be written.
+/// Variant of a case, for the `[[compare]]` list of the new file.
 #[derive(Clone, Copy, Debug)]
 pub struct Variant<'a> {
     /// Name of the variant.
     pub name: &'a str,
     /// Collision model of the variant.
     pub model: Model,
-    /// Changes of the case, each `key=value`.
+    /// Changes to the case for this variant, each `key=value`.
     pub sets: &'a [&'a str],
 }
 
 impl Case {
-    /// The case with the changes of the command line as text, below a heading. Reading the text gives an equal case.
-    /// `variants` replace the `[[compare]]` list. The sets of values that the case uses are named, not copied.
+    /// Text of the case with the changes of the command line, below a heading. Reading this text gives an equal case.
+    /// `variants` replace the `[[compare]]` list. Sets of values are named in the text, not copied.
     ///
     /// # Errors
-    /// A change does not fit the case.
+    /// A change that does not fit the case.
     pub fn written(&self, heading: &str, variants: &[Variant]) -> Result<String, Diagnostic> {
         let mut tree = self.tree.clone();
         for setting in &self.sets {
@@ -41,7 +41,7 @@ impl Case {
     }
 }
 
-/// A value without its source position.
+/// TOML value of a node, without its source position.
 fn value(node: &CaseNode) -> toml::Value {
     match &node.value {
         Value::Table(entries) => {
@@ -55,7 +55,7 @@ fn value(node: &CaseNode) -> toml::Value {
     }
 }
 
-/// An entry of the `[[compare]]` list.
+/// Entry of the `[[compare]]` list for a variant.
 fn variant(variant: &Variant) -> Result<toml::Value, Diagnostic> {
     let mut entry = toml::Table::new();
     entry.insert("name".into(), variant.name.into());

@@ -1,34 +1,34 @@
-//! The command line and the identity of its runs: enough to start a command again, and to notice that its case has
-//! changed.
+//! Stored form of a command: its command line and the identities of its runs. With these data a command can be started
+//! again, and a change of its case is noticed.
 
 use crate::experiment::Experiment;
 use serde::{Deserialize, Serialize};
 use std::ffi::OsString;
 
-/// A command that writes checkpoints.
+/// Stored data of a command that writes checkpoints.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct StoredCommand {
-    /// The command line, the program first.
+    /// Words of the command line; the first is the program.
     pub arguments: Vec<OsString>,
-    /// Folder in which the command was typed, for relative paths.
+    /// Folder in which the command was started, from which relative paths are resolved.
     pub folder: OsString,
     /// Checksum of the text of the case.
     pub case: u32,
-    /// Runs of the command, in order.
+    /// Identities of all runs of the command, in order.
     pub runs: Vec<RunIdentity>,
 }
 
-/// One run of a command, with checksums of its parts.
+/// Identity of one run of a command: its name, with checksums of the parts of its experiment.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct RunIdentity {
-    /// Name of the variant, or the hash by which the run is known.
+    /// Name of the variant, or a hash of all that determines the run.
     pub name: String,
-    /// Names of the parts of the experiment, with a checksum of each.
+    /// Names of the parts of the experiment, such as `scene`, with a checksum of each part.
     parts: Vec<(String, u32)>,
 }
 
 impl RunIdentity {
-    /// Identity of an experiment that starts from a state with this checksum.
+    /// Identity of the run of an experiment; `start` is a checksum of the initial state.
     ///
     /// # Errors
     /// If the experiment cannot be written as JSON.
@@ -48,23 +48,24 @@ impl RunIdentity {
         Ok(Self { name: name.clone(), parts })
     }
 
-    /// Identity of a run that is known by a hash of everything that it depends on.
+    /// Identity made only of a hash of all that determines a run.
     pub fn of_hash(hash: &str) -> Self {
         Self { name: hash.to_owned(), parts: Vec::new() }
     }
 
-    /// Name of the first part that differs in another run.
+    /// Name of the first part of the experiment that differs between this run and another; `None` if all parts are
+    /// equal.
     pub fn difference(&self, other: &Self) -> Option<&str> {
         let differs = |(own, other): &(&(String, u32), &(String, u32))| own != other;
         self.parts.iter().zip(&other.parts).find(differs).map(|(own, _)| own.0.as_str())
     }
 
-    /// Name in the names of files: the hash of the run, or a checksum of its parts.
+    /// Identifier of the run in names of files: the given hash, or a checksum of the parts.
     pub fn file_name(&self) -> String {
         if self.parts.is_empty() { self.name.clone() } else { format!("{:08x}", self.checksum()) }
     }
 
-    /// Checksum of all parts.
+    /// Checksum of the name and of all parts.
     pub fn checksum(&self) -> u32 {
         let mut all = crc32fast::Hasher::new();
         all.update(self.name.as_bytes());
@@ -73,7 +74,7 @@ impl RunIdentity {
     }
 }
 
-/// Checksum of bytes (CRC-32).
+/// CRC-32 checksum of a sequence of bytes.
 pub fn checksum(bytes: &[u8]) -> u32 {
     crc32fast::hash(bytes)
 }

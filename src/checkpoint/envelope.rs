@@ -1,51 +1,51 @@
-//! The format of a file: a mark, the program that wrote it, the data, and a checksum of all this.
+//! Format of a checkpoint file: an identifying first line, the version of the program, the data, and a checksum.
 
 use crate::stored::{StoreError, Stored};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-/// First bytes of every file.
+/// First bytes of every checkpoint file.
 const MAGIC: &[u8] = b"diptych checkpoint\n";
 
-/// Version of the layout. Raise it whenever a stored type or the arithmetic changes: the bytes do not describe their
-/// own meaning.
+/// Version of the layout of the data. This number must be raised whenever a stored type or the arithmetic changes,
+/// because the file does not describe its types.
 const LAYOUT: u32 = 27;
 
-/// Length of the checksum in bytes.
+/// Length of the checksum at the end of a file, in bytes.
 const CHECKSUM: usize = size_of::<u32>();
 
 /// Reason why a file of a checkpoint cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum Unreadable {
-    /// The system cannot read the file.
+    /// The operating system cannot read the file.
     #[error("cannot be read: {0}")]
     Io(#[from] std::io::Error),
-    /// The file does not begin like a checkpoint.
+    /// The first bytes are not those of a checkpoint.
     #[error("is no checkpoint")]
     Foreign,
     /// The file has been cut short or changed.
     #[error("is damaged: its checksum does not fit")]
     Damaged,
-    /// The file was written by another version of the program, or for another system.
+    /// The file was written by another version of the program, or on another system.
     #[error("was written by {theirs}, and this is {ours}")]
     OtherProgram {
         /// Version of the program that wrote the file.
         theirs: String,
-        /// Version of the program that reads it.
+        /// Version of the program that is running.
         ours: String,
     },
-    /// The file holds other data than expected.
+    /// The data are not of the expected type.
     #[error("does not hold what it should: {0}")]
     Unfit(#[from] StoreError),
 }
 
-/// Identification of this program in files.
+/// Version of this program, its system and its layout, as written in files.
 fn program() -> String {
     let (version, system, machine) = (env!("CARGO_PKG_VERSION"), std::env::consts::OS, std::env::consts::ARCH);
     format!("diptych {version} on {system} {machine}, layout {LAYOUT}")
 }
 
-/// The bytes of a file that holds `value`.
+/// Bytes of a checkpoint file with the data of `value`.
 ///
 /// # Errors
 /// As for [`Stored::of`].
@@ -57,13 +57,13 @@ pub fn seal<T: Serialize>(value: &T) -> Result<Vec<u8>, StoreError> {
     Ok(bytes)
 }
 
-/// The value that the bytes of a file hold.
+/// Reads the value stored in the bytes of a checkpoint file.
 ///
 /// # Errors
-/// An [`Unreadable`] if the bytes are not complete, not of this program, or not of such a value.
+/// An [`Unreadable`] if the bytes are incomplete, were written by another program, or contain a value of another type.
 pub fn open<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, Unreadable> {
     if !bytes.starts_with(MAGIC) {
-        // a file that was cut within its first line is a damaged one
+        // a file whose first line is incomplete counts as damaged
         return Err(if MAGIC.starts_with(bytes) { Unreadable::Damaged } else { Unreadable::Foreign });
     }
     let Some((whole, checksum)) = bytes.split_last_chunk::<CHECKSUM>() else { return Err(Unreadable::Damaged) };

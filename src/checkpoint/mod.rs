@@ -1,20 +1,20 @@
-//! Checkpoints: files from which a stopped or killed command continues.
+//! Checkpoints: files from which a stopped or killed command can be continued.
 //!
-//! While `run`, `compare`, `sensitivity` and `sweep` work, their folder of results has a subfolder [`checkpoint`](crate::output::CHECKPOINT)
-//! with
+//! During `run`, `compare`, `sensitivity` and `sweep`, the folder of results has a subfolder
+//! [`checkpoint`](crate::output::CHECKPOINT) with these files:
 //!
-//! * `command`: the command line and the identity of its runs, from which `diptych resume` starts it again
+//! * `command`: the command line and the identities of its runs, from which `diptych resume` starts the command again
 //!   ([`StoredCommand`]);
-//! * `a` and `b`: the last two states of the present run, two generations. The next state replaces the older file. It
-//!   is written under another name and then renamed, so that at every instant one file is complete. Runs side by side
-//!   have `a-…` and `b-…` each;
-//! * `a-part-0`, …: the data of each process that shares the run, if the run is cut into domains. `a` then holds all
-//!   other data, and is written last;
-//! * `done-…`: the end of each finished run of the command, which is then not run again; of a sweep the measured values
-//!   of each finished run.
+//! * `a` and `b`: the last two stored states of the present run, called generations. A new state is written under
+//!   another name, and then replaces the older file by renaming, so that at every instant one file is complete. Of
+//!   several simultaneous runs, each has its own files `a-…` and `b-…`;
+//! * `a-part-0`, …: the data of each process, if several processes share the run. The file `a` then holds all other
+//!   data and is written last;
+//! * `done-…`: the end of each finished run of the command, so that this run is not repeated. For a sweep the file
+//!   holds the measured values of the run.
 //!
 //! Each file names the program that wrote it and ends with a checksum (`envelope`). The subfolder is removed when all
-//! results are written; that of a sweep stays, so that further values need no run twice.
+//! results are written. The subfolder of a sweep remains, so that a later sweep with further values repeats no run.
 
 mod command;
 mod envelope;

@@ -1,4 +1,4 @@
-//! The files of a checkpoint on disk.
+//! Reads and writes the files of a checkpoint.
 
 use super::command::{RunIdentity, StoredCommand};
 use super::envelope::{Unreadable, open, seal};
@@ -11,10 +11,11 @@ use serde::{Deserialize, Serialize};
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-/// Files of the two generations; for runs side by side the names continue with `-` and a checksum.
+/// Names of the files of the two generations, which are the last two states of a run. If several runs are simultaneous,
+/// `-` and a checksum of the run follow.
 const GENERATIONS: [&str; 2] = ["a", "b"];
 
-/// Beginning of the names of files of finished runs.
+/// Beginning of the names of files that hold finished runs.
 const DONE: &str = "done-";
 
 /// Stored data of one run.
@@ -22,40 +23,40 @@ const DONE: &str = "done-";
 pub struct StoredRun {
     /// State of the run at the instant from which it continues.
     pub pause: Pause,
-    /// End of the run, if it is over: with the failure that stopped it, if any.
+    /// End of the run: `None` if the run is not over, `Some(None)` if it is complete, else the failure that stopped it.
     pub over: Option<Option<Failure>>,
 }
 
-/// The subfolder of a folder of results that holds its checkpoint.
+/// Checkpoint in a folder of results, with the position of its subfolder.
 pub struct Store {
     place: PathBuf,
-    /// Names of the files of the two generations.
+    /// Names of the files in which the two generations of the state are stored in turn.
     generations: [String; 2],
-    /// Number of the next generation; even ones are written to the first file.
+    /// Number of the next generation; even numbers are written to the first file, odd numbers to the second.
     next: u64,
 }
 
-/// Newest stored state of the present run.
+/// Newest stored state of the present run, found in its two files.
 pub struct Newest {
-    /// Newest usable generation: identity of the run, and its state.
+    /// Identity of the run and its newest usable state; `None` if no file can be used.
     pub found: Option<(RunIdentity, StoredRun)>,
-    /// Files that cannot be used, with the reasons.
+    /// Files that cannot be used, each with the reason.
     pub refused: Vec<(PathBuf, Unreadable)>,
 }
 
 impl Store {
-    /// The checkpoint in a folder of results.
+    /// Checkpoint in the given folder of results.
     pub fn of(folder: &Path) -> Self {
         Self { place: folder.join(CHECKPOINT), generations: GENERATIONS.map(String::from), next: 0 }
     }
 
-    /// The checkpoint in this subfolder for one of several runs side by side, with generation files of its own.
+    /// Checkpoint in the same subfolder for one of several simultaneous runs; its generations have separate files.
     pub fn for_run(&self, run: &RunIdentity) -> Self {
         let generations = GENERATIONS.map(|name| format!("{name}-{}", run.file_name()));
         Self { place: self.place.clone(), generations, next: 0 }
     }
 
-    /// Stores a command that begins, and removes the files of an earlier one.
+    /// Stores a command that starts, and removes the checkpoint of an earlier command.
     ///
     /// # Errors
     /// If a file cannot be written.
@@ -64,7 +65,7 @@ impl Store {
         self.replace_command(command)
     }
 
-    /// Stores a command that goes on with the runs of an earlier one.
+    /// Stores a command that continues the runs of an earlier command.
     ///
     /// # Errors
     /// If a file cannot be written.
@@ -72,32 +73,33 @@ impl Store {
         COMMAND.iter().try_for_each(|name| self.write(name, command))
     }
 
-    /// The command to be continued, from the first of its files that can be used.
+    /// Reads the command to be continued, from the first of its two files that can be used.
     ///
     /// # Errors
-    /// If no file can be used: the reason for the first.
+    /// If no file can be used: the reason for the first file.
     pub fn command(&self) -> Result<StoredCommand, Unreadable> {
         let [first, copy] = COMMAND;
         match self.read(first) {
-            // both files are of one program
+            // both files were written by the same program, so the second file cannot help
             Err(why @ Unreadable::OtherProgram { .. }) => Err(why),
             Err(why) => self.read(copy).map_err(|_| why),
             whole => whole,
         }
     }
 
-    /// Stores a part of the state that [`keep`](Self::keep) stores next, or [`finish`](Self::finish) if the run is
-    /// over.
+    /// Stores the data `part` of the process `number`, if several processes share a run. The call comes before
+    /// [`keep`](Self::keep) stores the remaining state, or before [`finish`](Self::finish) does so if the run is over.
     ///
     /// # Errors
-    /// If a file cannot be written: the state cannot be stored then.
+    /// If a file cannot be written; the state then cannot be stored.
     pub fn keep_part(&self, run: &RunIdentity, over: bool, number: usize, part: &[u8]) -> Result<(), OutputError> {
         let of = if over { done(run) } else { self.generations[(self.next % 2) as usize].clone() };
         let age = if over { 0 } else { self.next };
         self.write(&part_of(&of, number), &(age, run, part))
     }
 
-    /// A part of the newest state of a run, or of its end, after all parts have been found complete.
+    /// Reads the data of the process `number` from the newest state of a run, or from its end. The call follows one of
+    /// [`newest`](Self::newest) or [`finished`](Self::finished), which checks that all files of the state can be used.
     ///
     /// # Errors
     /// If the file cannot be used.
@@ -111,11 +113,11 @@ impl Store {
 
     fn read_part(&self, of: &str, (age, run): (u64, &RunIdentity), number: usize) -> Result<Vec<u8>, Unreadable> {
         let (found, whose, part) = self.read::<(u64, RunIdentity, Vec<u8>)>(&part_of(of, number))?;
-        // of another time: the program was stopped before all parts were written
+        // data of another generation: the program was stopped before all processes had written their files
         if (found, &whose) == (age, run) { Ok(part) } else { Err(Unreadable::Damaged) }
     }
 
-    /// Checks that all parts of a state can be used, one after the other.
+    /// Checks that the data of all processes of a state can be read, one file after the other.
     fn has_parts(&self, of: &str, whose: (u64, &RunIdentity), kept: &StoredRun) -> Result<(), (PathBuf, Unreadable)> {
         (0..kept.pause.snapshot.parts).try_for_each(|number| {
             let read = self.read_part(of, whose, number).map(drop);
@@ -123,17 +125,17 @@ impl Store {
         })
     }
 
-    /// Stores the next generation of the present run in place of the older one.
+    /// Stores the next state of the present run in place of the older of the two stored states.
     ///
     /// # Errors
-    /// If the disk refuses; both generations are then unchanged.
+    /// If the file cannot be written; both stored states are then unchanged.
     pub fn keep(&mut self, run: &RunIdentity, kept: &StoredRun) -> Result<(), OutputError> {
         self.write(&self.generations[(self.next % 2) as usize], &(self.next, run, kept))?;
         self.next += 1;
         Ok(())
     }
 
-    /// The newest state of the present run. The next generation will replace the other file.
+    /// Reads the newest state of the present run. The next state that is stored will replace the other file.
     pub fn newest(&mut self) -> Newest {
         let (mut states, mut refused) = (Vec::new(), Vec::new());
         for name in &self.generations {
@@ -142,7 +144,7 @@ impl Store {
                     Ok(()) => states.push((age, run, kept)),
                     Err(part) => refused.push(part),
                 },
-                // the first generation is the only one for a while
+                // until a second state is stored, only one of the two files exists
                 Err(Unreadable::Io(why)) if why.kind() == ErrorKind::NotFound => {}
                 Err(why) => refused.push((self.place.join(name), why)),
             }
@@ -152,20 +154,20 @@ impl Store {
         Newest { found: newest.map(|(_, run, kept)| (run, kept)), refused }
     }
 
-    /// Stores the end of a run, or the result that is made of it.
+    /// Stores the end of a run, or the result computed from it.
     ///
     /// # Errors
     /// If a file cannot be written.
     pub fn finish<T: Serialize>(&self, run: &RunIdentity, end: &T) -> Result<(), OutputError> {
         self.write(&done(run), &(run, end))?;
-        // no other run will replace generations with names of their own
+        // files of generations that only this run uses are no longer needed, and no other run would replace them
         for name in self.generations.iter().filter(|name| !GENERATIONS.contains(&name.as_str())) {
             let _ = std::fs::remove_file(self.place.join(name));
         }
         Ok(())
     }
 
-    /// The end of a run, if it is stored; `None` if it is not, or if the file is of another run.
+    /// Reads the end of a run; `None` if no end is stored, or if the file belongs to another run.
     ///
     /// # Errors
     /// The path of the file and the reason, if the file cannot be used.
@@ -179,13 +181,13 @@ impl Store {
         }
     }
 
-    /// The result of a run, if that is what is stored in place of its end.
+    /// Reads the result of a run, if a result is stored instead of the end of the run.
     pub fn result(&self, run: &RunIdentity) -> Option<Vec<u8>> {
         let (of, result) = self.read::<(RunIdentity, Vec<u8>)>(&done(run)).ok()?;
         (of == *run).then_some(result)
     }
 
-    /// Removes the files of the checkpoint, and the subfolder unless it holds other files.
+    /// Removes the files of the checkpoint, and the subfolder too unless it contains other files.
     ///
     /// # Errors
     /// If a file cannot be removed.
@@ -195,7 +197,7 @@ impl Store {
             Err(why) if why.kind() == ErrorKind::NotFound => return Ok(()),
             Err(why) => return Err(OutputError::io("read", &self.place, why)),
         };
-        // the command goes first: if the program is killed here, the folder then says that nothing is left to do
+        // the file of the command is removed first: if the program is killed here, nothing is left to continue
         for path in COMMAND.map(|name| self.place.join(name)) {
             match std::fs::remove_file(&path) {
                 Err(why) if why.kind() != ErrorKind::NotFound => {
@@ -209,13 +211,13 @@ impl Store {
             let name = name.to_string_lossy();
             let generation = name.split('-').next().is_some_and(|first| GENERATIONS.contains(&first));
             let state = generation || name.starts_with(DONE);
-            // a file that was being written when its program was killed goes too
+            // an incomplete file, left by a program that was killed while writing, is removed too
             if state || name.starts_with(ASIDE) {
                 std::fs::remove_file(entry.path())
                     .map_err(|why| OutputError::io("remove the old", &entry.path(), why))?;
             }
         }
-        // a subfolder with other files stays
+        // this fails, as intended, if other files remain in the subfolder
         let _ = std::fs::remove_dir(&self.place);
         Ok(())
     }
@@ -231,12 +233,12 @@ impl Store {
     }
 }
 
-/// Name of the file of a part of the data in a file.
+/// Name of the file with the data of process `number`, which belongs to the file `name`.
 fn part_of(name: &str, number: usize) -> String {
     format!("{name}-part-{number}")
 }
 
-/// Name of the file of a finished run.
+/// Name of the file that holds the end of a run.
 fn done(run: &RunIdentity) -> String {
     format!("{DONE}{}", run.file_name())
 }

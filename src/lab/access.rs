@@ -1,39 +1,41 @@
-//! Access to the lab: only pages of this machine that know the token.
+//! Access control of the lab: a request must come from this machine and contain the token.
 //!
-//! A page of another site could point its own name at this machine (DNS rebinding); the browser then sends that name as `Host`.
-//! It could also open a WebSocket here; the browser then sends its address as `Origin`. Both are refused.
+//! A page of another site could make its own host name point to this machine (DNS rebinding); the browser then sends
+//! that name as `Host`. Such a page could also open a WebSocket to the lab; the browser then sends the address of the
+//! page as `Origin`. Both requests are refused.
 
-/// Bytes of the token, written as twice as many hexadecimal digits.
+/// Number of random bytes in the token, which is written in twice as many hexadecimal digits.
 const BYTES: usize = 16;
 
-/// Secret part of the address, too long to guess.
+/// Secret part of the address, too long to be guessed.
 #[derive(Clone, Debug)]
 pub struct Token(String);
 
 impl Token {
-    /// New token, from the random numbers of the system.
+    /// Creates a token from random numbers of the operating system.
     ///
     /// # Errors
-    /// The system gives none.
+    /// The operating system gives no random numbers.
     pub fn new() -> Result<Self, getrandom::Error> {
         let mut bytes = [0; BYTES];
         getrandom::fill(&mut bytes)?;
         Ok(Self(bytes.iter().map(|byte| format!("{byte:02x}")).collect()))
     }
 
-    /// Token as text, in the form in which it stands in the address.
+    /// Token as text, in the form used in the address.
     pub fn as_str(&self) -> &str {
         &self.0
     }
 
-    /// True if a part of an address is the token. The comparison takes equally long wherever the two differ.
+    /// Returns true if a part of an address equals the token. The duration of the comparison does not depend on the
+    /// position of the first difference.
     pub fn is(&self, other: &str) -> bool {
         let differing = self.0.bytes().zip(other.bytes()).fold(0, |differing, (a, b)| differing | (a ^ b));
         self.0.len() == other.len() && differing == 0
     }
 }
 
-/// The names under which this machine may be asked.
+/// Host names of this machine that a request may contain.
 const NAMES: [&str; 2] = ["127.0.0.1", "localhost"];
 
 /// True if a `Host` header names this machine and the port of the lab.
@@ -41,8 +43,8 @@ pub fn is_host(host: Option<&str>, port: u16) -> bool {
     host.is_some_and(|host| NAMES.iter().any(|name| host.eq_ignore_ascii_case(&format!("{name}:{port}"))))
 }
 
-/// True if an `Origin` header is that of a page of the lab. Programs other than browsers send no such header. They need
-/// none where `required` is false.
+/// True if an `Origin` header is that of a page of the lab. Programs other than browsers send no such header, and a
+/// missing header is accepted unless `required` is true.
 pub fn is_origin(origin: Option<&str>, port: u16, required: bool) -> bool {
     match origin {
         None => !required,

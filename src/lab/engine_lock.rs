@@ -1,15 +1,16 @@
-//! One engine computes at a time, however many pages are open, so that a core is left for the server and the browser.
+//! Lock by which only one engine computes at a time, however many pages are open. Another core then remains for the
+//! server and the browser.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// Lock of the engine, shared by all sessions of a lab: its holder may compute.
+/// Lock shared by all sessions of a lab; only the session that holds the lock may compute.
 #[derive(Clone, Debug, Default)]
 pub struct EngineLock(Arc<Mutex<()>>);
 
 impl EngineLock {
-    /// Waits for the lock. It is held until the returned guard is dropped.
+    /// Waits for the lock, which is held until the returned guard is dropped.
     pub fn take(&self) -> MutexGuard<'_, ()> {
-        // nothing is kept under the lock that a panic could have left half done
+        // the lock protects no data, so a panic in its holder cannot have left any incomplete
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

@@ -1,7 +1,7 @@
-//! A frame: what the page needs to draw one instant.
+//! Frame of the lab: the data from which the page draws one instant.
 //!
-//! A frame is a string of bytes, little endian. First comes the length of the JSON [u32], then the JSON, then blanks up
-//! to a multiple of four. For each panel and each particle, in the order of ids, follow x, y, z [m], speed [m/s] and
+//! A frame is a sequence of bytes, little endian. The length of the JSON [u32] comes first, then the JSON, then blanks
+//! up to a multiple of four. For each panel and each particle, in the order of ids, follow x, y, z [m], speed [m/s] and
 //! overlap [m], as f32.
 
 use crate::engine::Failure;
@@ -12,80 +12,80 @@ use serde::Serialize;
 pub struct Now {
     /// [s] simulated time.
     pub time: f64,
-    /// State of the run: going on, over, or failed.
+    /// State of the run: `running`, `over` or `failed`.
     pub state: &'static str,
-    /// Why it stopped, by one word and in a sentence.
+    /// Reason why the run failed, as one word and as a sentence.
     pub failure: Option<(&'static str, String)>,
-    /// Rows of the gauge since the frame before.
+    /// Rows of measured quantities since the previous frame.
     pub rows: Vec<Vec<f64>>,
-    /// Numbers beside the panel.
+    /// Numbers that the page shows next to the panel.
     pub live: Live,
 }
 
-/// Numbers beside a panel.
+/// Numbers of a run that the page shows next to the panel.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Live {
     /// [J] kinetic energy.
     pub kinetic: f64,
     /// [J] elastic energy stored in contacts.
     pub elastic: f64,
-    /// [J] lost in impacts.
+    /// [J] energy lost in impacts.
     pub dissipated: f64,
     /// [J] work of gravity, drag and moving walls.
     pub work: f64,
     /// [J] kinetic and elastic energy at the start.
     pub at_start: f64,
-    /// [J] energy that the balance leaves unexplained.
+    /// [J] energy that the energy balance leaves unexplained.
     pub residual: f64,
-    /// Impacts between particles that have ended.
+    /// Number of finished impacts between particles.
     pub pairs: u64,
-    /// Impacts at walls that have ended.
+    /// Number of finished impacts at walls.
     pub walls: u64,
     /// [-] realised restitution of all impacts.
     pub restitution: Option<f64>,
-    /// [-] largest overlap over the diameter.
+    /// [-] largest overlap over the diameter, which is the smaller diameter of two spheres.
     pub overlap: Option<f64>,
     /// [s] mean duration of an impact.
     pub duration: Option<f64>,
     /// [s/s] wall time of the engine per simulated time.
     pub cost: Option<f64>,
-    /// Time steps.
+    /// Number of time steps.
     pub steps: u64,
-    /// Collisions that got an impulse.
+    /// Number of collisions that were resolved by an impulse.
     pub events: u64,
-    /// Contacts looked at.
+    /// Number of candidate pairs that were checked.
     pub checks: u64,
-    /// Collisions that were missed (stepped hard spheres).
+    /// Number of collisions that stepped hard spheres missed.
     pub missed: u64,
 }
 
-/// Comparison of the two panels, in scenes that have a verdict.
+/// Comparison of the two panels, for scenes whose statistics are tested.
 #[derive(Clone, Debug, Serialize)]
 pub struct PanelComparison {
-    /// equivalent, different or unresolved.
+    /// Answer of the test: equivalent, different or unresolved.
     pub answer: String,
-    /// The answer in words.
+    /// Sentence that explains the answer.
     pub sentence: String,
-    /// [s] simulated time from which on averages are taken.
+    /// [s] simulated time at which the averaging period begins.
     pub from: f64,
-    /// Profiles of both panels over the height: of each slice y [mm], the streamwise velocity and its standard error [m/s], and the
-    /// granular temperature [m²/s²].
+    /// Profiles of both panels over the height. For each slice: y [mm], streamwise velocity and its standard error
+    /// [m/s], granular temperature [m²/s²].
     pub profiles: [Vec<[Option<f64>; 4]>; 2],
 }
 
-/// The JSON of a frame.
+/// JSON part of a frame.
 #[derive(Clone, Debug, Serialize)]
 pub struct Head<'a> {
-    /// Serial number of the choice that is running.
+    /// Serial number of the choice of scene and settings that is running.
     pub serial: u32,
-    /// Both panels.
+    /// States of the left and the right panel.
     pub sides: &'a [Now; 2],
-    /// Comparison of the two panels, in the first frame after a new verdict.
+    /// Comparison of the two panels, only in the first frame after a new test.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub judged: Option<PanelComparison>,
 }
 
-/// Whole frame as bytes.
+/// Bytes of a frame, from its JSON part and the values of the particles of both panels.
 pub fn bytes(head: &Head, particles: [&[[f32; 5]]; 2]) -> Vec<u8> {
     let mut json = serde_json::to_vec(head).unwrap_or_default();
     json.resize(json.len().next_multiple_of(4), b' ');
@@ -97,7 +97,7 @@ pub fn bytes(head: &Head, particles: [&[[f32; 5]]; 2]) -> Vec<u8> {
     bytes
 }
 
-/// Reason why a panel stopped, by one word and in a sentence.
+/// Reason why a run failed, as one word and as a sentence.
 pub fn words(failure: &Failure) -> (&'static str, String) {
     (failure.kind(), failure.to_string())
 }

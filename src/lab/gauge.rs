@@ -1,4 +1,5 @@
-//! Quantities that a scene measures at the end of every window, and their graphs.
+//! Quantities that a scene of the lab measures at the end of every window, and their graphs. A window is the time
+//! between two exchanges of momentum with the gas.
 
 use crate::contact_law::Bodies;
 use crate::encounter::{Couple, FrameTime, Other};
@@ -10,33 +11,33 @@ use crate::scene::Scene;
 use crate::simulation::Simulation;
 use serde::Serialize;
 
-/// Points of a curve of theory.
+/// Number of intervals by which a theoretical curve is drawn.
 const POINTS: usize = 200;
 
-/// Measured quantities of a scene.
+/// Set of quantities that a scene measures and draws.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Gauge {
-    /// Two spheres: overlap, velocity and forces.
+    /// Overlap, velocity and forces of two spheres.
     Impact,
     /// Velocity of each sphere along x.
     Speeds,
-    /// Height of one sphere, and how often it has met the floor.
+    /// Height of one sphere above the floor, and the number of its impacts on the floor.
     Bounces,
-    /// Temperature and collisions of a gas.
+    /// Temperature and number of collisions of a gas.
     Gas,
-    /// Energy of a gas that should keep it.
+    /// Energy of a gas whose energy should be constant.
     Energy,
-    /// Energy of a gas that should keep it, on a logarithmic axis.
+    /// Energy of a gas whose energy should be constant, on a logarithmic axis.
     Explosion,
-    /// Mean motion of particles in a channel; profiles come beside it.
+    /// Mean motion of particles in a channel; the page also shows their profiles.
     Channel,
-    /// A row of spheres on a floor: its motion and how often they have met.
+    /// Overlap, impacts and kinetic energy of a column of spheres on a floor.
     Column,
-    /// Collisions of a gas, found and missed.
+    /// Collisions of a gas that were found and that were missed.
     Missed,
 }
 
-/// A picture over time, or over another of the columns.
+/// Graph of measured columns over time, or over another measured column.
 #[derive(Clone, Debug, Serialize)]
 pub struct Graph {
     /// Title of the graph.
@@ -49,7 +50,7 @@ pub struct Graph {
     pub columns: Vec<usize>,
     /// True if the vertical axis is logarithmic.
     pub logarithmic: bool,
-    /// A curve that theory gives, by name.
+    /// Theoretical curve with its name, if there is one.
     pub theory: Option<(&'static str, Vec<[f64; 2]>)>,
 }
 
@@ -63,14 +64,15 @@ impl Graph {
     }
 }
 
-/// A function of the time [s] at points up to the end of an experiment; the time is given in `unit` [s].
+/// Points of a function of the time [s], up to the end of an experiment. The times of the points are in units of `unit`
+/// [s].
 fn curve(experiment: &Experiment, unit: f64, at: impl Fn(f64) -> Option<f64>) -> Vec<[f64; 2]> {
     let times = (0..=POINTS).map(|k| experiment.run.duration * k as f64 / POINTS as f64);
     times.filter_map(|time| Some([time / unit, at(time)?])).collect()
 }
 
 impl Gauge {
-    /// Graphs that show this gauge.
+    /// Graphs of the quantities that this gauge measures.
     pub fn graphs(self, experiment: &Experiment, start: &Particles) -> Vec<Graph> {
         const MICRO: (usize, &str) = (0, "time [µs]");
         const MILLI: (usize, &str) = (0, "time [ms]");
@@ -129,7 +131,7 @@ impl Gauge {
         }
     }
 
-    /// One row of columns.
+    /// Measured values at one instant: a row with one value per column.
     fn row(self, simulation: &Simulation, at_start: f64) -> Vec<f64> {
         let (particles, time) = (&simulation.particles, simulation.time);
         let suffered = 2.0 * simulation.record.pairs.count as f64 / particles.len().max(1) as f64;
@@ -165,7 +167,7 @@ impl Gauge {
         }
     }
 
-    /// Reference value to which the rows of this gauge are relative.
+    /// Value at the start by which measured values are divided: the temperature or the energy.
     fn scale(self, simulation: &Simulation) -> f64 {
         match self {
             Self::Gas => temperature(&simulation.particles),
@@ -174,7 +176,7 @@ impl Gauge {
     }
 }
 
-/// The overlap [%] of the lowest of spheres at rest on top of each other, n m g/k, over the whole time.
+/// Overlap of the lowest of n spheres at rest on top of each other, n m g/k, over the diameter [%], for the whole run.
 fn statics(experiment: &Experiment, start: &Particles) -> Option<Vec<[f64; 2]>> {
     let law = experiment.law()?;
     let wall = experiment.scene.walls.first().map(|_| 0)?;
@@ -184,14 +186,14 @@ fn statics(experiment: &Experiment, start: &Particles) -> Option<Vec<[f64; 2]>> 
     Some(vec![[0.0, share], [1e3 * experiment.run.duration, share]])
 }
 
-/// [m²/s²] a third of the variance of the velocities.
+/// [m²/s²] granular temperature: a third of the variance of the velocities.
 fn temperature(particles: &Particles) -> f64 {
     let count = particles.len().max(1) as f64;
     let mean = particles.velocity.iter().sum::<nalgebra::Vector3<f64>>() / count;
     particles.velocity.iter().map(|v| (v - mean).norm_squared()).sum::<f64>() / (3.0 * count)
 }
 
-/// Measures while a panel runs.
+/// Measures the quantities of a gauge while a panel runs.
 pub struct Meter<'a> {
     gauge: Gauge,
     experiment: &'a Experiment,
@@ -201,13 +203,13 @@ pub struct Meter<'a> {
 }
 
 impl<'a> Meter<'a> {
-    /// Meter that has measured nothing yet.
+    /// Creates a meter without measured rows.
     pub fn new(gauge: Gauge, experiment: &'a Experiment) -> Self {
         Self { gauge, experiment, at_start: None, rows: Vec::new() }
     }
 
-    /// Time [µs], overlap δ [µm], normal velocity [m/s], spring, dashpot and whole force [mN] of the first two spheres. The force
-    /// is that of the contact law at this instant; hard spheres have none.
+    /// Time [µs], overlap δ [µm], normal velocity [m/s], and force of the spring, of the dashpot and of both [mN] of
+    /// the first two spheres. The forces follow from the contact law at this instant, and are 0 without an overlap.
     fn meeting(&self, simulation: &Simulation) -> Vec<f64> {
         let (particles, scene) = (&simulation.particles, simulation.scene());
         let met = Couple { i: 0, other: Other::Particle(1) }.meet(particles, scene, FrameTime::default());
@@ -220,7 +222,7 @@ impl<'a> Meter<'a> {
     }
 }
 
-/// The first two spheres of a store.
+/// Constants of the contact between the first two spheres.
 fn pair(scene: &Scene, particles: &Particles) -> Bodies {
     Bodies::pair(scene, particles, 0, 1)
 }

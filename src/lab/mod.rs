@@ -1,15 +1,17 @@
-//! `diptych lab`: a page, served on this machine only, on which both collision models run side by side.
+//! The lab, opened by `diptych lab`: a page on which both collision models run side by side. The page is served on this
+//! machine only.
 //!
 //! ```text
 //!  browser --WebSocket--> server (one thread) --asks--> session (a thread per page) --> two panels --> Simulation
 //!          <--frames------------------------- <--tells--
 //! ```
 //!
-//! A scene is a case of `cases/` with changes, as `--set` makes them: there is no second description of a scene here. Frames
-//! are made only when the page has drawn the ones before, so that a slow page drops frames and nothing piles up.
+//! A scene is a case of `cases/` with changes in the form of `--set` arguments, so that scenes need no description of
+//! another kind. No frame is made while two earlier ones are still to be drawn, so that a slow page receives fewer
+//! frames.
 //!
-//! Nothing is read from or written to the disk. The address has a token that cannot be guessed. A request under another
-//! name than this machine's is refused ([`guard`]).
+//! No file is read or written. The address contains a token that cannot be guessed. A request under another name than
+//! that of this machine is refused ([`access`]).
 
 pub mod access;
 mod engine_lock;
@@ -32,13 +34,14 @@ use crate::cli;
 use crate::study::{self, Signals, StudyError};
 use std::time::Duration;
 
-/// Between two looks at whether Ctrl-C has come.
+/// Time between two checks for Ctrl-C.
 const LOOK: Duration = Duration::from_millis(100);
 
-/// Serves the page until Ctrl-C or the signal to end.
+/// Runs `diptych lab`: serves the page until Ctrl-C or the signal to terminate.
 ///
 /// # Errors
-/// The port is taken, or the system refuses to set a handler for signals: bad input. Standard output cannot be written.
+/// Bad input if the port is taken, or the system refuses to set a handler for signals. A failure if standard output
+/// cannot be written.
 pub fn lab(args: &cli::Lab) -> Result<(), StudyError> {
     let bad = |why: &dyn std::fmt::Display| StudyError::Input(format!("error: {why}"));
     let signals = Signals::listen()?;

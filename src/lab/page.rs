@@ -1,10 +1,10 @@
-//! The files of the page, which are built into the program.
+//! Files of the page of the lab, which are built into the program.
 
 /// A file of the page.
 pub struct Asset {
-    /// Path below the token.
+    /// Path of the file in the address, after the token.
     pub path: &'static str,
-    /// Content type told to the browser.
+    /// Content type of the file, for the browser.
     pub kind: &'static str,
     /// Whole text of the file.
     pub text: &'static str,
@@ -28,6 +28,6 @@ pub const ASSETS: &[Asset] = &[
     Asset { path: "words.js", kind: SCRIPT, text: include_str!("page/words.js") },
 ];
 
-/// Content security policy: the page may run its own files and talk to its own server, nothing else.
+/// Content security policy: the page may run only its own files, and connect only to its own server.
 pub const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; img-src 'self' data:; \
      base-uri 'none'; form-action 'none'; frame-ancestors 'none'";

@@ -1,4 +1,5 @@
-//! One panel: a simulation that goes on window by window, and its state as sent to the page.
+//! One panel of the lab: a simulation that is continued window by window, and its state for the page. A window is the
+//! time between two exchanges of momentum with the gas.
 
 use super::frame::{Live, Now, words};
 use super::gauge::{Gauge, Meter};
@@ -13,26 +14,27 @@ use crate::schedule::Schedule;
 use crate::simulation::{Simulation, soft_step};
 use std::time::Duration;
 
-/// Rows of the gauge that a frame brings at most; beyond it some are left out.
+/// Largest number of measured rows in a frame; if there are more, some are left out.
 const MOST_ROWS: usize = 100;
 
-/// Windows per frame at a scene's own pace, so that slower motion is as smooth.
+/// Smallest number of windows per frame at the default pace of a scene. Motion at a slower pace is then still smooth.
 const WINDOWS_PER_FRAME: f64 = 2.0;
 
-/// One running variant.
+/// Running simulation of one panel.
 pub struct LabPanel<'a> {
     simulation: Simulation,
     course: RunLoop,
     meter: Meter<'a>,
-    /// Observers that a verdict needs, in scenes that have one.
+    /// Observers for the comparison of the panels, in scenes whose statistics are tested.
     seen: Option<StandardObservers<'a>>,
     at_start: f64,
     over: bool,
     failure: Option<Failure>,
 }
 
-/// The windows of a panel whose frames are `frame` [s] of simulated time apart: those that the case asks for or drag allows, else
-/// short enough for the frames, but whole time steps.
+/// Sequence of windows of a panel whose frames are `frame` [s] of simulated time apart. With drag or stepped hard
+/// spheres these are the windows of the case. Otherwise the windows are short enough for the frames, and whole
+/// multiples of the time step.
 fn schedule(experiment: &Experiment, particles: usize, frame: f64) -> Schedule {
     let own = Schedule::new(experiment);
     let dragged = experiment.scene.fluid.as_ref().is_some_and(|fluid| fluid.drag.is_some());
@@ -49,7 +51,7 @@ fn schedule(experiment: &Experiment, particles: usize, frame: f64) -> Schedule {
 }
 
 impl<'a> LabPanel<'a> {
-    /// Panel at its start; `frame` [s]: simulated time between two frames.
+    /// Creates a panel at its start; `frame` [s] is the simulated time between two frames.
     pub fn new(experiment: &'a Experiment, start: Particles, gauge: Gauge, frame: f64) -> Self {
         let schedule = schedule(experiment, start.len(), frame);
         let mut seen = (gauge == Gauge::Channel).then(|| StandardObservers::new(experiment, start.fingerprint()));
@@ -66,12 +68,13 @@ impl<'a> LabPanel<'a> {
         }
     }
 
-    /// [s] simulated time, if it is not over.
+    /// [s] simulated time of the panel; `None` if its run is over.
     pub fn running(&self) -> Option<f64> {
         (!self.over).then_some(self.simulation.time)
     }
 
-    /// Runs on to simulated time `until` [s], for the wall time `most`, or to its end, whichever comes first.
+    /// Continues the run to simulated time `until` [s]. The call ends earlier when the wall time `most` has passed or
+    /// the run is over.
     pub fn run(&mut self, until: f64, most: Duration) {
         if self.over || self.simulation.time >= until {
             return;
@@ -94,12 +97,12 @@ impl<'a> LabPanel<'a> {
         }
     }
 
-    /// Present state of the panel; its rows are handed over.
+    /// Present state of the panel, with all measured rows since the last call.
     pub fn now(&mut self) -> Now {
         let mut rows = std::mem::take(&mut self.meter.rows);
         let every = rows.len().div_ceil(MOST_ROWS).max(1);
         let mut place = rows.len();
-        // the last one is kept
+        // the last row is always kept
         rows.retain(|_| {
             place -= 1;
             place.is_multiple_of(every)
@@ -140,8 +143,8 @@ impl<'a> LabPanel<'a> {
         }
     }
 
-    /// Position, speed and overlap of every particle, in the order of ids. Positions are wrapped into the box where it
-    /// is periodic.
+    /// Position [m], speed [m/s] and overlap [m] of every particle, in the order of ids. Positions are wrapped into the
+    /// box along its periodic axes.
     pub fn particles(&self) -> Vec<[f32; 5]> {
         let (particles, domain) = (&self.simulation.particles, &self.simulation.scene().domain);
         let overlaps = self.simulation.overlaps();
@@ -156,7 +159,7 @@ impl<'a> LabPanel<'a> {
         drawn
     }
 
-    /// Outcome of the panel so far, in scenes that have a verdict.
+    /// Results of the panel so far, in scenes whose statistics are tested; `None` in others and at the start.
     pub fn outcome(&self) -> Option<Outcome> {
         let seen = self.seen.clone()?;
         let hash = self.simulation.state().fingerprint();

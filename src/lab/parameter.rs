@@ -1,14 +1,14 @@
-//! Settings that a page may change, their limits, and the `--set` arguments that they lead to.
+//! Parameters that the page of the lab can change, their limits, and the `--set` arguments that result from a change.
 
 use crate::experiment::{Amount, Experiment, HardStepping, Integrator, TimeStep};
 use crate::output::numbers::significant;
 use crate::simulation::soft_step;
 use serde::{Deserialize, Serialize};
 
-/// Significant digits of a number that a page sets.
+/// Number of significant digits to which the page can set a number.
 const DIGITS: i32 = 4;
 
-/// A number or a word, as the page sends it.
+/// Value of a parameter, in the form in which the page sends it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum ParameterValue {
@@ -18,7 +18,7 @@ pub enum ParameterValue {
     Word(String),
 }
 
-/// Parameter that a page may set.
+/// Parameter of a scene that the page can change.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LabParameter {
     /// Restitution e of pairs and walls [-].
@@ -31,44 +31,45 @@ pub enum LabParameter {
     StepsPerContact,
     /// Time integrator of contacts.
     Integrator,
-    /// Window h [µs].
+    /// Window h: time between two exchanges of momentum with the gas [µs].
     Window,
-    /// Number of particles of a gas, the box as full as before.
+    /// Number of particles of a gas. The box grows or shrinks so that the volume fraction remains.
     Count,
-    /// Number of spheres of a row.
+    /// Number of spheres in a row.
     Row,
-    /// Speed at which each of two spheres comes [m/s].
+    /// Speed of each of two spheres before they meet [m/s].
     Approach,
-    /// θ of stepped hard spheres [-].
+    /// Step criterion θ of stepped hard spheres: path of a typical pair in one step over the diameter [-].
     Theta,
-    /// Clearance of hybrid spheres [-].
+    /// Clearance of hybrid spheres, in contact times [-]. A touch is an instantaneous collision if no other particle
+    /// can arrive within this time.
     Clearance,
-    /// Seed of a random start.
+    /// Seed of the random start.
     Seed,
 }
 
-/// Limits of a number, in the unit of the page.
+/// Limits of a parameter, in the unit of the parameter on the page.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ParameterRange {
-    /// Parameter that is limited.
+    /// Parameter to which the limits apply.
     pub knob: LabParameter,
-    /// The least value, in the unit of the page.
+    /// Smallest allowed value, in the unit of the parameter on the page.
     pub least: f64,
-    /// The greatest value.
+    /// Largest allowed value, in the unit of the parameter on the page.
     pub most: f64,
 }
 
-/// Kind of control for a parameter.
+/// Kind of control with which the page shows a parameter.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum ParameterKind {
     /// A number between limits.
     Number {
-        /// The least.
+        /// Smallest allowed value.
         least: f64,
-        /// The greatest.
+        /// Largest allowed value.
         most: f64,
-        /// True if equal lengths on the slider are equal factors.
+        /// True if equal distances on the slider are equal factors.
         logarithmic: bool,
         /// True if only whole numbers are allowed.
         whole: bool,
@@ -77,11 +78,11 @@ pub enum ParameterKind {
     Words(Vec<(&'static str, &'static str)>),
 }
 
-/// The two integrators: as a case names them, and in words.
+/// Names of the two integrators: as typed in a case, and in words.
 const INTEGRATORS: [(&str, &str); 2] = [("velocity_verlet", "velocity Verlet"), ("rk2", "Runge-Kutta 2 (Heun)")];
 
 impl LabParameter {
-    /// Name of the parameter in settings.
+    /// Name of the parameter in messages between the page and the server.
     pub fn name(self) -> &'static str {
         match self {
             Self::Restitution => "e",
@@ -98,7 +99,7 @@ impl LabParameter {
         }
     }
 
-    /// Label and unit of the parameter.
+    /// Label and unit of the parameter, for the page.
     pub fn label(self) -> (&'static str, &'static str) {
         match self {
             Self::Restitution => ("restitution e", ""),
@@ -116,7 +117,7 @@ impl LabParameter {
         }
     }
 
-    /// Effect of the parameter, in a sentence.
+    /// Effect of the parameter in one sentence, for the page.
     pub fn help(self) -> &'static str {
         match self {
             Self::Restitution => "Speed after an impact over the speed before it; both models are asked for the same.",
@@ -202,7 +203,7 @@ impl LabParameter {
 }
 
 impl ParameterRange {
-    /// Kind of control with which a page shows the parameter.
+    /// Kind of control with which the page shows the parameter.
     pub fn kind(&self) -> ParameterKind {
         let Self { knob, least, most } = *self;
         match knob {
@@ -211,10 +212,10 @@ impl ParameterRange {
         }
     }
 
-    /// A value that a page sent, rounded.
+    /// Checks a value that the page sent, and rounds the value to the allowed digits.
     ///
     /// # Errors
-    /// A value beyond the limits or of the wrong kind, in words.
+    /// In words: the value is beyond the limits or of the wrong kind.
     pub fn accept(&self, setting: &ParameterValue) -> Result<ParameterValue, String> {
         let (label, unit) = self.knob.label();
         match (setting, self.kind()) {
@@ -235,30 +236,31 @@ impl ParameterRange {
     }
 }
 
-/// Value with [`DIGITS`] significant digits.
+/// Rounds a value to [`DIGITS`] significant digits.
 fn rounded(value: f64) -> f64 {
     format!("{value:.*e}", DIGITS as usize - 1).parse().unwrap_or(value)
 }
 
-/// A property of pairs and of every wall.
+/// Changes that set a property, such as the restitution, for pairs and for every wall.
 fn surfaces(experiment: &Experiment, key: &str, value: f64) -> Vec<String> {
     let walls = (0..experiment.scene.walls.len()).map(|wall| format!("walls[{wall}].{key}={value}"));
     std::iter::once(format!("contact.{key}={value}")).chain(walls).collect()
 }
 
-/// Changes to that many particles; the periodic sides of the box grow so that its volume fraction stays.
+/// Changes that set the number of particles; the periodic sides of the box grow so that the volume fraction remains.
 fn crowd(experiment: &Experiment, count: f64) -> Vec<String> {
     let domain = &experiment.scene.domain;
     let sides: Vec<usize> = (0..3).filter(|axis| domain.periodic[*axis]).collect();
     let factor = (count / experiment.count() as f64).powf(1.0 / sides.len().max(1) as f64);
     let sizes = sides.into_iter().map(|axis| {
-        // one digit more than the page shows: the volume fraction stays within 0.1 %
+        // five significant decimals, more than the page shows: the volume fraction stays within 0.1 %
         format!("domain.size[{axis}]={:.5} mm", 1e3 * domain.size[axis] * factor)
     });
     sizes.chain(std::iter::once(format!("particles[0].count={count}"))).collect()
 }
 
-/// Changes to that many spheres in the row of the case: its first ones, and more at equal distances.
+/// Changes that set the number of spheres in the row of the case. The first spheres of the case are used; further ones
+/// continue the row at equal distances.
 fn row(experiment: &Experiment, count: usize) -> Vec<String> {
     let Some(Amount::Placed(placed)) = experiment.start.first().map(|population| &population.amount) else {
         return Vec::new();
@@ -277,7 +279,7 @@ fn row(experiment: &Experiment, count: usize) -> Vec<String> {
     vec![format!("particles[0].at=[{}]", (0..count).map(one).collect::<Vec<_>>().join(", "))]
 }
 
-/// Changes to this speed for both of two spheres, each in its own direction.
+/// Changes that give both of two spheres the speed `speed` [m/s], each in its present direction.
 fn approach(experiment: &Experiment, speed: f64) -> Vec<String> {
     let Some(Amount::Placed(placed)) = experiment.start.first().map(|population| &population.amount) else {
         return Vec::new();
@@ -289,7 +291,8 @@ fn approach(experiment: &Experiment, speed: f64) -> Vec<String> {
     (0..placed.len()).flat_map(|k| (0..3).filter_map(move |axis| moving(k, axis))).collect()
 }
 
-/// A window is one step of stepped hard spheres, which would be cut where a window ends.
+/// Changes that set θ of stepped hard spheres, and the window in proportion. One window is one step of this engine, and
+/// a step would be cut at the end of a window.
 fn theta(experiment: &Experiment, theta: f64) -> Vec<String> {
     let mut sets = vec![format!("hard.theta={theta}")];
     if let (Some(window), HardStepping::Steps { theta: before }) = (experiment.run.window, experiment.hard.stepping) {
@@ -298,7 +301,7 @@ fn theta(experiment: &Experiment, theta: f64) -> Vec<String> {
     sets
 }
 
-/// Method of the soft engine, in a few words.
+/// Method of the soft engine in a few words: integrator and time step.
 pub fn soft_method(experiment: &Experiment, particles: usize) -> String {
     let step = soft_step(experiment, particles);
     let integrator = INTEGRATORS[usize::from(experiment.soft.integrator == Integrator::Rk2)].1;

@@ -1,155 +1,157 @@
-//! Messages between page and server.
+//! Messages between the page and the server of the lab.
 //!
-//! The page sends [`Ask`]s as JSON. The server answers with [`Tell`]s as JSON, and with frames (`frame.rs`) as bytes.
+//! The page sends each [`Ask`] as JSON. The server answers with each [`Tell`] as JSON, and with frames (`frame.rs`) as
+//! bytes.
 
 use super::gauge::Graph;
 use super::parameter::{ParameterKind, ParameterValue};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// [bytes] the longest message that a page may send.
+/// [bytes] length of the longest message that a page may send.
 pub const LONGEST: usize = 16 * 1024;
 
-/// Values that the page has set, by the names of their knobs; what is not set is as in the case.
+/// Values of the parameters that the page has set, by the names of the parameters. Other parameters have the values of
+/// the case.
 pub type Settings = BTreeMap<String, ParameterValue>;
 
-/// A choice of scene and settings.
+/// Scene and settings that the page has chosen.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SceneChoice {
     /// Name of the scene.
     pub scene: String,
-    /// Values that were set.
+    /// Values of parameters that the page has set.
     #[serde(default)]
     pub settings: Settings,
-    /// Model that the right panel shows, by its index in the scene's list.
+    /// Model of the right panel, as its index in the list of the scene.
     #[serde(default)]
     pub right: usize,
-    /// Counts the choices of a page; the answers repeat it.
+    /// Serial number of this choice, counted by the page; answers contain the same number.
     #[serde(default)]
     pub serial: u32,
 }
 
-/// Requests of a page.
+/// Requests from the page to the server.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(tag = "ask", rename_all = "lowercase", deny_unknown_fields)]
 pub enum Ask {
-    /// A scene from its start.
+    /// Opens a scene at its start.
     Open(SceneChoice),
-    /// Goes on, or stands still.
+    /// Continues or pauses the motion.
     Play {
-        /// True to go on.
+        /// True to continue the motion.
         on: bool,
     },
-    /// One frame while it stands still.
+    /// Computes one frame while the motion is paused.
     Step,
-    /// Sets the pace, as a factor on the scene's own pace.
+    /// Sets the pace, as a factor on the default pace of the scene.
     Pace {
-        /// [-] the factor.
+        /// [-] factor on the default pace.
         factor: f64,
     },
-    /// Tells the lab if the page is visible.
+    /// Reports if the page is visible.
     Look {
         /// True if the page is visible.
         on: bool,
     },
-    /// The page has drawn a frame and can take another one.
+    /// Reports that the page has drawn a frame and can receive another one.
     Drawn,
 }
 
-/// A scene in the list.
+/// Entry in the list of scenes.
 #[derive(Clone, Debug, Serialize)]
 pub struct Listed {
-    /// Name.
+    /// Name of the scene in requests.
     pub name: &'static str,
-    /// Heading.
+    /// Heading of the scene.
     pub title: &'static str,
 }
 
-/// A knob as the page shows it.
+/// Parameter with its label, control and value, for the page.
 #[derive(Clone, Debug, Serialize)]
 pub struct ShownParameter {
-    /// Name in settings.
+    /// Name of the parameter in settings.
     pub name: &'static str,
-    /// Words beside it.
+    /// Label of the control on the page.
     pub label: &'static str,
     /// Effect of the parameter, in a sentence.
     pub help: &'static str,
-    /// Unit; empty without one.
+    /// Unit of the parameter; empty for a parameter without unit.
     pub unit: &'static str,
     /// Kind of control and limits of the parameter.
     pub kind: ParameterKind,
-    /// Present value.
+    /// Present value of the parameter.
     pub value: ParameterValue,
-    /// Value in the case.
+    /// Value of the parameter in the case.
     pub default: ParameterValue,
 }
 
-/// A panel as the page shows it.
+/// Description of a panel for the page.
 #[derive(Clone, Debug, Serialize)]
 pub struct PanelDescription {
-    /// Heading.
+    /// Heading of the panel.
     pub title: String,
-    /// soft, hard or hybrid.
+    /// Collision model: soft, hard or hybrid.
     pub model: &'static str,
-    /// Its method in a few words: integrator and step, or calendar.
+    /// Method in a few words: integrator and step, or the way in which collisions are found.
     pub method: String,
-    /// [m] radii in the order of ids.
+    /// [m] radii of the particles in the order of their ids.
     pub radii: Vec<f32>,
-    /// [s] duration of an isolated contact of two particles, or of a particle and a wall (soft).
+    /// [s] duration of an isolated contact of two particles, or of a particle and a wall. `None` without a contact law.
     pub contact_time: Option<f64>,
-    /// Command that reproduces the panel.
+    /// Command line that reproduces the panel.
     pub command: String,
 }
 
-/// Everything about a scene that has been opened.
+/// Description of an opened scene for the page.
 #[derive(Clone, Debug, Serialize)]
 pub struct Opened {
-    /// Serial number of the choice.
+    /// Serial number of the choice by which the page opened the scene.
     pub serial: u32,
     /// Name of the scene.
     pub scene: &'static str,
-    /// Heading.
+    /// Heading of the scene.
     pub title: &'static str,
     /// Description of the scene in three sentences.
     pub sentences: [&'static str; 3],
-    /// An equation.
+    /// Equation that describes the scene.
     pub equation: &'static str,
     /// Meaning of the symbols in the equation.
     pub symbols: &'static str,
-    /// A question for the student.
+    /// Question for the student.
     pub question: &'static str,
     /// Answer to the question.
     pub answer: &'static str,
-    /// Parameters that may be set.
+    /// Parameters that the page can change.
     pub knobs: Vec<ShownParameter>,
     /// Models that the right panel may show.
     pub rights: Vec<&'static str>,
     /// Index of the model that the right panel shows.
     pub right: usize,
-    /// Both panels.
+    /// Descriptions of the left and the right panel.
     pub sides: [PanelDescription; 2],
     /// [m] size of the box.
     pub size: [f64; 3],
     /// Axes along which the box is periodic.
     pub periodic: [bool; 3],
-    /// View of the box.
+    /// View of the box that the page draws.
     pub view: super::scenes::BoxView,
-    /// Graphs over time.
+    /// Graphs of the measured quantities.
     pub graphs: Vec<Graph>,
-    /// [s] duration of the scene.
+    /// [s] simulated duration of the scene.
     pub duration: f64,
-    /// [s/s] simulated time per time of the clock on the wall, at the scene's own pace.
+    /// [s/s] simulated time per wall time, at the default pace of the scene.
     pub pace: f64,
-    /// The command that compares both panels.
+    /// Command line that compares both panels.
     pub command: String,
-    /// A case file of its own.
+    /// Text of a case file with the present settings.
     pub case: String,
     /// Warnings from reading the case.
     pub warnings: Vec<String>,
 }
 
-/// Messages of the server to a page, besides frames.
+/// Messages of the server to a page, except frames.
 #[derive(Clone, Debug, Serialize)]
 #[serde(tag = "tell", rename_all = "lowercase")]
 pub enum Tell {
@@ -160,13 +162,13 @@ pub enum Tell {
         /// Version of the program.
         version: &'static str,
     },
-    /// A scene has been opened.
+    /// Reports that a scene has been opened.
     Opened(Box<Opened>),
-    /// A choice that cannot be run, and why. What ran before goes on.
+    /// Reports that a choice cannot be run, and the reason. The former scene continues.
     Refused {
-        /// Serial number of the choice.
+        /// Serial number of the refused choice of scene and settings.
         serial: u32,
-        /// The reason in words.
+        /// Reason in words.
         why: String,
     },
 }

@@ -1,4 +1,4 @@
-//! A scene with its settings, read and checked by the reader of cases: two experiments and their descriptions.
+//! A scene of the lab with the chosen settings, from which the reader of cases makes the experiments of both panels.
 
 use super::parameter::{LabParameter, soft_method};
 use super::protocol::{Opened, PanelDescription as Heading, SceneChoice, ShownParameter};
@@ -12,11 +12,11 @@ use crate::placement::initial_state;
 use crate::predict::contact::ContactTimes;
 use crate::study::quoted;
 
-/// A scene that can be run.
+/// Scene of the lab that is ready to run: both experiments with their initial states.
 pub struct SceneState {
-    /// The scene.
+    /// Scene that the page has chosen.
     pub scene: &'static LabScene,
-    /// Choice of settings for the scene.
+    /// Settings of the scene that the page has chosen.
     pub choice: SceneChoice,
     /// Experiments of the left and the right panel.
     pub experiments: [Experiment; 2],
@@ -29,10 +29,10 @@ pub struct SceneState {
 }
 
 impl SceneState {
-    /// Scene that a page has chosen.
+    /// Reads and checks the scene that a page has chosen.
     ///
     /// # Errors
-    /// No such scene or setting, a number beyond its limits, or an error of the reader of cases, in words.
+    /// In words: there is no such scene or setting, a number is beyond its limits, or the case has an error.
     pub fn open(choice: &SceneChoice) -> Result<Self, String> {
         let scene = scenes::scene(&choice.scene).ok_or("there is no such scene")?;
         let right = scene.rights.get(choice.right).ok_or("the right panel cannot show this")?;
@@ -82,7 +82,7 @@ impl SceneState {
         }
     }
 
-    /// [s/s] simulated time per time of the clock, at the scene's own pace.
+    /// [s/s] simulated time per wall time, at the default pace of the scene.
     pub fn pace(&self) -> f64 {
         self.experiments[0].run.duration / self.scene.lasts
     }
@@ -120,15 +120,15 @@ impl SceneState {
         }
     }
 
-    /// Command `diptych run` with the changes of one panel.
+    /// Command `diptych run` that repeats one panel, with its changes to the case.
     fn run_command(&self, side: &PanelSetup) -> String {
         let own = side.sets.iter().map(|set| (*set).to_owned());
         let sets = self.sets.iter().cloned().chain(own);
         command(["diptych", "run", self.scene.case, "--model", side.model.name()], sets)
     }
 
-    /// Command that compares both panels. It names the case itself if `compare` runs these two variants by default,
-    /// else the case file that can be saved.
+    /// Command that compares the models of both panels. The command names the built-in case if `compare` runs these two
+    /// variants by default, else the case file that the page can save.
     fn command(&self) -> String {
         let plain = [&self.scene.left, self.right()].iter().all(|side| side.sets.is_empty());
         if plain && !self.case.names_variants() && self.right().model == Model::Hard {
@@ -137,12 +137,12 @@ impl SceneState {
         format!("diptych compare {}", self.file_name())
     }
 
-    /// Name of a saved case file.
+    /// Name of the case file that the page can save.
     pub fn file_name(&self) -> String {
         format!("lab-{}.toml", self.scene.name)
     }
 
-    /// Present settings as a case file: `run` gives the left panel, `compare` gives both.
+    /// Text of a case file with the present settings: `run` repeats the left panel, `compare` both panels.
     pub fn file(&self) -> String {
         let heading = format!(
             "{}: as set in `diptych lab`\n\nQuestion: {}\nSource: the built-in case `{}`.\n{}",
@@ -156,17 +156,18 @@ impl SceneState {
             model: side.model,
             sets: side.sets,
         });
-        // what was read can be written: if not, the page says so instead
+        // a case that was read can also be written; if not, the page shows the reason instead
         self.case.written(&heading, &variants).unwrap_or_else(|why| format!("# {}\n", why.message))
     }
 }
 
-/// The changes of the scene itself.
+/// Changes to the built-in case that belong to the scene itself.
 fn plain(scene: &LabScene) -> Vec<String> {
     scene.sets.iter().map(|set| (*set).to_owned()).collect()
 }
 
-/// Changes by the scene and by the settings; values equal to those of the case are left out.
+/// Changes to the built-in case by the scene and by the settings of the page. Values equal to those of the case are
+/// left out.
 fn changes(scene: &LabScene, choice: &SceneChoice, own: &Experiment) -> Result<Vec<String>, String> {
     if let Some(name) = choice.settings.keys().find(|name| !scene.knobs.iter().any(|range| range.knob.name() == **name))
     {
@@ -185,7 +186,7 @@ fn changes(scene: &LabScene, choice: &SceneChoice, own: &Experiment) -> Result<V
     Ok(sets)
 }
 
-/// The case with changes, and the experiment of one panel.
+/// Reads a built-in case with changes, and makes the experiment of one panel.
 fn of_side(case: &BuiltIn, sets: &[String], side: &PanelSetup) -> Result<(Case, crate::case::Checked), String> {
     let case = Case::built_in(case, sets).map_err(|why| why.message)?;
     let own: Vec<String> = side.sets.iter().map(|set| (*set).to_owned()).collect();
@@ -193,7 +194,7 @@ fn of_side(case: &BuiltIn, sets: &[String], side: &PanelSetup) -> Result<(Case, 
     Ok((case, checked))
 }
 
-/// Method by which collisions are treated, in a few words.
+/// Method of an experiment for collisions, in a few words.
 fn method(experiment: &Experiment, particles: usize) -> String {
     match (experiment.model(), experiment.hard.stepping) {
         (Model::Soft, _) => soft_method(experiment, particles),
@@ -205,7 +206,7 @@ fn method(experiment: &Experiment, particles: usize) -> String {
     }
 }
 
-/// A command line with `--set` arguments.
+/// Command line with `--set` arguments, quoted for a shell.
 fn command<'a>(words: impl IntoIterator<Item = &'a str>, sets: impl Iterator<Item = String>) -> String {
     let words = words.into_iter().map(str::to_owned);
     let sets = sets.flat_map(|set| ["--set".to_owned(), set]);

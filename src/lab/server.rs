@@ -1,4 +1,5 @@
-//! The server: files of the page, and a WebSocket for each open page. It listens on this machine only.
+//! Server of the lab: sends the files of the page and opens a WebSocket for each page. The server listens only to this
+//! machine.
 
 use super::access::{Token, is_host, is_origin};
 use super::engine_lock::EngineLock;
@@ -23,49 +24,50 @@ use std::thread::JoinHandle;
 use std::time::Duration;
 use tokio::sync::{Semaphore, mpsc, watch};
 
-/// Pages that may be open at once.
+/// Largest number of pages that may be open at the same time.
 const MOST_SESSIONS: usize = 4;
 
-/// Requests of a page that may wait for the session; a page that sends more is cut off.
+/// Largest number of requests of a page that may be waiting for its session. The connection is closed if a page sends
+/// more.
 const MOST_ASKS: usize = 256;
 
-/// Messages on their way from a session to its socket.
+/// Largest number of messages that may wait between a session and its WebSocket.
 const UNSENT: usize = 4;
 
-/// Connections at a time, without the sockets of pages. A page opens six, and many systems allow a process only 64 open
-/// files.
+/// Largest number of simultaneous connections, apart from WebSockets. A page opens six, and many systems allow a
+/// process only 64 open files.
 const MOST_CONNECTIONS: usize = 40;
 
-/// Time limit for the head of a request, from the connection or the last answer on. A page of this machine sends it at
-/// once.
+/// Time limit for the head of a request, counted from the connection or from the last answer. A page on this machine
+/// sends the head without delay.
 const HEAD: Duration = Duration::from_secs(2);
 
-/// Time after which a connection is closed; a page opens another one when it needs it.
+/// Time after which a connection is closed; a page opens a new connection when needed.
 const CONNECTION: Duration = Duration::from_secs(60);
 
-/// Pause before the next try after the system has refused a connection.
+/// Pause before the next attempt after the system has refused a connection.
 const AFTER_ERROR: Duration = Duration::from_millis(100);
 
-/// Why the lab cannot be served.
+/// Reason why the lab cannot be served.
 #[derive(Debug, thiserror::Error)]
 pub enum LabError {
-    /// The system does not give the port.
+    /// The port cannot be used.
     #[error("cannot listen at port {port} of this machine: {why}\nhelp: leave --port out to get a free one")]
     Port {
-        /// The port; 0: any.
+        /// Number of the port; 0 means any free port.
         port: u16,
-        /// Error of the system.
+        /// Error of the operating system.
         why: std::io::Error,
     },
-    /// The system gives no random numbers.
+    /// The operating system gives no random numbers.
     #[error("cannot make a token for the address: {0}")]
     Token(#[from] getrandom::Error),
-    /// The system gives no thread or event loop.
+    /// The operating system gives no thread or event loop.
     #[error("cannot start the server: {0}")]
     Start(std::io::Error),
 }
 
-/// A lab that is being served.
+/// Running server of the lab.
 pub struct LabServer {
     address: SocketAddr,
     token: Token,
@@ -86,7 +88,7 @@ struct ServerState {
 }
 
 impl LabServer {
-    /// Serves the page at a port of this machine, 0 for any that is free, until [`stop`](Self::stop).
+    /// Starts a server at a port of this machine, which runs until [`stop`](Self::stop). Port 0 means any free port.
     ///
     /// # Errors
     /// The port is taken, or the system gives no random numbers or threads.
@@ -121,20 +123,21 @@ impl LabServer {
         self.address
     }
 
-    /// Pages that are open now.
+    /// Number of pages that are open now.
     pub fn sessions(&self) -> usize {
         self.sessions.load(Ordering::SeqCst)
     }
 
     /// Ends the server and all threads that it has started.
     pub fn stop(self) {
-        // the server may have ended by itself, and a thread that has panicked has said so
+        // errors are ignored: the server may have ended before, and a thread that panicked has already printed a
+        // message
         let _ = self.stop.send(true);
         let _ = self.server.join();
     }
 }
 
-/// Serves until it is told to stop, then waits for the threads of its sessions.
+/// Answers requests until the server is stopped, then waits for the threads of all sessions to end.
 async fn serve(listener: TcpListener, shared: ServerState) {
     let (mut stop, threads) = (shared.stop.clone(), Arc::clone(&shared.threads));
     let checked = middleware::from_fn_with_state(shared.clone(), check);
@@ -150,7 +153,7 @@ async fn serve(listener: TcpListener, shared: ServerState) {
             () = until_told(&mut stop) => {}
         }
     }
-    // sockets close themselves when told to stop: their sessions end with them
+    // each WebSocket is closed at the signal to stop, and its session then ends
     let threads = std::mem::take(&mut *threads.lock().unwrap_or_else(PoisonError::into_inner));
     for thread in threads {
         while !thread.is_finished() {
@@ -160,13 +163,13 @@ async fn serve(listener: TcpListener, shared: ServerState) {
     }
 }
 
-/// Answers connections, a bounded number at a time and each for a bounded time. More connections wait until one has
-/// been answered.
+/// Accepts and answers connections; their number and the duration of each are bounded. Further connections wait until
+/// one of the earlier ones ends.
 async fn accept(listener: tokio::net::TcpListener, router: Router) {
     let places = Arc::new(Semaphore::new(MOST_CONNECTIONS));
     while let Ok(place) = Arc::clone(&places).acquire_owned().await {
         let Ok((stream, _)) = listener.accept().await else {
-            // such as too many open files: some close meanwhile
+            // an error such as too many open files: other connections close during the pause
             tokio::time::sleep(AFTER_ERROR).await;
             continue;
         };
@@ -174,37 +177,38 @@ async fn accept(listener: tokio::net::TcpListener, router: Router) {
         tokio::spawn(async move {
             let mut server = http1::Builder::new();
             server.timer(TokioTimer::new()).header_read_timeout(HEAD);
-            // a page that has opened its socket goes on elsewhere
+            // after a page has opened its WebSocket, `socket` serves it
             let connection = server.serve_connection(TokioIo::new(stream), service).with_upgrades();
-            // a connection that breaks off or times out is no error of the server
+            // a connection that breaks off or times out is not an error of the server
             drop(tokio::time::timeout(CONNECTION, connection).await);
             drop(place);
         });
     }
 }
 
-/// Waits until the lab is to end.
+/// Waits for the signal to stop the server.
 async fn until_told(stop: &mut watch::Receiver<bool>) {
-    // an error means that the lab itself has gone
+    // an error means that the server object no longer exists
     drop(stop.wait_for(|stop| *stop).await);
 }
 
-/// An answer without content.
+/// Answer that consists of a status and its standard text.
 fn plain(status: StatusCode) -> Response<Body> {
     let mut response = Response::new(Body::from(status.canonical_reason().unwrap_or_default()));
     *response.status_mut() = status;
     response
 }
 
-/// Text of a header that occurs exactly once, else `None`. Of two headers, a proxy may have read the other one.
+/// Text of a header that occurs exactly once; `None` otherwise, because a proxy may have used another of several
+/// headers.
 fn text(headers: &HeaderMap, name: header::HeaderName) -> Option<&str> {
     let mut all = headers.get_all(name).iter();
     let only = all.next().filter(|_| all.next().is_none())?;
     only.to_str().ok()
 }
 
-/// Refuses a request under another name than this machine's, from another page, or without the token. All others get
-/// the headers that keep the page to itself.
+/// Refuses a request with another host name than that of this machine, from another page, or without the token. Each
+/// answer gets headers that isolate the page from other pages.
 async fn check(State(shared): State<ServerState>, request: Request, next: Next) -> Response<Body> {
     let headers = request.headers();
     let upgrade = headers.contains_key(header::UPGRADE);
@@ -238,7 +242,7 @@ async fn file(Path((_, file)): Path<(String, String)>) -> Response<Body> {
     asset(&file)
 }
 
-/// A file of the page: only those that are built in are there.
+/// Answer with a file of the page; only files that are built into the program exist.
 fn asset(path: &str) -> Response<Body> {
     let Some(asset) = ASSETS.iter().find(|asset| asset.path == path) else { return plain(StatusCode::NOT_FOUND) };
     let mut response = Response::new(Body::from(asset.text));
@@ -246,7 +250,7 @@ fn asset(path: &str) -> Response<Body> {
     response
 }
 
-/// A page opens its socket.
+/// Opens the WebSocket of a page, unless too many pages are open.
 async fn socket(State(shared): State<ServerState>, upgrade: WebSocketUpgrade) -> Response<Body> {
     let taken = shared
         .sessions
@@ -261,7 +265,7 @@ async fn socket(State(shared): State<ServerState>, upgrade: WebSocketUpgrade) ->
         .on_upgrade(move |socket| serve_page(socket, shared, place))
 }
 
-/// Slot of an open page, one of a limited number. It is free again when this is dropped.
+/// Place of an open page among the limited number of pages. Dropping this value frees the place.
 struct PageSlot(Arc<AtomicUsize>);
 
 impl Drop for PageSlot {
@@ -270,7 +274,7 @@ impl Drop for PageSlot {
     }
 }
 
-/// Starts the session of a page, and carries messages until the page or the session has ended.
+/// Starts the session of a page, and passes messages between both until one of them has ended.
 async fn serve_page(mut socket: WebSocket, shared: ServerState, place: PageSlot) {
     let (ask, asks) = sync_channel(MOST_ASKS);
     let (tells, mut told) = mpsc::channel(UNSENT);
@@ -300,7 +304,7 @@ async fn serve_page(mut socket: WebSocket, shared: ServerState, place: PageSlot)
     }
 }
 
-/// Passes on a request of a page; true if the page may send more.
+/// Passes a request of a page to its session. Returns true if the connection is to stay open.
 fn hear(message: &ws::Message, ask: &SyncSender<Ask>) -> bool {
     match message {
         ws::Message::Text(text) => serde_json::from_str(text).is_ok_and(|asked| ask.try_send(asked).is_ok()),
@@ -309,7 +313,8 @@ fn hear(message: &ws::Message, ask: &SyncSender<Ask>) -> bool {
     }
 }
 
-/// Starts the thread of a session. Its engines have a pool of this one thread, so that parallel loops stay on it.
+/// Starts the thread of a session. The thread pool of its engines consists of this one thread, so that parallel loops
+/// stay on this thread.
 fn start(
     session: Session,
     place: PageSlot,
@@ -322,7 +327,7 @@ fn start(
         threads.push(thread);
         Ok(())
     });
-    // the pool ends when it is dropped and the session is over
+    // the pool ends after it has been dropped and the session is over
     pool.build()?.spawn(move || {
         session.run();
         drop(place);

@@ -1,7 +1,7 @@
-//! The thread behind an open page: it runs two panels side by side while the page is visible.
+//! Session of an open page, in a separate thread: runs two panels side by side while the page is visible.
 //!
-//! Both panels go on to equal simulated times. A frame is made when the page has drawn the ones before; until then
-//! nothing is computed. So a page that is slow, hidden or stopped costs nothing, and a frame it shows is never old.
+//! Both panels advance to equal simulated times. While the page has still to draw two frames, nothing is computed. A
+//! page that is slow, hidden or stopped therefore costs no work, and each frame on the page is recent.
 
 use super::engine_lock::EngineLock;
 use super::frame::{Head, Now, PanelComparison, bytes};
@@ -17,47 +17,47 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, TryRecvError};
 use std::time::Duration;
 use tokio::sync::mpsc::Sender;
 
-/// Frames that may be on their way to the page.
+/// Largest number of frames that have been sent but not yet drawn.
 const UNDRAWN: u32 = 2;
 
-/// Time between two frames.
+/// Wall time between two frames.
 const FRAME: Duration = Duration::from_millis(33);
 
-/// Wall time that a panel may compute for one frame. After that it is shown as far as it has come.
+/// Largest wall time that a panel may compute for one frame. The frame then shows the time that the panel has reached.
 const BUDGET: Duration = Duration::from_millis(14);
 
-/// Longest wall time that a frame makes up for. Beyond it frames are dropped.
+/// Longest wall time since the last frame that the motion makes up for; the rest is skipped.
 const LATEST: Duration = Duration::from_millis(100);
 
-/// Time between two verdicts.
+/// Wall time between two comparisons of the panels.
 const VERDICT: Duration = Duration::from_millis(1500);
 
-/// [-] margin of equivalence of the verdict, as in `compare`.
+/// [-] margin of equivalence of the comparison, equal to the default of `compare`.
 const MARGIN: f64 = 0.01;
 
-/// [-] limits of the factor on a scene's own pace.
+/// [-] smallest and largest factor on the default pace of a scene.
 const PACES: [f64; 2] = [0.02, 10.0];
 
-/// Messages to the page.
+/// Messages of a session to its page.
 #[derive(Debug)]
 pub enum PageMessage {
-    /// JSON.
+    /// Message in JSON.
     Text(String),
-    /// A frame.
+    /// Bytes of a frame.
     Frame(Vec<u8>),
 }
 
-/// One open page.
+/// Session of one open page: channels to the page, and the lock of the engine.
 pub struct Session {
-    /// Requests of the page.
+    /// Channel of requests from the page.
     pub asks: Receiver<Ask>,
     /// Channel of messages to the page.
     pub tells: Sender<PageMessage>,
-    /// Lock of the engine: the session computes while it holds it.
+    /// Lock of the engine; the session computes only while it holds this lock.
     pub turn: EngineLock,
 }
 
-/// Present wishes of the page.
+/// Present state of the page: paused or not, visible or not, frames still to be drawn, pace.
 struct Wish {
     playing: bool,
     looking: bool,
@@ -66,11 +66,11 @@ struct Wish {
     factor: f64,
 }
 
-/// The page has gone.
+/// Error: the page has been closed.
 struct Gone;
 
 impl Session {
-    /// Runs until the page has gone.
+    /// Runs the session until the page is closed.
     pub fn run(self) {
         let scenes = SCENES.iter().map(|scene| Listed { name: scene.name, title: scene.title }).collect();
         let mut next =
@@ -86,7 +86,7 @@ impl Session {
         self.tells.blocking_send(PageMessage::Text(text)).map_err(|_| Gone)
     }
 
-    /// The first scene that the page opens.
+    /// Waits for the page to open a scene that can be run.
     fn first(&self) -> Result<SceneState, Gone> {
         loop {
             if let Ask::Open(choice) = self.asks.recv().map_err(|_| Gone)?
@@ -97,7 +97,8 @@ impl Session {
         }
     }
 
-    /// Opens a choice and tells the page about it; tells it the reason where the choice cannot be run.
+    /// Opens the scene that the page has chosen, and sends its description. If the choice cannot be run, the page gets
+    /// the reason, and the result is `None`.
     fn open(&self, choice: &SceneChoice) -> Result<Option<SceneState>, Gone> {
         let stage = {
             let _turn = self.turn.take();
@@ -109,10 +110,10 @@ impl Session {
         }
     }
 
-    /// Runs a stage until another one is opened, which is returned.
+    /// Runs a scene until the page opens another scene, which is returned.
     fn play(&self, stage: &SceneState, wish: &mut Wish) -> Result<SceneState, Gone> {
         let mut run = StageRun::new(stage);
-        // the start is shown in any case
+        // the initial state is always shown
         self.show(&mut run, wish)?;
         loop {
             if let Some(stage) = self.listen(wish, &run)? {
@@ -130,7 +131,8 @@ impl Session {
         }
     }
 
-    /// Takes requests of the page while there is nothing else to do; returns a stage if one was opened.
+    /// Handles requests of the page, and waits for them until the next frame is to be computed. Returns a scene if the
+    /// page has opened one.
     fn listen(&self, wish: &mut Wish, run: &StageRun) -> Result<Option<SceneState>, Gone> {
         let mut choice = None;
         let mut ask = if wish.wants(run) {
@@ -144,7 +146,7 @@ impl Session {
         };
         while let Some(next) = ask {
             match next {
-                // of several the last one counts: a slider sends many
+                // only the last of several choices is opened: moving a slider sends many
                 Ask::Open(other) => choice = Some(other),
                 Ask::Play { on } => wish.playing = on,
                 Ask::Step => wish.single = true,
@@ -172,23 +174,23 @@ impl Session {
 }
 
 impl Wish {
-    /// True if another frame is to be made.
+    /// Returns true if another frame is to be computed.
     fn wants(&self, run: &StageRun) -> bool {
         let moving = self.playing || self.single;
         moving && self.looking && self.undrawn < UNDRAWN && run.panels.iter().any(|panel| panel.running().is_some())
     }
 }
 
-/// Both panels of a stage.
+/// Running panels of an opened scene.
 struct StageRun<'a> {
     stage: &'a SceneState,
     panels: [LabPanel<'a>; 2],
     clock: Clock,
-    /// Time of the last frame.
+    /// Wall time of the last frame.
     shown: Duration,
-    /// Verdict that the next frame brings.
+    /// Comparison of the panels that the next frame will contain.
     judged: Option<PanelComparison>,
-    /// Time of the last verdict.
+    /// Wall time of the last comparison.
     judged_at: Duration,
 }
 
@@ -207,17 +209,17 @@ impl<'a> StageRun<'a> {
     }
 
     fn until_next_frame(&self) -> Duration {
-        // never none: other sessions get their turn
+        // at least 1 ms, so that other sessions can take the lock of the engine
         (self.shown + FRAME).saturating_sub(self.clock.now()).max(Duration::from_millis(1))
     }
 
-    /// [s] simulated time for the next frame, from the wall time since the last one.
+    /// [s] simulated time to compute for the next frame, from the wall time since the last frame.
     fn stretch(&self, factor: f64, single: bool) -> f64 {
         let passed = if single { FRAME } else { (self.clock.now() - self.shown).min(LATEST) };
         self.stage.pace() * factor * passed.as_secs_f64()
     }
 
-    /// Advances both panels, from the time of the slower one.
+    /// Advances both panels to a time `stretch` [s] beyond that of the slower panel.
     fn go_on(&mut self, stretch: f64) {
         let times = self.panels.iter().filter_map(LabPanel::running);
         let until = times.fold(f64::INFINITY, f64::min) + stretch;
@@ -229,7 +231,7 @@ impl<'a> StageRun<'a> {
         }
     }
 
-    /// Compares the two panels so far, in scenes that have a verdict.
+    /// Compares the results of both panels so far, in scenes whose statistics are tested.
     fn judge(&mut self) {
         let [Some(left), Some(right)] = [self.panels[0].outcome(), self.panels[1].outcome()] else { return };
         let outcomes = [left, right];
@@ -255,8 +257,8 @@ impl<'a> StageRun<'a> {
     }
 }
 
-/// Profile of a channel for the page. Each slice has y [mm], streamwise velocity and its error [m/s], and granular
-/// temperature [m²/s²].
+/// Profiles of a channel for the page. Each slice has y [mm], streamwise velocity and its standard error [m/s], and
+/// granular temperature [m²/s²].
 fn profile(outcome: &Outcome) -> Vec<[Option<f64>; 4]> {
     let rows = outcome.profiles.slices.iter().map(|row| {
         let normal: Option<Vec<f64>> = [UU, VV, WW].into_iter().map(|one| Some(row.of(one)?.value)).collect();

@@ -1,4 +1,4 @@
-//! Results of the chart of work against precision, as plain data for the outputs.
+//! Results of the work-precision chart as plain data for the outputs.
 
 use super::Provenance;
 use super::numbers::with_error;
@@ -7,62 +7,62 @@ use crate::experiment::Model;
 use crate::statistics::{Estimate, PowerLaw};
 use serde::Serialize;
 
-/// A quantity whose error is charted.
+/// Quantity whose error is charted against the cost.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ChartQuantity {
-    /// Short name for files and tables, `restitution_mean`.
+    /// Short name for files and tables, such as `restitution_mean`.
     pub key: &'static str,
     /// Name of the quantity, in words.
     pub name: &'static str,
-    /// Definition of the error, for an axis: `|e − e₀|/e₀`.
+    /// Definition of the error, for the label of an axis, such as `|e − e₀|/e₀`.
     pub axis: &'static str,
-    /// Reference value for all errors, and its own standard error; in `unit`.
+    /// Reference value for all errors, with its standard error, in `unit`.
     pub reference: Estimate,
-    /// Unit of value and reference, empty for none.
+    /// Unit of the value and the reference; empty if the quantity has no unit.
     pub unit: &'static str,
-    /// [-] statistical floor: the error that one run shows by chance alone, from the scatter of the runs of the
-    /// reference; 0 without chance.
+    /// [-] statistical floor: the error of one run by chance alone, computed from the scatter between the reference
+    /// runs. The floor is 0 if nothing is random.
     pub floor: f64,
 }
 
-/// The error of one point in one quantity, as charted [-].
+/// Error of one charted point in one quantity [-].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct PointError {
-    /// Value found, in the unit of the quantity.
+    /// Value that the method gives, in the unit of the quantity.
     pub value: f64,
-    /// [-] error of the value.
+    /// [-] error of the value, as defined for the axis.
     pub error: f64,
-    /// [-] standard error of `error`; `None` if it is not known.
+    /// [-] standard error of `error`; `None` if unknown.
     pub uncertainty: Option<f64>,
     /// Smallest and largest value among the samples, in the unit of the quantity; `None` for a single run.
     pub range: Option<(f64, f64)>,
 }
 
-/// Wall-clock time on one thread [s].
+/// Distribution of the wall-clock time of one run on one thread [s].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct CostSpread {
-    /// [s] median.
+    /// [s] median time.
     pub median: f64,
-    /// [s] shortest.
+    /// [s] shortest time.
     pub lowest: f64,
-    /// [s] longest.
+    /// [s] longest time.
     pub highest: f64,
 }
 
-/// Reason why a point has no result.
+/// Reason why a charted point has no result.
 #[derive(Clone, Debug, PartialEq, Serialize, thiserror::Error)]
 #[serde(rename_all = "snake_case")]
 pub enum ChartFailure {
-    /// The engine stopped.
+    /// The engine stopped with a failure.
     #[error("{0}")]
     Engine(Failure),
-    /// The impact had not ended at the end of the simulated time.
+    /// The impact had not ended by the end of the simulated time.
     #[error("the impact had not ended when the time of the case was over")]
     Unfinished,
 }
 
 impl ChartFailure {
-    /// The type of the failure as one word, as in JSON.
+    /// Kind of the failure as one word, as in JSON.
     pub fn kind(&self) -> &'static str {
         match self {
             Self::Engine(failure) => failure.kind(),
@@ -71,58 +71,57 @@ impl ChartFailure {
     }
 }
 
-/// One method at one value of its parameter.
+/// Point of the chart: one method at one value of its swept parameter.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ChartPoint {
-    /// Index into [`ChartStudy::methods`].
+    /// Index of the method in [`ChartStudy::methods`].
     pub method: usize,
-    /// Value of the swept parameter, in the unit of that parameter.
+    /// Value of the swept parameter, in the unit of this parameter.
     pub knob: f64,
     /// Number of runs.
     pub samples: usize,
-    /// Wall-clock time of one run.
+    /// Wall-clock time of one run on one thread.
     pub wall: CostSpread,
-    /// Work of all runs together, equal on every machine.
+    /// Counts of the work of all runs together, equal on every machine.
     pub counters: Counters,
-    /// [-] pair checks, force evaluations and events of one run.
+    /// [-] number of operations of one run: pair checks, force evaluations and events.
     pub work: f64,
-    /// One error per quantity in the order of [`ChartStudy::quantities`]; `None` if the point does not have the
-    /// quantity.
+    /// Errors in the order of [`ChartStudy::quantities`]; `None` for a quantity that the point does not have.
     pub errors: Vec<Option<PointError>>,
-    /// Reason why there are no errors.
+    /// Reason why the point has no errors; `None` if it has errors.
     pub failure: Option<ChartFailure>,
 }
 
-/// A method and the parameter that is swept.
+/// Method with the parameter that is swept.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ChartMethod {
-    /// Name.
+    /// Name of the method.
     pub name: String,
     /// Collision model.
     pub model: Model,
     /// Symbol of the swept parameter.
     pub knob: &'static str,
-    /// Unit of the parameter, empty for none.
+    /// Unit of the swept parameter; empty if it has no unit.
     pub unit: &'static str,
 }
 
-/// Fitted decrease of the error of a method with its swept parameter.
+/// Fitted power law by which the error of a method decreases with its swept parameter.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ChartSlope {
-    /// Index into [`ChartStudy::methods`].
+    /// Index of the method in [`ChartStudy::methods`].
     pub method: usize,
-    /// Index into [`ChartStudy::quantities`].
+    /// Index of the quantity in [`ChartStudy::quantities`].
     pub quantity: usize,
-    /// The fit.
+    /// Fitted exponent, with its error.
     #[serde(flatten)]
     pub law: PowerLaw,
-    /// Values of the parameter at both ends of the fitted range.
+    /// Values of the swept parameter at both ends of the fitted range.
     pub range: (f64, f64),
 }
 
 impl ChartSlope {
-    /// The exponent with its error, to two decimal places at most: the scatter about a line does not measure a
-    /// curvature.
+    /// Exponent with its error, to two decimal places at most. More places would be meaningless, because the scatter
+    /// about a line does not include curvature.
     pub fn exponent(&self) -> String {
         let law = &self.law;
         if law.error < 0.01 {
@@ -133,40 +132,40 @@ impl ChartSlope {
     }
 }
 
-/// All data of a chart that outputs need.
+/// All results of a work-precision chart.
 #[derive(Clone, Copy, Debug)]
 pub struct ChartStudy<'a> {
-    /// Origin of the results.
+    /// Origin of the results: title, case and command.
     pub provenance: &'a Provenance,
-    /// Description of the reference of the errors, and of its accuracy.
+    /// Description of the reference values and of their accuracy.
     pub reference: &'a str,
-    /// Description of the runs of each point.
+    /// Description of the runs behind each point.
     pub setting: &'a str,
-    /// The methods.
+    /// Compared methods.
     pub methods: &'a [ChartMethod],
-    /// The quantities.
+    /// Charted quantities.
     pub quantities: &'a [ChartQuantity],
-    /// All points.
+    /// Points of all methods.
     pub points: &'a [ChartPoint],
-    /// Fitted slopes.
+    /// Fitted slopes of the errors.
     pub slopes: &'a [ChartSlope],
-    /// The conclusion, a sentence each.
+    /// Conclusions, one sentence each.
     pub verdicts: &'a [String],
-    /// Limits of the reliability of the numbers.
+    /// Remarks on how far the numbers are reliable.
     pub notes: &'a [String],
 }
 
-/// Measure of the cost.
+/// Measure of the cost of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CostMeasure {
     /// Wall-clock time on one thread.
     Wall,
-    /// Pair checks, force evaluations and events.
+    /// Number of operations: pair checks, force evaluations and events.
     Work,
 }
 
 impl ChartPoint {
-    /// Cost: [s] or a count.
+    /// Cost of the point: wall-clock time [s] or number of operations [-].
     pub fn cost(&self, cost: CostMeasure) -> f64 {
         match cost {
             CostMeasure::Wall => self.wall.median,
@@ -174,14 +173,14 @@ impl ChartPoint {
         }
     }
 
-    /// [-] error in a quantity; `None` if it is not known.
+    /// [-] error of the point in a quantity; `None` if unknown.
     pub fn error(&self, quantity: usize) -> Option<f64> {
         self.errors.get(quantity).copied().flatten().map(|found| found.error)
     }
 }
 
-/// The cheapest point of some models whose error in a quantity is certainly within `target` [-]. Twice its uncertainty
-/// is added to the error, so that a lucky value does not win.
+/// Cheapest point of some models whose error in a quantity is within `target` [-]. Twice the standard error is added to
+/// the error, so that a value that is good by chance is not chosen.
 pub fn cheapest<'a>(
     (methods, points): (&[ChartMethod], &'a [ChartPoint]),
     quantity: usize,
@@ -198,9 +197,9 @@ pub fn cheapest<'a>(
 }
 
 impl ChartStudy<'_> {
-    /// Indices of the points on the Pareto front of some models in a quantity, in the order of cost: no other of their
-    /// points beats them. Errors below the statistical floor count as the floor, because a small error by chance is not
-    /// precision.
+    /// Indices of the points of some models on the Pareto front of a quantity, in order of cost. No other point of
+    /// these models has both a smaller cost and a smaller error. Errors below the statistical floor count as the floor,
+    /// because they are small by chance.
     pub fn front(&self, quantity: usize, cost: CostMeasure, models: &[Model]) -> Vec<usize> {
         let floor = self.quantities.get(quantity).map_or(0.0, |quantity| quantity.floor);
         let asked = |point: &ChartPoint| models.contains(&self.methods[point.method].model);

@@ -1,5 +1,5 @@
-//! Content of the report of a study, independent of the format: sentences, tables and pictures in the order of a page,
-//! and the numbers of its summary. [`html`](super::html) makes a page of it, [`text`] lines for a terminal.
+//! Content of a study's report, independent of the format: sentences, tables, pictures, and numbers of the summary.
+//! [`html`](super::html) turns the content into a page, [`text`] into lines for a terminal.
 
 use super::Provenance;
 use super::numbers::UNKNOWN;
@@ -10,62 +10,62 @@ use crate::statistics::Answer;
 use std::fmt::Write;
 use std::ops::Range;
 
-/// A row of a table: whether it is marked, and its cells, the first of which names it.
+/// Row of a table: true if the row is highlighted, and its cells. The first cell is the name of the row.
 pub(super) type TextRow = (bool, Vec<String>);
 
-/// A table whose first column names the rows.
+/// Table of text cells whose first column contains the names of the rows.
 #[derive(Clone, Debug)]
 pub(super) struct Table {
     pub head: Vec<String>,
     pub rows: Vec<TextRow>,
-    /// True if the last column holds sentences.
+    /// True if the last column contains sentences.
     pub remarks: bool,
 }
 
-/// A table of answers: quantities in rows, variants in columns.
+/// Table of answers, with quantities in rows and variants in columns.
 #[derive(Clone, Debug)]
 pub(super) struct Matrix {
-    /// Name of each column, and a remark about it.
+    /// Names of the columns, each with a remark.
     pub head: Vec<(String, String)>,
-    /// Name of each row, and its answers.
+    /// Names of the rows, each with its answers.
     pub rows: Vec<(String, Vec<AnswerCell>)>,
 }
 
-/// One answer of a matrix.
+/// One answer in a [`Matrix`].
 #[derive(Clone, Debug, Default)]
 pub(super) struct AnswerCell {
-    /// The answer in a word; `None` if there is none.
+    /// Answer in a word; `None` if there is no answer.
     pub answer: Option<Answer>,
-    /// Number behind the answer, or the text shown in place of an answer.
+    /// Number from which the answer follows, or the text shown instead of an answer.
     pub words: String,
 }
 
-/// A part of a document.
+/// Part of a document.
 #[derive(Clone, Debug)]
 pub(super) enum Block {
     Heading(String),
     Subheading(String),
-    /// A heading that a link leads to, with the name of the link.
+    /// Heading to which links lead; the first field is the name used in the links.
     Section(&'static str, String),
-    /// Links to sections: name and heading of each.
+    /// Links to sections: name and heading of each section.
     Contents(Vec<(&'static str, String)>),
     Paragraph(String),
-    /// A label in bold letters for the blocks below it.
+    /// Label in bold letters above the blocks that follow.
     Label(String),
-    /// The sentence that answers the question of a part of the document.
+    /// Sentence that answers the question of a part of the document.
     Verdict(String),
     Note(String),
     List(Vec<String>),
-    /// Terms and their values; terms without a value are left out.
+    /// Terms with their values; terms with an empty value are left out.
     Entries(Vec<(String, String)>),
     Table(Table),
     /// Answers in a compact table.
     Matrix(Matrix),
-    /// An animation of particles.
+    /// Animation of particles.
     Player(Box<Player>),
-    /// Pictures of the document, by index.
+    /// Pictures of the document, given by a range of indices.
     Figures(Range<usize>),
-    /// A text file under a heading, folded until the user opens it.
+    /// Heading and text of a file, hidden until the reader opens it.
     Source(String, String),
 }
 
@@ -78,7 +78,7 @@ impl Block {
         Self::Note(text.into())
     }
 
-    /// `head`: the names of the columns with ` | ` in between.
+    /// Table from its rows. `head` contains the names of the columns, separated by ` | `.
     pub fn table(head: &str, rows: impl IntoIterator<Item = TextRow>) -> Self {
         Self::Table(Table { head: columns(head), rows: rows.into_iter().collect(), remarks: false })
     }
@@ -88,43 +88,43 @@ impl Block {
     }
 }
 
-/// The names of columns that stand in a text with ` | ` in between.
+/// Names of columns from a text in which they are separated by ` | `.
 pub(super) fn columns(head: &str) -> Vec<String> {
     head.split(" | ").map(String::from).collect()
 }
 
-/// The text if the value is known, else the sign for an unknown value.
+/// The given text if a value is known, else the sign for an unknown value.
 pub(super) fn known(is_known: bool, text: String) -> String {
     if is_known { text } else { UNKNOWN.into() }
 }
 
-/// All results of a study that are written.
+/// All results of a study in the form in which they are written.
 pub(super) struct Document<'a> {
     pub provenance: &'a Provenance,
-    /// Variants that stopped early, by name.
+    /// Names and failures of variants that stopped early.
     pub failures: Vec<(&'a str, &'a Failure)>,
-    /// The answer in sentences, the shortest first.
+    /// Answers in sentences, the shortest first.
     pub verdicts: &'a [String],
-    /// Number of `verdicts` at the head of the page; the others are folded.
+    /// Number of `verdicts` at the top of the page; the others are hidden until the reader opens them.
     pub answers: usize,
-    /// The part that is visible without unfolding.
+    /// Part of the page that is always visible.
     pub front: Vec<Block>,
-    /// Limits of the reliability of the numbers, a sentence each.
+    /// Remarks on how far the numbers are reliable, one sentence each.
     pub notes: &'a [String],
     pub body: Vec<Block>,
     /// Further data needed to reproduce the results.
     pub tail: Vec<Block>,
-    /// Tables of numbers: name of the file, and its text.
+    /// Tables of numbers: names of the files and their texts.
     pub tables: Vec<(String, Vec<u8>)>,
     pub figures: Vec<Figure>,
 }
 
-/// Outcome of a run, in one word.
+/// State of a finished run in one word.
 pub(super) fn status(failed: bool) -> &'static str {
     if failed { "failed" } else { "complete" }
 }
 
-/// Parts of a document as lines for a terminal, which has no links and no pictures.
+/// Text of parts of a document for a terminal, without links and pictures.
 pub(super) fn text(blocks: &[Block]) -> String {
     let mut text = String::new();
     for block in blocks {
@@ -152,7 +152,7 @@ pub(super) fn text(blocks: &[Block]) -> String {
     text
 }
 
-/// Columns as wide as their longest cell, two spaces apart.
+/// Lines with columns as wide as their longest cell, two spaces apart.
 fn aligned<'a>(rows: &[impl AsRef<[&'a str]>]) -> String {
     let mut widths: Vec<usize> = Vec::new();
     for row in rows.iter().map(AsRef::as_ref) {

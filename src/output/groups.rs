@@ -3,14 +3,15 @@
 use crate::experiment::Model;
 use crate::outcome::Outcome;
 
-/// Number of variants that one panel can tell apart: there are as many dashes and markers.
+/// Number of variants that readers can distinguish in one panel, equal to the number of dash patterns and of markers.
 pub(super) const TOLD_APART: usize = 6;
 
-/// For each variant the index of its reference: the variant named by `against`. A variant is its own reference if
-/// another names it. All others are compared with the first hard one, else with the first.
+/// Index of the reference of each variant. The reference is the variant named by `against`. A variant that others name
+/// is its own reference. All other variants are compared with the first hard variant, or with the first variant if none
+/// is hard.
 pub fn references(outcomes: &[Outcome]) -> Vec<usize> {
     let rest = outcomes.iter().position(|outcome| outcome.experiment.model() == Model::Hard).unwrap_or(0);
-    // a variant whose reference has not been run yet stands alone
+    // a variant whose reference has not been run yet is its own reference
     let against = |(place, outcome): (usize, &Outcome)| {
         let name = outcome.experiment.against.as_ref()?;
         Some(outcomes.iter().position(|other| other.experiment.name == *name).unwrap_or(place))
@@ -24,15 +25,15 @@ pub fn references(outcomes: &[Outcome]) -> Vec<usize> {
     (0..outcomes.len()).map(of).collect()
 }
 
-/// Variants drawn in one panel.
+/// Variants that are drawn in one panel.
 pub(super) struct PanelGroup<'a> {
-    /// Common beginning of their names; empty for the only group.
+    /// Common beginning of the names of the variants; empty if there is only one group.
     pub title: String,
-    /// Rest of each name, and the outcome.
+    /// Remaining part of each name, with the outcome of the variant.
     pub members: Vec<(String, &'a Outcome)>,
 }
 
-/// All variants in one group if a panel can tell them apart, else a group for each reference.
+/// One group of all variants if readers can distinguish them in a panel, else a group for each reference.
 pub(super) fn groups(outcomes: &[Outcome]) -> Vec<PanelGroup<'_>> {
     let name = |outcome: &Outcome| outcome.experiment.name.clone();
     let references = references(outcomes);
@@ -55,8 +56,8 @@ pub(super) fn groups(outcomes: &[Outcome]) -> Vec<PanelGroup<'_>> {
     heads.iter().map(group).collect()
 }
 
-/// Splits "case B, soft" and "case B, hard" into "case B" and "soft", "hard". `None` if the names do not have one
-/// beginning up to a comma.
+/// Splits names at their first comma: "case B, soft" and "case B, hard" give "case B", and "soft", "hard". `None` if
+/// the names have no common beginning of that kind.
 fn split(names: &[String]) -> Option<(String, Vec<String>)> {
     let (title, _) = names.first()?.split_once(", ")?;
     let rest = names.iter().map(|name| Some(name.strip_prefix(title)?.strip_prefix(", ")?.to_owned()));

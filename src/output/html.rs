@@ -1,7 +1,9 @@
-//! The report: one HTML page that opens offline, and prints. It can be read completely without script.
+//! Report as one HTML page, which can be opened without a network and printed. All of its text is readable without
+//! scripts.
 //!
-//! The answer comes first, on one screen. The data behind it are folded below, a part per heading; then come the data
-//! needed to reproduce the results. All text from outside is escaped, and made legible in the page as a whole.
+//! The answer comes first and fits on one screen. The data follow in parts, each hidden below a heading until the
+//! reader opens the part. The last part contains the data needed to reproduce the results. All text from outside is
+//! escaped, and control characters are made visible.
 
 use super::document::{AnswerCell, Block, Document, Matrix, Table};
 use super::figures::file_name;
@@ -14,23 +16,23 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 const STYLE: &str = include_str!("page/style.css");
 
-/// The heading of the part with the notes.
+/// Heading of the part with remarks and checks.
 pub(super) const TRUST: &str = "How far to trust this";
 
-/// The heading of the data needed to reproduce the results.
+/// Heading of the part with the data needed to reproduce the results.
 const AGAIN: &str = "To get the same again";
 
-/// A folded part: its heading and its content.
+/// Part of the page that is hidden below its heading until the reader opens the part.
 struct Fold<'a> {
     title: &'a str,
     inside: Vec<Markup>,
 }
 
-/// The page of a document.
+/// HTML text of the page for a document.
 pub(super) fn page(document: &Document) -> String {
     let Document { provenance, verdicts, front, body, figures, .. } = document;
     let title = if provenance.title.is_empty() { provenance.case_path.as_str() } else { &provenance.title };
-    // parts without a heading, and those under a heading that a link leads to, stay open
+    // blocks before the first heading are always visible
     let open = body.iter().position(|block| matches!(block, Block::Heading(_))).unwrap_or(body.len());
     let folds = folds(document, &body[open..]);
     let (answers, further) = verdicts.split_at(document.answers.min(verdicts.len()));
@@ -66,7 +68,7 @@ pub(super) fn page(document: &Document) -> String {
     legible::lines(&page.into_string()).into_owned()
 }
 
-/// All folded parts, in the order of the page.
+/// All parts below headings, in the order of the page.
 fn folds<'a>(document: &'a Document, body: &'a [Block]) -> Vec<Fold<'a>> {
     let Document { provenance, notes, figures, .. } = document;
     let mut folds = Vec::new();
@@ -92,7 +94,7 @@ fn folds<'a>(document: &'a Document, body: &'a [Block]) -> Vec<Fold<'a>> {
     folds
 }
 
-/// Origin of the results.
+/// Data needed to reproduce the results: case, command, version and case file.
 fn again(document: &Document) -> Vec<Markup> {
     let Document { provenance, figures, tail, .. } = document;
     let version = concat!("diptych ", env!("CARGO_PKG_VERSION"));
@@ -106,7 +108,7 @@ fn again(document: &Document) -> Vec<Markup> {
     inside
 }
 
-/// Links to the parts, and to the tables of numbers beside the page.
+/// Links to the parts of the page and to the files with tables of numbers.
 fn contents(folds: &[Fold], tables: &[(String, Vec<u8>)]) -> Markup {
     html! {
         nav aria-label="Contents" {
@@ -117,7 +119,7 @@ fn contents(folds: &[Fold], tables: &[(String, Vec<u8>)]) -> Markup {
                     a href={ "#" (file_name(fold.title)) } { (fold.title) }
                 }
             }
-            // a study of limits names the table of each map beside it
+            // no links for a study of limits, whose sections name their tables
             @if (1..=8).contains(&tables.len()) {
                 p {
                     "Numbers: "
@@ -131,7 +133,7 @@ fn contents(folds: &[Fold], tables: &[(String, Vec<u8>)]) -> Markup {
     }
 }
 
-/// The link to a part leads into it, so that following it unfolds the part.
+/// Part with its heading. The target of its link is inside the part, so that following the link opens the part.
 fn folded(fold: &Fold) -> Markup {
     html! {
         details.part {
@@ -141,7 +143,7 @@ fn folded(fold: &Fold) -> Markup {
     }
 }
 
-/// Variants that stopped early, with the typed failure as in `summary.json`.
+/// Variants that stopped early, each with its failure as in `summary.json`.
 fn failed(failures: &[(&str, &Failure)]) -> Markup {
     html! {
         @if !failures.is_empty() {

@@ -1,36 +1,37 @@
-//! Results of the study of limits, as plain data for the outputs: one [`Map`] per question.
+//! Results of the study of limits as plain data for the outputs, with one [`Map`] per question.
 
 use super::Provenance;
 use super::panel::Panel;
 use crate::engine::Failure;
 
-/// One point: a run, or several with equal settings.
+/// Point of a map: one run, or several runs with equal settings.
 #[derive(Clone, Debug)]
 pub struct MapPoint {
-    /// Numbers in the order of the columns, each in the unit of its column; `None` for a missing number.
+    /// Values in the order of the columns, each in the unit of its column; `None` for a missing number.
     pub values: Vec<Option<f64>>,
-    /// Reason of an early stop, if there was one: that of the first run that stopped.
+    /// Failure of the first run that stopped early; `None` if no run did.
     pub failure: Option<Failure>,
 }
 
-/// Map of the settings at which one method fails.
+/// Map that shows at which settings one method fails.
 #[derive(Clone, Debug)]
 pub struct Map {
-    /// Name of the files of the map, and its name for `--only`.
+    /// Name of the files of the map, which is also its name for `--only`.
     pub name: &'static str,
-    /// The question.
+    /// Question that the map answers.
     pub title: String,
-    /// Description of each point.
+    /// Description of the runs behind each point.
     pub method: String,
-    /// Conclusion from the numbers.
+    /// Conclusion drawn from the numbers.
     pub lesson: String,
-    /// Names of the columns of the table, with the unit after an underscore; the heading of the case explains them.
+    /// Names of the columns in the table, with the unit after an underscore. The comment at the top of `case` explains
+    /// the columns.
     pub columns: Vec<&'static str>,
-    /// The points, in the order in which they are drawn.
+    /// Points in the order in which they are drawn.
     pub rows: Vec<MapPoint>,
-    /// The picture.
+    /// Picture of the map.
     pub picture: Picture,
-    /// The scene as a case for `diptych run`; every point changes some of its keys.
+    /// Scene of the map as a case for `diptych run`. Each point changes some keys of this case.
     pub case: &'static str,
 }
 
@@ -43,82 +44,82 @@ pub enum Picture {
     Curves(Panel),
 }
 
-/// A plane of cells, each of a class, and lines of theory on it.
+/// Plane of cells, each of which belongs to a class, with theoretical lines.
 #[derive(Clone, Debug)]
 pub struct RegimeMap {
     /// Label of the horizontal axis.
     pub x_label: String,
     /// Label of the vertical axis.
     pub y_label: String,
-    /// True for axes that are logarithmic.
+    /// True for each axis that is logarithmic: horizontal, vertical.
     pub log: [bool; 2],
-    /// The classes.
+    /// Classes of cells.
     pub classes: Vec<Class>,
-    /// The cells.
+    /// Cells of the plane.
     pub cells: Vec<Cell>,
-    /// Lines of theory: a label, and points in the units of the axes.
+    /// Theoretical lines: a label, and points in the units of the axes.
     pub lines: Vec<(String, Vec<(f64, f64)>)>,
 }
 
-/// Class of cells that share one colour.
+/// Class of cells that have one meaning and one colour.
 #[derive(Clone, Debug)]
 pub struct Class {
     /// Name of the class in the legend.
     pub label: String,
-    /// Colour of the class.
+    /// Colour of the class, by its meaning.
     pub shade: Shade,
 }
 
-/// Colours of cells by their meaning.
+/// Meaning of a class of cells, from which its colour follows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Shade {
-    /// Size of the effect, from 0 (not visible) to 3 (large). In blue.
+    /// Size of an effect, from 0 (not visible) to 3 (large); drawn in blue.
     Level(u8),
-    /// Stopped with a typed failure, or grew without bound. Crossed, in vermilion.
+    /// Runs that stopped with a failure, or grew without bound; drawn in orange with crosses.
     Fails,
-    /// Wrong without any message. Crossed, in black.
+    /// Runs with wrong results but no message; drawn in dark grey with crosses.
     Silent,
 }
 
-/// A rectangular cell.
+/// Rectangular cell of a map.
 #[derive(Clone, Copy, Debug)]
 pub struct Cell {
     /// Left and right end, in the unit of the axis.
     pub x: (f64, f64),
     /// Lower and upper end, in the unit of the axis.
     pub y: (f64, f64),
-    /// Index of the class that colours it.
+    /// Index of the class to which the cell belongs.
     pub class: usize,
 }
 
-/// All data of a study of limits that outputs need.
+/// All results of a study of limits.
 pub struct LimitsStudy<'a> {
-    /// Origin of the results.
+    /// Origin of the results: case, command and title.
     pub provenance: &'a Provenance,
-    /// The maps, in the order of the page.
+    /// Maps in the order of the page.
     pub maps: &'a [Map],
-    /// [s] wall-clock time of the runs of each map; two maps from one set of runs have equal times.
+    /// [s] wall-clock time of the runs of each map. Two maps made from one set of runs have equal times.
     pub wall_seconds: &'a [f64],
-    /// True if the grids are the coarse ones.
+    /// True if the study used coarse grids.
     pub quick: bool,
 }
 
 impl LimitsStudy<'_> {
-    /// The command that runs one map again.
+    /// Command that repeats the runs of one map.
     pub fn command(&self, map: &Map) -> String {
         format!("diptych limits --only {}{}", map.name, if self.quick { " --quick" } else { "" })
     }
 }
 
 impl MapPoint {
-    /// Outcome of the point in one word: `ran`, or the type of the failure.
+    /// Outcome of the point in one word: `ran`, or the kind of the failure.
     pub fn outcome(&self) -> &'static str {
         self.failure.as_ref().map_or("ran", Failure::kind)
     }
 }
 
 impl Map {
-    /// Number of points for each outcome, in the order of first appearance.
+    /// Number of points with each outcome, in order of first appearance.
     pub fn outcomes(&self) -> Vec<(&'static str, u64)> {
         let mut outcomes: Vec<(&str, u64)> = Vec::new();
         for name in self.rows.iter().map(MapPoint::outcome) {

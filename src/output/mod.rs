@@ -1,12 +1,12 @@
-//! Output of results.
+//! Output of results as tables, pictures, pages and summaries.
 //!
-//! Each study has a file in `documents` that turns its results into one `document`: sentences, tables, pictures,
-//! numbers. Each format has one writer: [`csv`] tables, [`figures`] as SVG, `html` for the page that opens offline,
-//! text for a terminal, JSON for the summary. The writers compute no physics. [`Folder`] puts their files on disk, each
-//! whole or not at all. Files use SI units; pictures and pages use SI prefixes.
+//! For each study, a file in `documents` turns the results into one `document` of sentences, tables, pictures and
+//! numbers. Each format has one writer: [`csv`] for tables, [`figures`] for SVG pictures, `html` for the page, text for
+//! a terminal, and JSON for the summary. The writers compute no physics. [`Folder`] writes files to the disk, each
+//! completely or not at all. Files use SI units; pictures and pages use SI prefixes.
 //!
-//! The functions `write_…` write a complete folder, `summary.json` last: its presence shows that all files are there.
-//! [`write_part`] writes the folder without the summary, after each variant of a comparison.
+//! The functions `write_…` write a whole folder, with `summary.json` last. The presence of this file means that all
+//! files are complete. [`write_part`] writes the folder without the summary, after each variant of a comparison.
 
 mod chart;
 pub mod csv;
@@ -51,51 +51,51 @@ use crate::observe::Frames;
 use crate::outcome::Outcome;
 use std::path::{Path, PathBuf};
 
-/// Reason why results could not be written.
+/// Reason why results could not be written or read.
 #[derive(Debug, thiserror::Error)]
 pub enum OutputError {
-    /// The folder holds the results of another run.
+    /// The folder contains results of another run.
     #[error("{} holds results already; name another folder with --out, or pass --overwrite to replace them", path.display())]
     Occupied {
-        /// The folder.
+        /// Path of the folder.
         path: PathBuf,
     },
-    /// The folder holds a run that has not reached its end.
+    /// The folder contains a run that was stopped before its end.
     #[error(
         "{} holds a run that was stopped before its end; go on with it by `diptych resume {}`, or name another folder with --out, or pass --overwrite to begin anew",
         path.display(), path.display()
     )]
     Unfinished {
-        /// The folder.
+        /// Path of the folder.
         path: PathBuf,
     },
-    /// Another command writes into the folder.
+    /// Another command is writing into the folder.
     #[error("another run is writing into {} at this moment; wait for its end, or name another folder with --out", path.display())]
     InUse {
-        /// The folder.
+        /// Path of the folder.
         path: PathBuf,
     },
-    /// The system refused to write or read.
+    /// The operating system refused to write or read.
     #[error("cannot {action} {}: {source}", path.display())]
     Io {
         /// Attempted action, as words before the path.
         action: &'static str,
-        /// File or folder.
+        /// Path of the file or folder.
         path: PathBuf,
-        /// Error of the system.
+        /// Error of the operating system.
         source: std::io::Error,
     },
-    /// Frames of a trajectory have been removed while the run was under way.
+    /// Frames of a trajectory were removed during the run.
     #[error("{gone} of {frames} frames of the trajectory were removed during the run, the first is {}; its index lists the others", path.display())]
     Gone {
-        /// The first removed frame.
+        /// Path of the first removed frame.
         path: PathBuf,
         /// Number of removed frames.
         gone: usize,
         /// Number of frames that were written.
         frames: usize,
     },
-    /// One of the processes that share a run could not write.
+    /// One of the processes that share a run could not write its file.
     #[error("process {process}: {why}")]
     OfProcess {
         /// Rank of the process.
@@ -120,38 +120,39 @@ impl OutputError {
 /// Data needed to reproduce results.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Provenance {
-    /// Title of the case, one line.
+    /// Title of the case, in one line.
     pub title: String,
     /// Path of the case file.
     pub case_path: String,
-    /// The case file as it was read.
+    /// Text of the case file as it was read.
     pub case_text: String,
-    /// The command line.
+    /// Command line by which the results were computed.
     pub command: String,
-    /// The scene in words.
+    /// Description of the scene, in words.
     pub scene: String,
 }
 
-/// All data of a run or a comparison that outputs need.
+/// All results of a run or a comparison.
 #[derive(Clone, Copy, Debug)]
 pub struct Study<'a> {
-    /// Origin of the results.
+    /// Origin of the results: title, case and command.
     pub provenance: &'a Provenance,
-    /// One per variant.
+    /// Outcomes of the runs, one per variant.
     pub outcomes: &'a [Outcome],
-    /// Every resolved parameter in SI, one per variant in the same order.
+    /// All parameters of each variant in SI, in the order of the variants.
     pub parameters: &'a [serde_json::Value],
-    /// The answer in sentences, the shortest first; it heads the page.
+    /// Answers in sentences, the shortest first; they are at the top of the page.
     pub verdicts: &'a [String],
-    /// Variants against their references; empty for a single run.
+    /// Comparisons of variants with their references; empty for a single run.
     pub comparisons: &'a [Verdict],
-    /// Settings of each variant, as typed in the case, in the order of the variants; empty for one without settings.
+    /// Settings of each variant as typed in the case, in the order of the variants. The text is empty for a variant
+    /// without settings.
     pub overrides: &'a [String],
-    /// Limits of the reliability of the numbers, a sentence each.
+    /// Remarks on how far the numbers are reliable, one sentence each.
     pub notes: &'a [String],
-    /// The numbers behind the notes, one sheet per variant in the order of the variants.
+    /// Checks of the results, one sheet per variant in the order of the variants.
     pub trust: &'a [TrustSheet],
-    /// Recordings of the particles for animations, one per variant in the order of the variants; may be empty.
+    /// Recorded motion of the particles for animations, in the order of the variants; may be empty.
     pub frames: &'a [Frames],
 }
 

@@ -1,12 +1,12 @@
-//! Formats numbers for readers: only significant digits, SI prefixes, errors beside values.
+//! Formats numbers for readers: only significant digits, SI prefixes, and values with their errors.
 
 use crate::statistics::Estimate;
 
-/// Sign for an unknown number.
+/// Sign that replaces an unknown number.
 pub const UNKNOWN: &str = "–";
 
-/// `value` with the given number of significant digits; with a power of ten if plain digits would be unreadable. `None`
-/// and values that are not finite give the sign for an unknown number.
+/// Text of `value` with the given number of significant digits, and with a power of ten if plain digits would be hard
+/// to read. `None` and values that are not finite give the sign for an unknown number.
 pub fn significant(value: impl Into<Option<f64>>, digits: usize) -> String {
     let Some(value) = finite(value) else { return UNKNOWN.into() };
     if value == 0.0 {
@@ -17,19 +17,19 @@ pub fn significant(value: impl Into<Option<f64>>, digits: usize) -> String {
     if (-3..5).contains(&exponent) {
         return signed(value, digits - 1 - exponent);
     }
-    // the digits are taken from the text, because 10 to a power below -308 is zero
+    // the mantissa is read from text, because computed powers of ten below 1e-308 would be zero
     let text = format!("{:.*e}", digits as usize - 1, value);
     let mantissa = text.split('e').next().and_then(|digits| digits.parse().ok()).unwrap_or(value);
     format!("{} × 10{}", signed(mantissa, digits - 1), superscript(exponent))
 }
 
-/// The number if there is one and it is finite.
+/// The number, or `None` if it is missing or not finite.
 fn finite(value: impl Into<Option<f64>>) -> Option<f64> {
     value.into().filter(|value| value.is_finite())
 }
 
-/// Value ± one standard error. The error keeps one or two digits, and the value as many decimal places as the error.
-/// Without a known error the value keeps four digits, and the text says so.
+/// Text of a value ± one standard error. The error has one or two digits, and the value as many decimal places as the
+/// error. If the error is unknown, the value has four digits, and `?` replaces the error.
 pub fn with_error(found: impl Into<Option<Estimate>>) -> String {
     let Some(Estimate { value, error }) = found.into().filter(|found| found.value.is_finite()) else {
         return UNKNOWN.into();
@@ -41,27 +41,27 @@ pub fn with_error(found: impl Into<Option<Estimate>>) -> String {
     let scale = exponent(value.abs().max(error), 4);
     let power = if (-3..5).contains(&scale) { 0 } else { scale };
     let (value, error) = (value / 10f64.powi(power), error / 10f64.powi(power));
-    // An error that starts with 1 or 2 keeps two digits: rounding 0.14 to 0.1 would misstate it by a third.
+    // an error that begins with 1 or 2 keeps two digits: rounding 0.14 to 0.1 would change it by a third
     let leading = exponent(error, 2);
     let places = if error / 10f64.powi(leading) < 2.95 { 1 - leading } else { -leading };
     let pair = format!("{} ± {}", signed(value, places), signed(error, places));
     if power == 0 { pair } else { format!("({pair}) × 10{}", superscript(power)) }
 }
 
-/// `value` [unit] with an SI prefix, for example 4.06e-4 m as `406 µm`. Units with powers must not be given.
+/// Text of `value` [unit] with an SI prefix, for example 4.06e-4 m as `406 µm`. Units with powers are not allowed.
 pub fn quantity(value: impl Into<Option<f64>>, unit: &str, digits: usize) -> String {
     let Some(value) = finite(value) else { return UNKNOWN.into() };
     let prefix = Prefix::of(value);
     format!("{} {}{unit}", significant(value * prefix.factor, digits), prefix.symbol)
 }
 
-/// A number of things with the right plural: `1 thread`, `2 threads`.
+/// Text of a number of things, in the singular or plural: `1 thread`, `2 threads`.
 pub fn counted(number: usize, thing: &str) -> String {
     let plural = if number == 1 { "" } else { "s" };
     format!("{} {thing}{plural}", count(number as u64))
 }
 
-/// A count with thin spaces between groups of three digits.
+/// Text of a count, with thin spaces between groups of three digits.
 pub fn count(value: u64) -> String {
     let digits = value.to_string();
     let mut text = String::with_capacity(digits.len() * 2);
@@ -74,23 +74,24 @@ pub fn count(value: u64) -> String {
     text
 }
 
-/// A part of a whole in percent.
+/// Text of `part` over `whole` in per cent.
 pub fn percent(part: f64, whole: f64) -> String {
     let ratio = 100.0 * part / whole;
     if ratio.is_finite() { format!("{} %", significant(ratio, 2)) } else { UNKNOWN.into() }
 }
 
-/// An SI prefix.
+/// SI prefix with its factor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Prefix {
-    /// [-] multiply by this to get the number in front of the prefixed unit.
+    /// [-] factor by which a value is multiplied to obtain the number before the prefixed unit.
     pub factor: f64,
-    /// The letter.
+    /// Letter of the prefix.
     pub symbol: &'static str,
 }
 
 impl Prefix {
-    /// The prefix that leaves one to three digits before the point; none for 0 and for values that are not finite.
+    /// Prefix by which a value has one to three digits before the decimal point; no prefix for 0 and for values that
+    /// are not finite.
     pub fn of(value: f64) -> Self {
         const SYMBOLS: [&str; 9] = ["p", "n", "µ", "m", "", "k", "M", "G", "T"];
         if value == 0.0 || !value.is_finite() {
@@ -101,13 +102,14 @@ impl Prefix {
     }
 }
 
-/// Power of ten of the first digit after rounding to `digits`.
+/// Power of ten of the first digit, after rounding to `digits` digits.
 fn exponent(value: f64, digits: usize) -> i32 {
     let text = format!("{:.*e}", digits.max(1) - 1, value.abs());
     text.split_once('e').and_then(|(_, power)| power.parse().ok()).unwrap_or(0)
 }
 
-/// A fixed number of decimal places with a real minus sign; a negative number of places rounds before the point.
+/// Text with a fixed number of decimal places and a typographic minus sign. A negative number of places rounds digits
+/// before the point.
 fn signed(value: f64, places: i32) -> String {
     let rounded = if places < 0 {
         let unit = 10f64.powi(-places);
@@ -120,7 +122,7 @@ fn signed(value: f64, places: i32) -> String {
     if rounded < 0.0 && !zero { format!("−{text}") } else { text }
 }
 
-/// Superscript of a power of ten.
+/// Superscript digits of a power of ten.
 pub(crate) fn superscript(power: i32) -> String {
     const DIGITS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
     let raise = |c: char| c.to_digit(10).map_or('⁻', |digit| DIGITS[digit as usize]);

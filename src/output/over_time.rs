@@ -1,11 +1,12 @@
-//! The tables of values over time.
+//! CSV tables of values over time.
 
 use super::OutputError;
 use super::csv::{CsvTable, number};
 use crate::observe::{PathSample, SERIES_COLUMNS};
 use crate::outcome::Outcome;
 
-/// `series.csv`: one row per variant and instant with averages over all particles. Impacts are counted since the start.
+/// Contents of `series.csv`: averages over all particles, with one row per variant and instant. Impacts are counted
+/// from the start.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
@@ -20,8 +21,8 @@ pub fn series(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
     table.bytes()
 }
 
-/// `paths.csv`: one row per variant, instant and particle, for up to 50 particles; `None` for more. The overlap is the
-/// largest of the particle at that instant.
+/// Contents of `paths.csv`: one row per variant, instant and particle. The table exists for up to 50 particles; `None`
+/// for more. The overlap is the largest overlap of the particle at the instant.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.

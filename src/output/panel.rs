@@ -1,106 +1,106 @@
-//! Content of a picture before it is drawn: panels of series of points.
+//! Content of pictures before they are drawn: panels with series of points.
 
 use crate::legible;
 
-/// A picture with its name in the folder and its caption.
+/// Picture of a document, with its file name and its caption.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figure {
-    /// File name without `.svg`.
+    /// Name of the file without `.svg`.
     pub name: String,
-    /// Caption: a sentence or two.
+    /// Caption of one or two sentences.
     pub caption: String,
-    /// The picture.
+    /// SVG text of the picture.
     pub svg: String,
 }
 
 impl Figure {
     pub(super) fn new(name: impl Into<String>, caption: impl Into<String>, svg: String) -> Self {
-        // the picture contains names of variants and keys, and XML has no control characters
+        // names of variants and keys may contain control characters, which XML does not allow
         Self { name: name.into(), caption: caption.into(), svg: legible::lines(&svg).into_owned() }
     }
 }
 
-/// Style of a series.
+/// Style in which a series is drawn.
 #[derive(Clone, Copy, Debug)]
 pub enum SeriesStyle {
-    /// A line with a band of one standard error, for the variant with this index.
+    /// Line with a band of one standard error, in the colour of the variant with this index.
     Line(usize),
-    /// A thin line through all points (such as a staircase), for the variant with this index.
+    /// Thin line through all points, such as steps of a histogram, in the colour of the variant with this index.
     Steps(usize),
-    /// Separate points, for the variant with this index.
+    /// Separate points, in the colour of the variant with this index.
     Points(usize),
-    /// Points joined by a thin line, each with its error, for the method with this index.
+    /// Points with error bars, joined by a thin line, in the colour of the method with this index.
     Sweep(usize),
-    /// Stars on the upper frame, whatever the value of the points: failures of the method with this index.
+    /// Stars on the upper frame, whatever the values: failures of the method with this index.
     Failed(usize),
-    /// Large dark diamonds: the winner.
+    /// Large dark diamonds for the best method.
     Winner,
-    /// A broad pale line with a halo about each of its points: the Pareto front.
+    /// Broad pale line with a disc around each point, for the Pareto front.
     Front,
-    /// A thin grey dashed line: a reference for the variants.
+    /// Thin grey dashed line: a reference for the variants.
     Reference,
-    /// A broad pale line under the others: the exact solution.
+    /// Broad pale line beneath other lines: the exact solution.
     Exact,
 }
 
-/// A point of a series, in the units of the axes.
+/// Point of a series, in the units of the axes.
 #[derive(Clone, Copy, Debug)]
 pub struct SeriesPoint {
-    /// Abscissa, in the unit of its axis.
+    /// Position on the horizontal axis, in the unit of this axis.
     pub x: f64,
-    /// Ordinate, in the unit of its axis.
+    /// Position on the vertical axis, in the unit of this axis.
     pub y: f64,
-    /// One standard error of the ordinate, in the unit of the ordinate.
+    /// One standard error of `y`, in the unit of the vertical axis.
     pub error: Option<f64>,
 }
 
 impl SeriesPoint {
-    /// A point without an error.
+    /// Creates a point without an error.
     pub fn at(x: f64, y: f64) -> Self {
         Self { x, y, error: None }
     }
 }
 
-/// Points under one name.
+/// Series of points with a common name and style.
 #[derive(Clone, Debug)]
 pub struct PanelSeries {
     /// Name of the series in the legend.
     pub label: String,
     /// Style of the line and its markers.
     pub look: SeriesStyle,
-    /// Points in the order in which they are joined.
+    /// Points of the series, in the order in which lines join them.
     pub points: Vec<SeriesPoint>,
 }
 
 impl PanelSeries {
-    /// A series of points with a label and a style.
+    /// Creates a series of points with a label and a style.
     pub fn new(label: impl Into<String>, look: SeriesStyle, points: impl IntoIterator<Item = SeriesPoint>) -> Self {
         Self { label: label.into(), look, points: points.into_iter().collect() }
     }
 }
 
-/// One pair of axes. Points that are not finite (or not positive on a logarithmic axis) are left out. Points below the
-/// decades of a logarithmic axis stand on its lower end.
+/// Panel of a picture: one pair of axes with its series. Points that are not finite, or not positive on a logarithmic
+/// axis, are not drawn. Points below the range of a logarithmic axis are drawn at its lower end.
 #[derive(Clone, Debug, Default)]
 pub struct Panel {
-    /// Title above the axes; empty for none.
+    /// Title above the axes; empty if there is none.
     pub title: String,
     /// Label of the horizontal axis, with its unit.
     pub x_label: String,
     /// Label of the vertical axis, with its unit.
     pub y_label: String,
-    /// The series, the lowest first.
+    /// Series of the panel; later ones cover earlier ones.
     pub series: Vec<PanelSeries>,
-    /// Horizontal lines, each with a label (may be empty).
+    /// Horizontal lines: position on the vertical axis, and a label, which may be empty.
     pub marks: Vec<(f64, &'static str)>,
-    /// Ends of the x axis; `None`: the outermost points.
+    /// Ends of the horizontal axis; `None`: those of the points.
     pub x_range: Option<(f64, f64)>,
-    /// Ends of the y axis; `None`: a little beyond the points.
+    /// Ends of the vertical axis; `None`: a little beyond the points.
     pub y_range: Option<(f64, f64)>,
     /// True if the horizontal axis is logarithmic.
     pub log_x: bool,
     /// True if the vertical axis is logarithmic.
     pub log_y: bool,
-    /// [units of the axis] lower end of a logarithmic y axis; `None`: six decades below the largest value.
+    /// [units of the axis] lower end of a logarithmic vertical axis; `None`: six decades below the largest value.
     pub floor: Option<f64>,
 }

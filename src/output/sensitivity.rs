@@ -1,37 +1,37 @@
-//! Results of a study of sensitivity: the shift of each observable by each factor.
+//! Results of a sensitivity study as plain data: the shift of each observable by each factor.
 
 use super::{Basis, Provenance};
 use crate::statistics::Answer;
 use serde::Serialize;
 
-/// Shift of an observable by a factor.
+/// Shift of one observable by one factor.
 #[derive(Clone, Debug, Serialize)]
 pub struct Shift {
     /// Name of the observable.
     pub observable: String,
-    /// Unit of the observable, empty for none.
+    /// Unit of the observable; empty if it has none.
     pub unit: &'static str,
     /// Scale of the shift, in the unit of the observable.
     pub scale: f64,
     /// Description of the scale, in words that follow "% of".
     #[serde(skip)]
     pub scale_is: &'static str,
-    /// Value with the factor minus that without it, in the unit of the observable.
+    /// Value with the factor minus value without it, in the unit of the observable.
     pub difference: f64,
-    /// One standard error of the difference, in the unit of the observable; 0 if nothing scatters, `None` if it is not
-    /// known.
+    /// One standard error of the difference, in the unit of the observable. The error is 0 if nothing is random, and
+    /// `None` if unknown.
     pub error: Option<f64>,
-    /// [-] degrees of freedom behind the error.
+    /// [-] number of degrees of freedom with which the error was estimated.
     pub freedom: Option<f64>,
-    /// [s] time of the shift, for curves over time; `None` for a mean.
+    /// [s] time at which the shift was measured, for curves over time; `None` for a mean.
     pub time: Option<f64>,
-    /// [-] probability of as large a shift in equal systems, for this observable alone.
+    /// [-] probability of so large a shift between equal systems, for this observable alone.
     pub chance: Option<f64>,
-    /// [-] smallest margin within which the observable is equivalent, over the scale; `None` without an error.
+    /// [-] smallest margin, over the scale, within which the observable is equivalent. `None` without an error.
     pub reached: Option<f64>,
-    /// [-] factor on the length of the run with which equal systems would be shown equivalent, in 80 % of cases.
+    /// [-] factor by which the run would have to be longer to show equal systems equivalent in 80 % of cases.
     pub stretch: Option<f64>,
-    /// The answer, judged for all factors and observables together.
+    /// Answer, tested for all factors and observables together.
     #[serde(rename = "verdict")]
     pub answer: Answer,
 }
@@ -42,98 +42,98 @@ impl Shift {
         self.difference / self.scale
     }
 
-    /// [-] one standard error of the shift over the scale.
+    /// [-] one standard error of the shift, over the scale.
     pub fn share_error(&self) -> Option<f64> {
         self.error.map(|error| error / self.scale)
     }
 }
 
-/// A factor and its effects.
+/// Factor that was changed, with its effects.
 #[derive(Clone, Debug, Serialize)]
 pub struct Factor {
     /// Name of the factor on the command line.
     pub name: String,
     /// Description of the factor, in a sentence.
     pub title: String,
-    /// Old and new value.
+    /// Old and new value of the factor.
     pub change: String,
-    /// Reason for the size of the change.
+    /// Reason why the change has this size.
     pub why: String,
-    /// Kind of results that the shifts refer to; `None` if a run stopped early.
+    /// Kind of results to which the shifts refer; `None` if a run stopped early.
     pub basis: Option<Basis>,
-    /// Shifts, in the order of all observables.
+    /// Shifts of the observables, in their order.
     pub shifts: Vec<Shift>,
-    /// Names of the runs with the factor, and of the runs that they are compared with.
+    /// Names of the runs with the factor, then of the runs with which they are compared.
     pub runs: [Vec<String>; 2],
-    /// Further remarks.
+    /// Further remarks about the factor.
     pub remarks: Vec<String>,
-    /// Reason why one of the runs stopped early, if one did.
+    /// Reason why a run stopped early, if one did.
     pub stopped: Option<String>,
-    /// The answer: the worst of all observables.
+    /// Answer for the factor: the worst among all observables.
     #[serde(rename = "verdict")]
     pub answer: Answer,
 }
 
 impl Factor {
-    /// The shift to be named first: the largest of those that decide the answer.
+    /// Largest of the shifts that determine the answer, for the headline; `None` if there is none.
     pub fn headline(&self) -> Option<&Shift> {
         let deciding = self.shifts.iter().filter(|shift| shift.answer == self.answer);
         deciding.max_by(|a, b| a.share().abs().total_cmp(&b.share().abs()))
     }
 }
 
-/// A factor that was left out of the study.
+/// Factor that was left out of the study.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct OmittedFactor {
     /// Name of the factor on the command line.
     pub name: String,
-    /// Reason for leaving it out.
+    /// Reason why the factor was left out.
     pub why: String,
 }
 
-/// A run of the study.
+/// Run of the study, with its settings and its cost.
 #[derive(Clone, Debug, Serialize)]
 pub struct SensitivityRun {
     /// Name of the run.
     pub name: String,
-    /// Changes of the case, as they would be typed; empty for none.
+    /// Changes to the case, as they would be typed; empty if there are none.
     pub set: String,
     /// Collision model of the run.
     pub model: crate::experiment::Model,
-    /// Number of finished replicas, runs with different seeds.
+    /// Number of finished replicas, which are runs with different seeds.
     pub replicas: usize,
-    /// True if the run is steady while it is averaged.
+    /// True if the run is steady during the averaging period.
     pub steady: bool,
-    /// [s] simulated time.
+    /// [s] simulated time of each replica.
     pub simulated_seconds: f64,
     /// [s] wall time of all replicas together.
     pub wall_seconds: f64,
-    /// Reason of an early stop, if there was one.
+    /// Reason why the run stopped early, if it did.
     pub failure: Option<String>,
 }
 
-/// All data of a study of sensitivity that outputs need.
+/// All results of a sensitivity study.
 pub struct SensitivityStudy<'a> {
-    /// Origin of the results.
+    /// Origin of the results: title, case and command.
     pub provenance: &'a Provenance,
-    /// [-] the margin, over the scale of each observable.
+    /// [-] margin of equivalence, over the scale of each observable.
     pub margin: f64,
-    /// The factors, the most important first.
+    /// Factors in order of importance; the most important is first.
     pub factors: &'a [Factor],
     /// Factors that were left out.
     pub left_out: &'a [OmittedFactor],
     /// Names of factors with unfinished runs.
     pub waiting: &'a [String],
-    /// The finished runs; the first is the unchanged case.
+    /// Finished runs; the first is the unchanged case.
     pub runs: &'a [SensitivityRun],
-    /// The answer in sentences, the shortest first.
+    /// Answers in sentences, the shortest first.
     pub sentences: &'a [String],
-    /// Limits of the reliability of the numbers, a sentence each.
+    /// Remarks on how far the numbers are reliable, one sentence each.
     pub notes: &'a [String],
 }
 
 impl SensitivityStudy<'_> {
-    /// The observables of all factors, in their order.
+    /// Names of the observables of all factors, in order of first appearance.
     pub fn observables(&self) -> Vec<&str> {
         let mut names: Vec<&str> = Vec::new();
         for shift in self.factors.iter().flat_map(|factor| &factor.shifts) {

@@ -1,4 +1,4 @@
-//! The final state of a run, written when the run ends.
+//! File with the final state of a run.
 
 use super::csv;
 use super::{Folder, OutputError};
@@ -7,7 +7,7 @@ use crate::observe::{Needs, Observer};
 use crate::schedule::Schedule;
 use crate::simulation::Simulation;
 
-/// Writes `state.csv` when the run is over or has failed.
+/// Observer that writes `state.csv` when the run is over or has failed.
 pub struct StateFile<'a> {
     folder: &'a Folder,
     /// Checksum of the text of the case.
@@ -16,12 +16,12 @@ pub struct StateFile<'a> {
 }
 
 impl<'a> StateFile<'a> {
-    /// A state file in a folder, for a run of the case with the given text.
+    /// Creates the observer for a folder, and for a run of the case with the given text.
     pub fn new(folder: &'a Folder, case: &str) -> Self {
         Self { folder, case: saved::fingerprint(case), written: Ok(()) }
     }
 
-    /// Reports if the file could be written.
+    /// Returns the result of writing the file.
     ///
     /// # Errors
     /// The file could not be written.

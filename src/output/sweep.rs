@@ -1,4 +1,4 @@
-//! Results of a sweep: its runs, and the rows of its points.
+//! Results of a sweep as plain data: its runs, and the rows for its points.
 
 use super::{Provenance, figures};
 use crate::case::SweepAxis;
@@ -7,22 +7,22 @@ use crate::statistics::{Estimate, NUMBER_DENSITY, U};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// A quantity that is measured in every run of a sweep.
+/// Quantity that is measured in every run of a sweep.
 pub struct SweepObservable {
     /// Name of the column in `sweep.csv`, with the unit.
     pub key: &'static str,
     /// Name of the quantity in a sentence.
     pub name: &'static str,
-    /// Label of the axis.
+    /// Label of the axis, with the unit.
     pub axis: &'static str,
-    /// True for an average over time, whose error is valid for a steady run that mixes.
+    /// True for an average over time, whose error is valid only for a steady run that mixes.
     pub is_average: bool,
     /// Function that computes the quantity from an outcome.
     pub of: fn(&Outcome) -> Option<Estimate>,
 }
 
-/// [m/s] mean streamwise velocity over all slices, weighted by their particles. The correlation of the slices is
-/// unknown, so the error is the largest possible one.
+/// [m/s] mean streamwise velocity over all slices, weighted with the number of their particles. The correlation between
+/// slices is unknown, so that the error is the largest possible one.
 fn velocity(outcome: &Outcome) -> Option<Estimate> {
     let (mut sum, mut error, mut weights) = (0.0, Some(0.0), 0.0);
     for row in &outcome.profiles.slices {
@@ -34,7 +34,7 @@ fn velocity(outcome: &Outcome) -> Option<Estimate> {
     (weights > 0.0).then(|| Estimate { value: sum / weights, error: error.map(|error| error / weights) })
 }
 
-/// The measured quantities, in the order of columns and pictures.
+/// Measured quantities, in the order of columns and pictures.
 pub const OBSERVABLES: [SweepObservable; 8] = [
     SweepObservable {
         key: "pair_impacts_1_s",
@@ -83,7 +83,7 @@ pub const OBSERVABLES: [SweepObservable; 8] = [
         name: "mean largest overlap of pairs",
         axis: "mean largest overlap over the diameter  [–]",
         is_average: false,
-        // event-driven collisions have no overlap but that of rounding
+        // overlaps of event-driven collisions are only rounding
         of: |o| {
             let mean = o.pairs.summary().mean_maximum_overlap?;
             (mean > figures::ROUNDING).then(|| Estimate::without_error(mean))
@@ -98,34 +98,34 @@ pub const OBSERVABLES: [SweepObservable; 8] = [
     },
 ];
 
-/// The result of one run.
+/// Result of one run of a sweep.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SweepRun {
-    /// Hash of the resolved case and the version of the program: equal for runs that must give equal results.
+    /// Hash of the experiment and the version of the program. Runs with equal hashes must give equal results.
     pub identity: String,
-    /// Measured values, by [`SweepObservable::key`]; unknown values are missing. Empty for a run that stopped early.
+    /// Measured values, by [`SweepObservable::key`]. Unknown values are absent; a run that stopped early has none.
     pub measured: BTreeMap<String, Estimate>,
-    /// Reason of an early stop, if there was one.
+    /// Reason why the run stopped early, if it did.
     pub failure: Option<String>,
-    /// [s] wall time.
+    /// [s] wall time of the run.
     pub wall_seconds: f64,
 }
 
-/// A variant at one point of a sweep.
+/// Row of a sweep: one variant at one point.
 pub struct SweepRow {
-    /// Index of the value on each axis.
+    /// Index of the value on each axis, which defines the point.
     pub at: Vec<usize>,
     /// Index of the variant.
     pub variant: usize,
-    /// Identities of the runs of the row, one per replica; a run may belong to several rows.
+    /// Hashes of the runs of the row, one per replica. A run may belong to several rows.
     pub identities: Vec<String>,
-    /// The finished runs among them.
+    /// Results of those runs that are finished.
     pub runs: Vec<SweepRun>,
 }
 
 impl SweepRow {
-    /// A value of this row: that of its run, or the mean over replicas with the standard error from their scatter.
-    /// `None` if it is not known, or if a run stopped early.
+    /// Value of a quantity in this row. Of several replicas, the value is their mean, with the standard error from
+    /// their scatter. `None` if the value is unknown, or if a run stopped early.
     pub fn measured(&self, key: &str) -> Option<Estimate> {
         let found: Option<Vec<Estimate>> = self.runs.iter().map(|run| run.measured.get(key).copied()).collect();
         let found = found?;
@@ -138,12 +138,12 @@ impl SweepRow {
         (!found.is_empty()).then_some(Estimate { value: mean, error: Some((variance / count).sqrt()) })
     }
 
-    /// Reason why a run of the row stopped early, if one did.
+    /// Reason why a run of the row stopped early; `None` if none did.
     pub fn failure(&self) -> Option<&str> {
         self.runs.iter().find_map(|run| run.failure.as_deref())
     }
 
-    /// "complete", "failed", or "not run yet".
+    /// Status of the row: "complete", "failed" or "not run yet".
     pub fn status(&self) -> &'static str {
         match (self.failure(), self.runs.len() < self.identities.len()) {
             (Some(_), _) => "failed",
@@ -153,28 +153,28 @@ impl SweepRow {
     }
 }
 
-/// All data of a sweep that outputs need.
+/// All results of a sweep.
 pub struct SweepStudy<'a> {
-    /// Origin of the results.
+    /// Origin of the results: title, case and command.
     pub provenance: &'a Provenance,
-    /// The varied keys with their values.
+    /// Varied keys with their values.
     pub axes: &'a [SweepAxis],
     /// Names of the variants.
     pub variants: &'a [String],
-    /// Index of the variant that the others are compared with: the first hard one, if there is one.
+    /// Index of the variant with which the others are compared: the first hard variant. `None` if no variant is hard.
     pub reference: Option<usize>,
-    /// Points in the order of the axes, the last one fastest; at each point all variants.
+    /// Rows in the order of the points, in which the last axis varies fastest. Each point has all variants.
     pub rows: &'a [SweepRow],
 }
 
 impl SweepStudy<'_> {
-    /// A point in words: "stiffness = 300 N/m, theta = 0.1".
+    /// Text of a point, such as "stiffness = 300 N/m, theta = 0.1".
     pub fn point(&self, at: &[usize]) -> String {
         point(self.axes, at)
     }
 }
 
-/// A point of a sweep in words.
+/// Text of a point, as a list of keys with their values.
 pub fn point(axes: &[SweepAxis], at: &[usize]) -> String {
     let one = |(axis, &value): (&SweepAxis, &usize)| format!("{} = {}", axis.name(), axis.typed[value]);
     axes.iter().zip(at).map(one).collect::<Vec<_>>().join(", ")

@@ -1,63 +1,65 @@
-//! Content of a trust sheet: plain data, one [`TrustSheet`] per variant. Tables and `summary.json` show it.
+//! Content of trust sheets, which contain checks of the results, as plain data with one [`TrustSheet`] per variant.
+//! Tables and `summary.json` are made from these data. A window is the time between two exchanges of momentum with the
+//! gas.
 
 use crate::statistics::Estimate;
 use serde::Serialize;
 
-/// Expectation of a number.
+/// Expectation about the value of a check.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Expected {
-    /// The number should equal this value.
+    /// The value should equal this number.
     Equals(f64),
-    /// The magnitude of the number should be at most this value.
+    /// The magnitude of the value should be at most this number.
     AtMost(f64),
-    /// No expectation: the number is only stated.
+    /// Nothing is expected: the value is only reported.
     Anything,
 }
 
-/// Judgement of a number against its expectation.
+/// Judgement of a value by its expectation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Judgement {
-    /// The number is as expected.
+    /// The value is as expected.
     Good,
-    /// The number is not as expected.
+    /// The value is not as expected.
     Suspect,
-    /// There is no expectation.
+    /// Nothing is expected of the value.
     Stated,
-    /// The number is missing; the remark gives the reason.
+    /// The value is missing; the remark contains the reason.
     Unknown,
 }
 
-/// One number of a trust sheet with its expectation.
+/// Check of the results: one value with its expectation.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TrustCheck {
-    /// Name of the number.
+    /// Name of the value.
     pub name: &'static str,
-    /// Unit of the number, empty for none.
+    /// Unit of the value; empty if it has none.
     pub unit: &'static str,
-    /// The number and its standard error; written as `value` and `error`.
+    /// Value with its standard error, written in JSON as `value` and `error`.
     #[serde(flatten, serialize_with = "value_and_error")]
     pub found: Option<Estimate>,
-    /// Expectation of the number.
+    /// Expectation about the value.
     pub expected: Expected,
-    /// Judgement of the number.
+    /// Judgement of the value.
     pub judgement: Judgement,
-    /// Reason for a missing number, or the source of the limit.
+    /// Reason why the value is missing, or the source of the limit.
     pub remark: String,
 }
 
 impl TrustCheck {
-    /// [-] number minus expected value, in standard errors; `None` without an error or an expected value.
+    /// [-] value minus expected value, in standard errors; `None` without an error or an expected value.
     pub fn in_errors(&self) -> Option<f64> {
         let (Expected::Equals(value), found) = (self.expected, self.found?) else { return None };
         let off = found.less(Estimate::exact(value));
-        // a relative difference of 1e-12 is rounding, whatever the scatter
+        // a relative difference of 1e-12 counts as rounding, whatever the standard error
         if off.value.abs() <= 1e-12 * value.abs() { Some(0.0) } else { off.in_errors() }
     }
 }
 
-/// An estimate as two numbers, both null if there is none.
+/// Writes an estimate as two numbers, which are null if there is none.
 fn value_and_error<S: serde::Serializer>(found: &Option<Estimate>, serializer: S) -> Result<S::Ok, S::Error> {
     #[derive(Serialize)]
     struct TrustNumbers {
@@ -68,22 +70,22 @@ fn value_and_error<S: serde::Serializer>(found: &Option<Estimate>, serializer: S
     numbers.serialize(serializer)
 }
 
-/// One quantity at the step and window of the run, and at half of both.
+/// Quantity with the step and window of the run, and with half of both.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Halved {
     /// Name of the quantity.
     pub name: &'static str,
-    /// Unit of the quantity, empty for none.
+    /// Unit of the quantity; empty if it has none.
     pub unit: &'static str,
-    /// Value with the settings of the variant.
+    /// Value with the step and window of the run.
     pub as_run: Estimate,
-    /// Value at half the step and half the window.
+    /// Value with half the step and half the window.
     pub halved: Estimate,
 }
 
 impl Halved {
-    /// Value at the halved settings minus that at the original ones. Its standard error treats both stretches as
-    /// independent.
+    /// Value with halved settings minus value with original settings. The standard error assumes that both
+    /// continuations of the run are independent.
     pub fn change(&self) -> Estimate {
         self.halved.less(self.as_run)
     }
@@ -91,45 +93,45 @@ impl Halved {
     /// [-] change in units of its standard error; `None` without an error.
     pub fn in_errors(&self) -> Option<f64> {
         let change = self.change();
-        // a quantity without unit is a share, with scale 1; a change below 1e-12 of the scale is rounding
+        // a quantity without unit is a fraction, with scale 1; a change below 1e-12 of the scale counts as rounding
         let scale = if self.unit.is_empty() { 1.0 } else { self.as_run.value.abs() };
         if change.value.abs() <= 1e-12 * scale { Some(0.0) } else { change.in_errors() }
     }
 }
 
-/// A short stretch from the final state, run twice: with the settings of the variant, and at half the step and half the
-/// window.
+/// Two short continuations from the final state of a run: with the settings of the run, and with half the step and half
+/// the window.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Verification {
-    /// [s] simulated time of each of the two stretches.
+    /// [s] simulated time of each continuation.
     pub stretch: f64,
-    /// [-] wall-clock time of both over that of the run.
+    /// [-] wall-clock time of both continuations over that of the run.
     pub cost: f64,
-    /// [s] window of the run; the second stretch has half of it.
+    /// [s] window of the run; the second continuation has half this window.
     pub window: f64,
-    /// [s] step of the run, `None` for events; the second stretch has half of it.
+    /// [s] time step of the run, `None` for event-driven collisions; the second continuation has half this step.
     pub time_step: Option<f64>,
-    /// The compared quantities; those that a stretch could not give are left out.
+    /// Compared quantities; those that a continuation could not give are left out.
     pub quantities: Vec<Halved>,
 }
 
-/// Result of the test with a halved step.
+/// Result of the test with half the time step and half the window.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum HalvedStep {
-    /// The run was repeated with half the time step.
+    /// The run was continued with the original and with halved settings.
     Verified(Verification),
-    /// The run was not repeated, for this reason.
+    /// The run was not continued, for the given reason.
     Unknown(String),
 }
 
-/// The reliability of the numbers of one variant.
+/// Trust sheet of one variant, which shows how far its results are reliable.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TrustSheet {
     /// Name of the variant.
     pub variant: String,
-    /// The numbers.
+    /// Checks of the results.
     pub checks: Vec<TrustCheck>,
-    /// Effect of halving the step.
+    /// Effect of halving the step and the window.
     pub halved_step: HalvedStep,
 }

@@ -3,46 +3,47 @@
 use crate::statistics::{Answer, Comparison};
 use serde::Serialize;
 
-/// Kind of the compared data.
+/// Kind of data by which a variant and its reference were compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Basis {
-    /// Averages over the time in which both are steady.
+    /// Averages over the time in which both runs are steady.
     Averages,
-    /// Curves over time, of replicas.
+    /// Curves over time, from several replicas.
     Curves,
-    /// Positions and velocities of each particle at the same times.
+    /// Positions and velocities of each particle at equal times.
     Paths,
-    /// Nothing could be compared.
+    /// No data could be compared.
     Nothing,
 }
 
-/// A variant against its reference.
+/// Comparison of a variant with its reference.
 #[derive(Clone, Debug, Serialize)]
 pub struct Verdict {
-    /// The variant.
+    /// Name of the variant.
     pub variant: String,
     /// Name of the reference.
     pub reference: String,
-    /// The answer.
+    /// Answer: equivalent, different or unresolved.
     #[serde(rename = "verdict")]
     pub answer: Answer,
     /// Kind of the compared data.
     pub basis: Basis,
-    /// The answer in words.
+    /// Answer in a sentence.
     pub sentence: String,
     /// Reason for this kind of comparison, in words.
     pub reason: String,
-    /// [-] the margin asked for, over the scale of each observable.
+    /// [-] requested margin of equivalence, over the scale of each observable.
     pub margin: f64,
-    /// The observables that were compared; none for paths.
+    /// Compared observables; `None` for a comparison of paths.
     pub comparison: Option<Comparison>,
-    /// Further remarks about the two, a sentence each.
+    /// Further remarks about the variant and its reference, one sentence each.
     #[serde(skip)]
     pub further: Vec<String>,
 }
 
-/// The answer for several comparisons together: the worst, "different" before "unresolved"; `None` without comparisons.
+/// Answer for several comparisons together: the worst, with "different" worse than "unresolved". `None` without
+/// comparisons.
 pub fn overall(verdicts: &[Verdict]) -> Option<Answer> {
     verdicts.iter().map(|verdict| verdict.answer).max()
 }

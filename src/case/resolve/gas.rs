@@ -1,4 +1,4 @@
-//! Checks that the gas velocity is known at the particles, and that the drag law is valid for them.
+//! Checks that the velocity of the gas is defined at all particles, and that the drag law is valid for them.
 
 use super::{Resolver, short};
 use crate::case::de::Located;
@@ -10,11 +10,11 @@ use crate::experiment::{Amount, Experiment, Population};
 use crate::fluid::{Fluid, LogConstants, LogLaw, Profile};
 use crate::predict::flow::terminal_slip;
 
-/// Number of positions across the gap at which the gas is compared with the velocity of a start.
+/// Number of positions across the channel at which the velocity of the gas is compared with that of the particles.
 const PLACES: usize = 101;
 
 impl Resolver {
-    /// Checks that a channel flow has walls at y = 0 and y = L_y; `typed` is the value that needs them.
+    /// Checks that a channel flow has walls at y = 0 and y = L_y. `typed` is the value by which the flow was chosen.
     pub(super) fn between_walls<const M: i8, const K: i8, const S: i8>(
         &self,
         typed: &Located<Quantity<M, K, S>>,
@@ -27,7 +27,7 @@ impl Resolver {
         Err(self.refuse(typed, why).help("take \"y\" out of domain.periodic, or use a uniform profile"))
     }
 
-    /// The turbulent flow through a pipe in the domain, of a gas of kinematic viscosity ν [m²/s].
+    /// Profile of the turbulent flow through a pipe in the domain; `nu` is the kinematic viscosity ν of the gas [m²/s].
     pub(super) fn pipe(
         &self,
         number: &Located<Ratio>,
@@ -44,7 +44,7 @@ impl Resolver {
         let middle = [0.5 * domain.size.x, 0.5 * domain.size.y];
         let axis = center.map_or(middle, |center| center.value.each_ref().map(|typed| typed.value.0));
         for (name, (at, size)) in ["x", "y"].into_iter().zip(axis.iter().zip([domain.size.x, domain.size.y])) {
-            // computed edges are equal only up to rounding
+            // a pipe as wide as the box fits, though computed edges are equal only up to rounding
             if at - 0.5 * d < -1e-9 * size || at + 0.5 * d > size * (1.0 + 1e-9) {
                 let typed = |origin, path: &str| {
                     let message = format!("the pipe of `{path}` does not fit into the box along {name}");
@@ -63,7 +63,7 @@ impl Resolver {
             .map_err(|why| self.refuse(number, format!("gives no k-ε solution: {why}")).help(help))
     }
 
-    /// κ and B of the logarithmic law.
+    /// Constants κ and B of the logarithmic law.
     pub(super) fn log_constants(
         &self,
         von_karman: Option<&Located<Ratio>>,
@@ -75,14 +75,14 @@ impl Resolver {
             constants.von_karman = self.in_range(kappa, help)?;
         }
         if let Some(intercept) = intercept {
-            // rough walls have a smaller value, drag-reducing ones a larger one
+            // B is smaller for rough walls, and larger for walls that reduce drag
             constants.intercept = self.in_range(intercept, help)?;
         }
         Ok(constants)
     }
 
-    /// The logarithmic law in a gas of kinematic viscosity `nu` [m²/s]. Exactly one of its friction velocity and its
-    /// bulk Reynolds number is given.
+    /// Logarithmic law in a gas of kinematic viscosity `nu` [m²/s]. The case gives exactly one of its friction velocity
+    /// and its bulk Reynolds number.
     pub(super) fn log_law(
         &self,
         given: (Option<&Located<Speed>>, Option<&Located<Ratio>>),
@@ -113,9 +113,9 @@ impl Resolver {
         }
     }
 
-    /// Checks that the rows of a gas table cover all possible positions of centres. These are the positions of the
-    /// smallest particles, of `radius` [m], between y = 0 and y = `height` [m]. Warns if the rows do not cover them; it
-    /// is an error if hardly any row lies there.
+    /// Checks that the rows of a gas table cover all possible positions of particle centres. For the smallest
+    /// particles, of `radius` [m], these are all heights from y = `radius` to y = `height` - `radius` [m]. An
+    /// incomplete cover leads to a warning, and fewer than two rows within the domain to an error.
     pub(super) fn check_cover(
         &mut self,
         name: &Located<String>,
@@ -124,7 +124,7 @@ impl Resolver {
         radius: f64,
     ) -> Result<(), Diagnostic> {
         let (Some((first, _)), Some((last, _))) = (points.first(), points.last()) else { return Ok(()) };
-        // a position typed with six digits is meant to be at the wall
+        // a row at a wall may miss it by the rounding of a position typed with six digits
         let close = 1e-6 * height;
         let rows = format!("has rows from y = {} m to {} m", short(*first), short(*last));
         let gap = format!("the gap from y = 0 to {} m", short(height));
@@ -141,7 +141,7 @@ impl Resolver {
         Ok(())
     }
 
-    /// Warns if Reynolds numbers exceed the range of the drag law.
+    /// Warns if Reynolds numbers of particles exceed the range of the drag law.
     pub(super) fn check_drag(&mut self, file: &CaseFile, experiment: &Experiment) {
         let Some(fluid) = &experiment.scene.fluid else { return };
         let far = fluid.drag.as_ref().and_then(|drag| drag.law().far());
@@ -155,8 +155,8 @@ impl Resolver {
     }
 }
 
-/// [-] largest Reynolds number of a slip that is known before the run: that of the start, and that at which drag
-/// carries the weight.
+/// [-] largest particle Reynolds number that is known before the run: from the slip velocity at the start, or from the
+/// slip at which drag balances the weight.
 fn largest_reynolds(experiment: &Experiment, fluid: &Fluid, population: &Population) -> f64 {
     let scene = &experiment.scene;
     let (Some(species), Some(drag)) = (scene.species.get(usize::from(population.species)), &fluid.drag) else {

@@ -1,4 +1,5 @@
-//! Refuses runs with so many windows and steps that they would practically never end.
+//! Refuses runs that would practically never end, because they have too many windows or time steps. A window is the
+//! time between two exchanges of momentum with the gas.
 
 use super::{Resolver, short};
 use crate::case::diagnostic::Diagnostic;
@@ -10,16 +11,16 @@ use crate::predict::contact::ContactTimes;
 use crate::schedule::Schedule;
 use crate::simulation::soft_step;
 
-/// Largest number of windows, or of time steps of all particles, unless the case allows more. It is about a hundred
-/// times that of the longest run of the paper (6.5e6), and takes minutes to hours for a single particle.
+/// Largest number of windows, or of time steps of all particles, unless the case allows more. This number is about a
+/// hundred times that of the paper's longest run (6.5e6). With so many, even a single particle takes minutes to hours.
 pub const MOST: f64 = 1e9;
 
-/// Largest number of time steps of a run in which only particles in contact are stepped. Beyond it a step is no more
-/// than rounding of the time (1e-16 of it).
+/// Largest number of time steps if only particles in contact are stepped. With more steps, one step would be less than
+/// the rounding error of the time (1e-16 of the time).
 const MOST_LOCAL: f64 = 1e15;
 
 impl Resolver {
-    /// Refuses a run that would take far too long, unless the case allows it.
+    /// Refuses a run that has too many windows or time steps, unless the case allows such runs.
     pub(super) fn check_length(&mut self, file: &CaseFile, experiment: &Experiment) -> Result<(), Diagnostic> {
         let Some(run) = file.run.as_ref() else { return Ok(()) };
         let value = &run.value;
@@ -28,7 +29,7 @@ impl Resolver {
         }
         let duration = value.duration.as_ref().map(|typed| &typed.origin);
         let schedule = Schedule::new(experiment);
-        // each frame may cut a window in two
+        // each trajectory frame may divide a window into two
         let instants = schedule.instants.map_or(0.0, |every| experiment.run.duration / every);
         let windows = experiment.run.duration / schedule.window + instants;
         if windows > MOST {
@@ -39,7 +40,7 @@ impl Resolver {
         let Some(law) = experiment.law() else { return Ok(()) };
         let soft = file.soft.as_ref().map(|soft| &soft.value);
         let step = soft_step(experiment, experiment.count());
-        // without any possible contact the window is the only step
+        // if no contact is possible, each window is one step
         let touches = ContactTimes::of(experiment, &law, experiment.count()).governing().is_some();
         let most = match experiment.soft.stepping {
             SoftStepping::Uniform => MOST,

@@ -1,4 +1,5 @@
-//! Walls of triangles: reads the file, moves it to its position in the case, and reports its faults.
+//! Makes walls of triangles: reads the file, moves its triangles to their position in the case, and reports its
+//! defects.
 
 use super::triangles::{Heap, TriangleFile, obj, stl};
 use super::walls::{OWN_IMAGE, too_near_its_image};
@@ -11,18 +12,18 @@ use crate::memory;
 use crate::walls::{Continued, Findings, Mesh, Mismatch, Nested, Sides, continued};
 use nalgebra::{Rotation3, Unit, Vector3};
 
-/// [-] largest ratio of the longest edge of a mesh to that of the box, and of the box to the mesh. Beyond it the unit
-/// is probably wrong.
+/// [-] largest ratio of the longest edge of the mesh to that of the box, or the reverse. Beyond this ratio the unit is
+/// probably wrong.
 const ANOTHER_UNIT: f64 = 100.0;
-/// [-] distance over the largest diameter to which a surface is continued beyond periodic sides. Contacts are searched
-/// for within 1.25 radii.
+/// [-] distance, over the largest particle diameter, to which a surface is continued beyond periodic sides. Contacts
+/// are searched for within 1.25 radii.
 const MARGIN: f64 = 2.0;
-/// [byte] memory per triangle while a wall is made from it: measured as the growth of the largest size of the process
-/// from 1e5 to 4e5 triangles.
+/// [byte] memory per triangle while a wall is made from the triangles. The value was measured: growth of the peak
+/// memory of the process from 1e5 to 4e5 triangles.
 const TRIANGLE: f64 = 2000.0;
 
 impl Resolver {
-    /// The surface of a `mesh` table.
+    /// Surface described by a `mesh` table of the case.
     pub(super) fn mesh(&mut self, mesh: &Located<MeshFile>, domain: &Domain, largest: f64) -> Result<Mesh, Diagnostic> {
         let name = self.need(&mesh.value.file, "mesh.file")?;
         let scale = self.scale(mesh)?;
@@ -40,7 +41,7 @@ impl Resolver {
         Ok(made)
     }
 
-    /// The triangles, with copies beyond the periodic sides that they cross.
+    /// Adds copies of the triangles beyond those periodic sides that the surface crosses.
     fn through_the_sides(
         &self,
         mesh: &Located<MeshFile>,
@@ -61,7 +62,7 @@ impl Resolver {
         })
     }
 
-    /// Reads a file of triangles.
+    /// Reads a file of triangles, STL or OBJ.
     fn triangles(&mut self, name: &Located<String>) -> Result<TriangleFile, Diagnostic> {
         let lower = name.value.to_lowercase();
         let read: fn(&[u8]) -> Result<TriangleFile, String> = if lower.ends_with(".stl") {
@@ -82,7 +83,7 @@ impl Resolver {
         Ok(file)
     }
 
-    /// [m] length of one unit of the file.
+    /// [m] length in the case of one unit of the file.
     fn scale(&self, mesh: &Located<MeshFile>) -> Result<f64, Diagnostic> {
         let unit = self.need(&mesh.value.unit, "mesh.unit")?;
         let help = "files of triangles mostly are in \"1 mm\"";
@@ -91,7 +92,7 @@ impl Resolver {
         Ok(scale * self.in_range(factor, "1 leaves the size as it is")?)
     }
 
-    /// [m] the triangles scaled, turned and moved.
+    /// [m] triangles after scaling, rotation and translation to their position in the case.
     fn in_place(&self, mesh: &Located<MeshFile>, scale: f64, mut heap: Heap) -> Result<Heap, Diagnostic> {
         let mesh = &mesh.value;
         let angle = mesh.angle.as_ref().map_or(0.0, |angle| angle.value.0);
@@ -106,7 +107,7 @@ impl Resolver {
             }
         };
         let position = mesh.position.as_ref().map_or_else(Vector3::zeros, vector);
-        // without a rotation not even rounding moves a corner
+        // without a rotation, corners are not changed even by rounding
         let rotation = (angle != 0.0).then(|| Rotation3::from_axis_angle(&axis, angle));
         for corner in heap.iter_mut().flatten() {
             let scaled = *corner * scale;
@@ -115,7 +116,7 @@ impl Resolver {
         Ok(heap)
     }
 
-    /// Reports the parts of a file that are ignored, and the number of its corners that were merged.
+    /// Warns about parts of a file that are ignored, and about corners that were merged.
     fn warn_of_file(&mut self, name: &Located<String>, welded: usize, notes: Vec<String>) {
         let typed = self.as_typed(name);
         if !notes.is_empty() {
@@ -130,7 +131,7 @@ impl Resolver {
         }
     }
 
-    /// Reports repairs, and an open surface.
+    /// Warns about repairs of a surface, and about an open surface.
     fn warn_of_findings(&mut self, name: &Located<String>, findings: &Findings, sides: Sides) {
         let typed = self.as_typed(name);
         let mut told = Vec::new();
@@ -162,7 +163,7 @@ impl Resolver {
         }
     }
 
-    /// Reports the treatment of closed parts within others.
+    /// Warns how closed parts within other closed parts are treated.
     fn warn_of_nesting(&mut self, name: &Located<String>, nested: &Nested) {
         let Nested { cavities, turned, skins, bodies, crossing } = *nested;
         let typed = self.as_typed(name);
@@ -203,7 +204,8 @@ impl Resolver {
         }
     }
 
-    /// Checks that a mesh is in the domain, of about the size of the domain, and clear of its own images.
+    /// Checks that a mesh is within the domain, of about the size of the domain, and not too near its own periodic
+    /// images.
     fn check_bounds(
         &self,
         mesh: &Located<MeshFile>,

@@ -1,4 +1,4 @@
-//! Finds the required keys that a case lacks, and names all of them in one message.
+//! Finds the required keys that a case lacks, and lists all of them in one message.
 
 use crate::case::diagnostic::Diagnostic;
 use crate::case::file::{CaseFile, ParticlesFile};
@@ -7,10 +7,10 @@ use crate::case::source::{Origin, Sources};
 use crate::case::tree::CaseNode;
 use crate::experiment::Model;
 
-/// Refuses a case that lacks required keys under `model` (`None`: the case names no model).
+/// Refuses a case that lacks required keys for the collision model `model`. `None` means that no model was chosen.
 ///
 /// # Errors
-/// The keys that are missing, all named in one message.
+/// The missing keys, all in one message.
 pub fn refuse_missing<'a>(
     (file, tree): (&'a CaseFile, &'a CaseNode),
     model: Option<Model>,
@@ -44,7 +44,7 @@ pub fn refuse_missing<'a>(
     into_error(&keys, sources)
 }
 
-/// True if a kind has at most one particle, so that it can only touch walls.
+/// True if a species has at most one particle, so that this particle can touch only walls.
 fn is_alone(kind: &ParticlesFile) -> bool {
     match (&kind.count, &kind.at) {
         (Some(count), _) => count.value <= 1,
@@ -70,7 +70,7 @@ fn into_error(keys: &[MissingKey], sources: &Sources) -> Result<(), Diagnostic> 
     let list: Vec<String> = keys.iter().map(named).collect();
     let plural = if list.len() == 1 { "a required key is missing" } else { "required keys are missing" };
     let first_table = keys.iter().find_map(|key| key.table);
-    // without any table of its own the error is about the case file, the first source
+    // if none of the keys has a table in the case, the error refers to the case file as a whole, the first source
     let whole = Origin { source: 0, span: 0..0 };
     let mut diagnostic = sources.error(first_table.unwrap_or(&whole), format!("{plural}: {}", list.join(", ")));
     if first_table.is_none()

@@ -1,4 +1,4 @@
-//! Turns a typed case into an experiment: checks every value, resolves names, units and amounts, and reports faults.
+//! Turns a typed case into an experiment: checks all values, converts names, units and amounts, and reports errors.
 
 mod foreign;
 mod gas;
@@ -36,33 +36,33 @@ use std::sync::Arc;
 pub(super) use table::{leads_out, read_text};
 use table::{read_bytes, text_of};
 
-/// Choices made outside the case file.
+/// Choices for a variant that are made outside its tables in the case file.
 #[derive(Clone, Debug, Default)]
 pub struct VariantChoice {
-    /// Model, if the command line or the variant names it.
+    /// Collision model, if the command line or the variant gives one.
     pub model: Option<Model>,
-    /// Seed, if the command line names it.
+    /// Seed, if the command line gives one.
     pub seed: Option<u64>,
-    /// Name of the variant; that of the model if `None`.
+    /// Name of the variant; `None` means the name of its model.
     pub name: Option<String>,
-    /// Name of the variant that it is compared with, if the case names one.
+    /// Name of the variant with which this variant is compared, if the case gives one.
     pub against: Option<String>,
 }
 
-/// State of the check of a case: its texts, the warnings so far and the model.
+/// State of the conversion of a case: its texts, its warnings and its model.
 pub(super) struct Resolver {
-    /// All texts, for messages; tables of numbers are added as they are read.
+    /// All source texts, used in messages. Texts of data tables are added when they are read.
     pub sources: Sources,
-    /// Warnings for the user; the case can still run.
+    /// Warnings so far; a case with warnings can still be run.
     pub warnings: Vec<Diagnostic>,
     /// Collision model of the run.
     pub model: Model,
 }
 
-/// Checks a case and turns it into an experiment; the list holds the warnings.
+/// Checks a case and turns it into an experiment. The returned list contains the warnings.
 ///
 /// # Errors
-/// The first fault, or all missing keys.
+/// The first error in the case, or all missing keys.
 pub fn resolve(
     (file, tree): (&CaseFile, &CaseNode),
     choice: &VariantChoice,
@@ -71,7 +71,7 @@ pub fn resolve(
     let typed = file.run.as_ref().and_then(|run| run.value.model.as_ref()).map(|model| model.value);
     let named = choice.model.or(typed);
     missing::refuse_missing((file, tree), named, &sources)?;
-    // refuse_missing has refused a case without a model
+    // a case without a model has been refused above
     let mut resolver = Resolver { sources, warnings: Vec::new(), model: named.unwrap_or(Model::Hard) };
     let domain = resolver.domain(file)?;
     let species = resolver.species(file)?;
@@ -80,12 +80,12 @@ pub fn resolve(
     let gravity = resolver.gravity(file)?;
     let contact = match &file.contact {
         Some(contact) => resolver.surface(&contact.value.restitution, &contact.value.friction)?,
-        // refuse_missing accepts a missing table only for a single particle
+        // a case without this table has passed the check above only if it has a single particle
         None => crate::scene::Surface { restitution: 1.0, friction: 0.0 },
     };
     let pairs = crate::scene::Pairs::default();
     let mut scene = crate::scene::Scene { domain, gravity, fluid, walls, contact, pairs, species, rotation: None };
-    // the start needs to know of it; the law follows when all surfaces are known
+    // the start depends on whether spheres rotate; the actual law is set below, when all surfaces are known
     scene.rotation = Resolver::rotates(file).then_some(Rotation::new(TangentialLaw::Coulomb, ImpactRule::COULOMB));
     let start = resolver.start(file, &scene)?;
     resolver.warn_of_buoyancy(file, &scene);
@@ -107,56 +107,57 @@ pub fn resolve(
     Ok((experiment, resolver.warnings))
 }
 
-/// The trajectories that a case asks for.
+/// Settings of trajectory files that a case requests; `None` if it requests none.
 ///
 /// # Errors
-/// The time between them is out of range.
+/// The time between two instants of the trajectories is out of range.
 pub fn trajectories(file: &CaseFile, sources: Sources) -> Result<Option<Trajectories>, Diagnostic> {
     Resolver { sources, warnings: Vec::new(), model: Model::Hard }.trajectories(file)
 }
 
-/// `soft`, `hard` or `hybrid`.
+/// Name of a collision model: `soft`, `hard` or `hybrid`.
 pub(super) fn model_name(model: Model) -> &'static str {
     model.name()
 }
 
-/// A number as a user would type it: with a power of ten if it is very small or large.
+/// Number as a user would type it: with a power of ten if the number is very small or large.
 fn short(number: f64) -> String {
     let plain = (1e-6..1e9).contains(&number.abs()) || number == 0.0;
     if plain { number.to_string() } else { format!("{number:e}") }
 }
 
-/// [SI] the components of a vector.
+/// [SI] components of a typed vector.
 fn vector<const M: i8, const K: i8, const S: i8>(three: &Three<Quantity<M, K, S>>) -> Vector3<f64> {
     Vector3::from_fn(|axis, _| three.value[axis].value.0)
 }
 
 impl Resolver {
-    /// A required value; missing ones have been refused before, all at once.
+    /// Returns a required value. Missing values have been refused before, all in one message.
     fn need<'a, T>(&self, value: &'a Option<T>, key: &str) -> Result<&'a T, Diagnostic> {
         value.as_ref().ok_or_else(|| Diagnostic::about("the case", format!("the required key `{key}` is missing")))
     }
 
-    /// `key = value as typed`.
+    /// Text `key = value` of a value as typed, for messages.
     fn as_typed<T>(&self, value: &Located<T>) -> String {
         format!("`{}` = {}", value.path, self.sources.typed(&value.origin))
     }
 
-    /// An error about a value: `key = value` and the fault.
+    /// Creates an error about a value: `key = value`, then what is wrong.
     fn refuse<T>(&self, value: &Located<T>, what: impl AsRef<str>) -> Diagnostic {
         self.sources.error(&value.origin, format!("{} {}", self.as_typed(value), what.as_ref()))
     }
 
-    /// Adds a warning about a value to the list.
+    /// Adds a warning about a value to the list of warnings.
     fn warn(&mut self, origin: &Origin, message: impl Into<String>, help: impl Into<String>) {
         let warning = self.sources.warning(origin, message).help(help);
-        // a file that several kinds name is read for each of them
+        // a file named by several species is read for each, but needs one warning
         if !self.warnings.contains(&warning) {
             self.warnings.push(warning);
         }
     }
 
-    /// [SI] a value if it is within the range that stands at its key; else an error with the range and a remedy.
+    /// [SI] value of a key, if it is within the range declared with the key. Otherwise an error gives the range and a
+    /// remedy.
     fn in_range<const M: i8, const K: i8, const S: i8>(
         &self,
         value: &Located<Quantity<M, K, S>>,
@@ -166,8 +167,8 @@ impl Resolver {
         self.checked(value, |number| is_within(range, number), range, help)
     }
 
-    /// [SI] a value if it is `good`; else an error with the allowed range and a remedy. For ranges that depend on other
-    /// keys; fixed ones stand at their key.
+    /// [SI] value of a key, if the condition `good` holds. Otherwise an error gives the allowed range and a remedy.
+    /// This function is for ranges that depend on other keys; fixed ranges are declared with the key.
     fn checked<const M: i8, const K: i8, const S: i8>(
         &self,
         value: &Located<Quantity<M, K, S>>,
@@ -182,7 +183,7 @@ impl Resolver {
         Err(self.refuse(value, format!("is out of range; allowed: {allowed}")).help(help.as_ref()))
     }
 
-    /// A whole number if it is within `from ..= to`.
+    /// Whole number of a key, if it is within `from ..= to`.
     fn whole(&self, value: &Located<i64>, from: i64, to: i64, help: &str) -> Result<usize, Diagnostic> {
         if (from..=to).contains(&value.value) {
             return Ok(value.value as usize);
@@ -190,8 +191,8 @@ impl Resolver {
         Err(self.refuse(value, format!("is out of range; allowed: {from} ..= {to}")).help(help))
     }
 
-    /// The text of the file named by `name`, relative to the file in which it was typed; also its index as a source. A
-    /// built-in text names built-in files.
+    /// Reads the text of the file `name`, and returns its source index and the text. The path is relative to the file
+    /// in which the name was typed. A name in a built-in text refers to a built-in file.
     fn read_named(&mut self, name: &Located<String>) -> Result<(usize, Arc<str>), Diagnostic> {
         let (path, bytes, kind) = self.bytes_of(name)?;
         let text = text_of(&bytes).map_err(|why| self.unread(name, &path, &why))?;
@@ -199,7 +200,7 @@ impl Resolver {
         Ok((source, text))
     }
 
-    /// The path and the bytes of the file named by `name`, and the kind of source that results.
+    /// Path and bytes of the file `name`, and the kind of source.
     fn bytes_of(&self, name: &Located<String>) -> Result<(PathBuf, Vec<u8>, SourceKind), Diagnostic> {
         let path = self.path_of(name)?;
         let (bytes, kind) = match self.sources.get(&name.origin).map_or(SourceKind::File, |typed_in| typed_in.kind) {
@@ -213,7 +214,7 @@ impl Resolver {
         Ok((path, bytes, kind))
     }
 
-    /// Path of the file named by `name`. A case may only read files in its own folder and below, so that a foreign case
+    /// Path of the file `name`. A case may name only files in its own folder and below, so that a case from a stranger
     /// cannot read other data. Paths typed on the command line are not restricted.
     fn path_of(&self, name: &Located<String>) -> Result<PathBuf, Diagnostic> {
         let source = self.sources.get(&name.origin);
@@ -233,7 +234,7 @@ impl Resolver {
         Ok(path)
     }
 
-    /// The error about a file that could not be read.
+    /// Creates the error about a file that could not be read.
     fn unread(&self, name: &Located<String>, path: &Path, why: &str) -> Diagnostic {
         let help = "the name is relative to the folder of the file that names it";
         self.refuse(name, format!("cannot be read: {why} ({})", path.display())).help(help)

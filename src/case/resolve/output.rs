@@ -1,17 +1,17 @@
-//! Output besides results: trajectories.
+//! Settings of trajectory files.
 
 use super::Resolver;
 use crate::case::diagnostic::Diagnostic;
 use crate::case::file::CaseFile;
 use crate::experiment::{Experiment, Trajectories, TrajectoryFormat};
 
-/// [byte] size of a trajectory per particle and frame: positions, velocities and five more numbers, with their bits.
+/// [byte] size of a trajectory per particle and frame. A frame contains positions, velocities and five more numbers.
 const BYTES: f64 = 80.0;
-/// [byte] size of all trajectories of a variant above which a warning is given.
+/// [byte] total size of the trajectories of a variant above which the user is warned.
 const MUCH: f64 = 2e10;
 
 impl Resolver {
-    /// The trajectories that a case asks for.
+    /// Settings of trajectory files that a case requests; `None` if it requests none.
     pub(in crate::case) fn trajectories(&mut self, file: &CaseFile) -> Result<Option<Trajectories>, Diagnostic> {
         let Some(output) = file.output.as_ref().map(|output| &output.value) else { return Ok(None) };
         let Some(typed) = &output.every else {
@@ -27,7 +27,7 @@ impl Resolver {
         Ok(Some(Trajectories { every, format }))
     }
 
-    /// Warns of very large trajectories.
+    /// Warns about very large trajectory files.
     pub(super) fn check_trajectories(&mut self, file: &CaseFile, experiment: &Experiment) -> Result<(), Diagnostic> {
         let asked = self.trajectories(file)?;
         let typed = file.output.as_ref().and_then(|output| output.value.every.as_ref());

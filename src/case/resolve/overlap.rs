@@ -1,4 +1,4 @@
-//! Checks that placed particles are inside the domain and clear of walls and of one another.
+//! Checks that placed particles are inside the domain and do not overlap walls or one another.
 
 use super::Resolver;
 use super::start::Placed;
@@ -11,48 +11,48 @@ use crate::walls::{NearWalls, Repeated};
 use rustc_hash::FxHashMap;
 use std::ops::ControlFlow;
 
-/// [-] overlap over the smaller diameter below which it is only rounding of a touch: positions written after a long run
-/// have this accuracy.
+/// [-] overlap over the smaller diameter that counts as the rounding error of a touch. Positions written after a long
+/// run have this accuracy.
 const ROUNDING: f64 = 1e-9;
-/// Pairs per particle above which an impossible start is not examined any further. Equal spheres without overlap have
-/// fewer than 40 others in their cell and its neighbours (27 cells of one diameter, filled to 0.74).
+/// Number of close pairs per particle above which a start is refused without examining the rest. Equal spheres without
+/// overlap have fewer than 40 others in their cell and its neighbours: 27 cells of one diameter, filled to 0.74.
 const ENOUGH: usize = 100;
-/// [-] largest overlap over the smaller diameter with which the soft engine starts from positions given by the user, as
-/// within a contact.
+/// [-] largest overlap over the smaller diameter with which the soft engine starts from positions given by the user.
+/// The particles then start within a contact.
 const SOFT_LIMIT: f64 = 0.01;
 
-/// Rule for overlaps of the start.
+/// Rule for overlaps in the initial state.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Rule {
-    /// Hard spheres find instants of touch; soft ones can start within contacts.
+    /// Hard spheres may not overlap; soft spheres can start within a contact.
     Events,
-    /// Hard spheres find overlaps at the ends of steps.
+    /// Hard spheres of a saved state may overlap, because the stepped engine finds overlaps at the ends of steps.
     Steps,
-    /// All overlapping particles are pushed apart before the start.
+    /// Overlapping particles are moved apart before the start, whatever the model.
     PushedApart,
 }
 
-/// An overlap of the start: of placed particle `i` with another or with a wall.
+/// Overlap in the initial state of the placed particle `i` with another particle or a wall.
 struct InitialOverlap {
     i: usize,
     with: OverlappedBody,
     /// [-] overlap over the smaller diameter.
     ratio: f64,
-    /// [-] largest ratio with which this model starts.
+    /// [-] largest ratio with which the model can start.
     limit: f64,
 }
 
-/// Body that a placed particle overlaps.
+/// Body with which a placed particle overlaps.
 enum OverlappedBody {
     /// Index of the other placed particle.
     Particle(usize),
-    /// Index of the wall, and the distance [m] of its nearest point from the centre.
+    /// Index of the wall, and the distance [m] from the centre of the particle to the nearest point of the wall.
     Wall(usize, f64),
 }
 
 impl Resolver {
-    /// Checks every placed particle, with positions inside the box along periodic axes, and returns the number of
-    /// overlaps.
+    /// Checks every placed particle, and returns the number of overlaps. Positions must be inside the box along
+    /// periodic axes.
     pub(super) fn check_placed(&mut self, placed: &[Placed], scene: &Scene, rule: Rule) -> Result<usize, Diagnostic> {
         let mut worst: Option<InitialOverlap> = None;
         let mut count = 0;
@@ -85,7 +85,7 @@ impl Resolver {
             found(InitialOverlap { i, with: OverlappedBody::Particle(j), ratio, limit });
             looked_at += 1;
             deepest = deepest.max(ratio);
-            // n spheres heaped up at one position make about n² pairs: one bad pair of them is enough
+            // n spheres at one position make about n² pairs, of which one with a large overlap is enough
             let enough = looked_at > ENOUGH * placed.len() && deepest > 0.5;
             if enough { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         });
@@ -95,7 +95,7 @@ impl Resolver {
         Ok(count)
     }
 
-    /// Checks that a particle is inside the domain.
+    /// Checks that the centre of a particle is inside the domain.
     fn check_inside(&self, particle: &Placed, scene: &Scene) -> Result<(), Diagnostic> {
         let Placed { position, label, .. } = particle;
         if scene.domain.contains(position) {
@@ -109,9 +109,10 @@ impl Resolver {
         Err(self.sources.error(&particle.origin, message).help("move it, or make `domain.size` larger"))
     }
 
-    /// [-] largest overlap, over the smaller diameter, of two particles or of one with a wall with which the model
-    /// starts. A state saved by a run, or a bed of another program, may be as deep as a run continues with. Positions
-    /// given by the user may overlap a little; under event-driven hard spheres they may not overlap at all.
+    /// [-] largest overlap, over the smaller diameter, with which the model starts; `of` are two particles, or one
+    /// twice for a wall. Soft and hybrid spheres of a saved state or of another program's file may overlap as during a
+    /// run; those placed by the user only a little. Stepped hard spheres may overlap only in a saved state,
+    /// event-driven ones not at all.
     fn deepest(&self, of: [&Placed; 2], rule: Rule, flat: bool) -> f64 {
         let saved = of.iter().all(|placed| placed.saved);
         let settled = of.iter().all(|placed| placed.saved || placed.foreign);
@@ -126,7 +127,7 @@ impl Resolver {
         }
     }
 
-    /// Refuses the worst of `count` overlaps, or warns of it if the model starts from it.
+    /// Refuses the largest of `count` overlaps, or warns about it if the model can start with it.
     fn judge_overlap(
         &mut self,
         worst: &InitialOverlap,
@@ -179,8 +180,8 @@ impl Resolver {
     }
 }
 
-/// Calls `visit` once for every pair whose centres may be within one largest diameter, by means of a grid of such
-/// cells. Ends early if `visit` breaks off.
+/// Calls `visit` once for every pair whose centres may be within one largest diameter. The pairs are found with a grid
+/// of cells of at least that size. The loop ends early if `visit` returns `Break`.
 fn for_near_pairs(
     placed: &[Placed],
     domain: &Domain,
@@ -190,7 +191,7 @@ fn for_near_pairs(
     if largest <= 0.0 {
         return ControlFlow::Continue(());
     }
-    // at least one diameter per cell; more cells would not help
+    // a cell is at least one largest diameter wide; more than 4096 cells per axis would not help
     let cells: [i64; 3] = std::array::from_fn(|axis| ((domain.size[axis] / largest).floor() as i64).clamp(1, 4096));
     let cell = |particle: &Placed| -> [i64; 3] {
         std::array::from_fn(|axis| {

@@ -1,4 +1,4 @@
-//! Pairs of kinds with contact properties of their own.
+//! Contact properties of particular pairs of species, or of a species and a wall.
 
 use super::settings::SPRINGS;
 use super::{Resolver, short};
@@ -10,18 +10,19 @@ use crate::experiment::SoftSettings;
 use crate::scene::{Kind, Meeting, Pairs, Scene, Surface};
 use std::f64::consts::PI;
 
-/// A stiffness that follows from one key of a pair.
+/// Stiffness of a pair that follows from one key of the pair.
 struct Wanted<'a> {
-    /// [N/m]
+    /// [N/m] stiffness.
     stiffness: f64,
-    /// [kg] effective mass to which the stiffness refers, if it depends on the masses of the two bodies in contact.
+    /// [kg] effective mass for which the stiffness was computed. `None` if the stiffness does not depend on the masses
+    /// of the two bodies.
     at_mass: Option<f64>,
     /// Source position and path of the key.
     key: (&'a crate::case::source::Origin, &'a str),
 }
 
 impl Resolver {
-    /// The pairs listed in a case; `scene` has none yet.
+    /// Contact properties of all pairs listed in a case; those of `scene` are still empty.
     pub(super) fn pairs(&mut self, file: &CaseFile, scene: &Scene, soft: &SoftSettings) -> Result<Pairs, Diagnostic> {
         let mut pairs = Pairs::default();
         self.check_names(file, scene)?;
@@ -42,7 +43,7 @@ impl Resolver {
         Ok(pairs)
     }
 
-    /// Checks that no wall has the name of a kind of particles: the two could not be told apart.
+    /// Checks that no wall has the name of a species, so that each name in a pair is unique.
     fn check_names(&self, file: &CaseFile, scene: &Scene) -> Result<(), Diagnostic> {
         for name in file.walls.iter().flatten().filter_map(|wall| wall.value.name.as_ref()) {
             if scene.species.iter().any(|species| species.name == name.value) {
@@ -53,7 +54,7 @@ impl Resolver {
         Ok(())
     }
 
-    /// A species and its partners: a species, or all walls with the name.
+    /// Species of a pair with its partners: another species, or all walls with the given name.
     fn between(
         &self,
         file: &CaseFile,
@@ -71,7 +72,7 @@ impl Resolver {
         }
     }
 
-    /// The species, or the walls, with the given name.
+    /// Species, or all walls, with the given name.
     fn kinds(&self, file: &CaseFile, scene: &Scene, name: &Located<String>) -> Result<Vec<Kind>, Diagnostic> {
         if let Some(species) = scene.species.iter().position(|species| species.name == name.value) {
             return Ok(vec![Kind::Species(species as u16)]);
@@ -88,7 +89,7 @@ impl Resolver {
         Ok(walls)
     }
 
-    /// Restitution and friction of a pair; values that it does not give are those of `usual`.
+    /// Restitution and friction of a pair. Values that the pair does not give are taken from `usual`.
     fn pair_surface(&self, pair: &PairFile, usual: Surface) -> Result<Surface, Diagnostic> {
         let mut surface = usual;
         if pair.restitution.is_some() {
@@ -100,8 +101,9 @@ impl Resolver {
         Ok(surface)
     }
 
-    /// The stiffness of a pair, if it has its own. With the damping ratio ζ of its restitution a contact lasts T_c =
-    /// π/(ω_0 sqrt(1 - ζ²)). Its largest overlap is `reduced_overlap` u/ω_0, with ω_0² = k_n/M.
+    /// Stiffness of a pair, if the case gives one by a key of the pair. A contact with damping ratio ζ, which follows
+    /// from the restitution, lasts T_c = π/(ω_0 sqrt(1 - ζ²)), where ω_0² = k_n/M. Its largest overlap is
+    /// `reduced_overlap` · u/ω_0, with the speed of approach u.
     fn pair_stiffness<'a>(
         &self,
         pair: &'a PairFile,
@@ -135,7 +137,8 @@ impl Resolver {
             let stiffness = mass * (reduced_overlap(surface.restitution) * speed / depth).powi(2);
             wanted.extend(pair.overlap.as_ref().map(|l| Wanted { stiffness, at_mass, key: (&l.origin, &l.path) }));
         }
-        // not a group of keys at its key: `impact_speed`, which goes with `overlap`, would be left behind
+        // not declared as exclusive keys, because a change to another of them would then keep the `impact_speed` of
+        // `overlap`
         if let [_, Wanted { key: (origin, path), .. }, ..] = wanted.as_slice() {
             let message = format!("`{path}` says again how stiff the pair is");
             let help = "keep one of `stiffness`, `contact_time` and `overlap`";
@@ -151,7 +154,7 @@ impl Resolver {
         Ok(Some(wanted))
     }
 
-    /// Wanted overlap [m] of an impact of the pair and its normal speed [m/s], if they are given.
+    /// Desired overlap [m] of an impact of the pair, and the normal speed [m/s] of that impact, if the pair gives them.
     fn overlap(&self, pair: &PairFile) -> Result<Option<[f64; 2]>, Diagnostic> {
         let depth = pair.overlap.as_ref().map(|overlap| self.in_range(overlap, "how deep an impact goes"));
         let speed = pair.impact_speed.as_ref().map(|speed| self.in_range(speed, "the normal speed of the impact"));
@@ -167,7 +170,7 @@ impl Resolver {
         }
     }
 
-    /// [-] stiffness over that of the law; 1, with a warning, if the law has no stiffness.
+    /// [-] stiffness of a pair over that of the contact law. Without a linear law the ratio is 1, with a warning.
     fn ratio(&mut self, wanted: &Wanted, soft: &SoftSettings) -> f64 {
         if let Some(ContactLaw::LinearSpringDashpot(law)) = &soft.law {
             return wanted.stiffness / law.stiffness;

@@ -1,4 +1,4 @@
-//! Particles with positions from a file: a saved state, a plain table, or a file of another program.
+//! Places particles at positions from a file: a saved state, a plain table, or a file of another program.
 
 use super::Resolver;
 use super::foreign::{COLUMNS, Foreign, OF_CSV};
@@ -26,18 +26,19 @@ const OF_MASS: usize = 14;
 const OF_MOMENTUM: usize = 15;
 /// [-] relative error of a number in single precision, which other programs write.
 const SINGLE: f64 = f32::EPSILON as f64;
-/// Number of significant digits from which on the last one may be rounded; numbers with fewer digits are exact.
+/// Number of significant digits of a number from which its last digit may be rounded. Numbers with fewer digits are
+/// exact up to single precision.
 const ROUNDED: usize = 6;
 
-/// [-] relative error of a number due to the precision of its text.
+/// [-] relative error of a number that results from the number of digits in its text.
 fn precision(text: &str) -> f64 {
     let digits = digits(text);
     if digits < ROUNDED { SINGLE } else { SINGLE.max(10f64.powi(1 - digits as i32)) }
 }
 
 impl Resolver {
-    /// The particles of a table that belong to the species with the given `index`: all rows if the table has no such
-    /// column.
+    /// Particles in the file `name` that belong to the species with the given `index`. If the table has no column of
+    /// species, all rows belong to it.
     pub(super) fn placed_in_file(
         &mut self,
         name: &Located<String>,
@@ -71,7 +72,7 @@ impl Resolver {
         Ok(placed)
     }
 
-    /// Reads a table of positions, and of velocities if it has them, in any known format.
+    /// Reads a table of positions, and of velocities if the file contains them, in any supported format.
     fn table_of_places(&mut self, name: &Located<String>, scene: &Scene) -> Result<DataTable, Diagnostic> {
         let (source, text) = self.read_named(name)?;
         let kinds: Vec<&str> = scene.species.iter().map(|kind| kind.name.as_str()).collect();
@@ -95,8 +96,8 @@ impl Resolver {
         Ok(table)
     }
 
-    /// True if a row belongs to the species with the given `index`. A diameter in the row must then be that of the
-    /// species.
+    /// True if a row belongs to the species with the given `index`. Diameter, density and mass in the row must agree
+    /// with those of the species.
     fn is_of(&self, row: TableRow<'_>, index: usize, scene: &Scene) -> Result<bool, Diagnostic> {
         let species = &scene.species[index];
         if let Some(of) = row.text(OF_SPECIES) {
@@ -130,13 +131,13 @@ impl Resolver {
         if row.text(OF_MASS).is_some_and(|text| !text.is_empty()) {
             let mass = self.number(row, OF_MASS, "mass")?;
             let of_case = species.of_one_size(size.map_or(species.diameter, |(diameter, _)| diameter)).mass();
-            // the tolerance of a volume: the third power of a diameter
+            // relative error of a volume: three times that of a diameter, and that of the mass itself
             self.agree(row, (OF_MASS, mass), (of_case, &species.name), "kg", 4.0)?;
         }
         Ok(true)
     }
 
-    /// [m] diameter of a row, given by itself or by its radius, and the column.
+    /// [m] diameter of a row, given directly or by the radius, and the index of the column that gives it.
     fn size(&self, row: TableRow<'_>) -> Result<Option<(f64, usize)>, Diagnostic> {
         let has = |column: usize| row.text(column).is_some_and(|text| !text.is_empty());
         let radius = if has(OF_RADIUS) { Some(2.0 * self.number(row, OF_RADIUS, "radius")?) } else { None };
@@ -152,8 +153,8 @@ impl Resolver {
         Ok(Some((diameter, OF_DIAMETER)))
     }
 
-    /// Refuses a value of a row that differs from that of its kind by more than `factor` times the precision of its
-    /// text.
+    /// Refuses a value of a row that differs from the value of its species by more than rounding. The relative
+    /// difference may be `factor` times the precision of the text.
     fn agree(
         &self,
         row: TableRow<'_>,
@@ -166,13 +167,13 @@ impl Resolver {
         if (value / wanted - 1.0).abs() <= factor * precision(text) {
             return Ok(());
         }
-        // a radius is reported as the diameter
+        // a radius was converted, so the message is about the diameter
         let name = if column == OF_RADIUS { COLUMNS[OF_DIAMETER] } else { COLUMNS[column] };
         let message = format!("`{name}` = {value:e} {unit}, but \"{kind}\" has {wanted:e} {unit}");
         Err(self.sources.error(row.origin, message).help("name the file under the kind it belongs to"))
     }
 
-    /// Refuses a diameter [m] outside the distribution.
+    /// Refuses a diameter [m] outside the size distribution of a species.
     fn check_size(&self, row: TableRow<'_>, diameter: f64, sizes: &SizeDistribution) -> Result<(), Diagnostic> {
         let (least, most) = (sizes.smallest(), sizes.largest());
         if (least * (1.0 - SINGLE)..=most * (1.0 + SINGLE)).contains(&diameter) {
@@ -194,7 +195,7 @@ impl Resolver {
         let number = |column: &&str| {
             let at = COLUMNS.iter().position(|known| known == column).unwrap_or_default();
             match row.text(at) {
-                // velocities and spins may be missing
+                // velocities and spins may be absent, and are then 0
                 None if at >= 3 => Ok(0.0),
                 _ => self.number(row, at, column),
             }
@@ -221,7 +222,7 @@ impl Resolver {
         }
     }
 
-    /// Warns of a table with a header only: a start without particles.
+    /// Warns about a table that has only a header, and so no particles.
     fn warn_of_no_rows(&mut self, table: &DataTable, name: &Located<String>) {
         if table.rows().next().is_none() {
             let message = format!("`{}` has a header but no line of numbers: no particles", name.value);
@@ -229,7 +230,8 @@ impl Resolver {
         }
     }
 
-    /// Warns if the box of a file differs from that of the case: clusters that were whole there may be cut here.
+    /// Warns if the box of a file differs from that of the case. Particles that touched across periodic sides of the
+    /// file may then be apart.
     fn warn_of_another_box(&mut self, table: &DataTable, name: &Located<String>, scene: &Scene) {
         let own = box_lines(&scene.domain);
         for (key, value) in &table.head {
@@ -249,7 +251,7 @@ impl Resolver {
         }
     }
 
-    /// The error about a velocity [m/s] of a table.
+    /// Creates the error about a velocity [m/s] in a table that is too large.
     fn too_fast(&self, column: &str, velocity: f64, origin: &Origin) -> Diagnostic {
         let message = format!("`{column}` = {velocity:e} m/s is out of range; allowed: -1e5 ..= 1e5 m/s");
         self.sources.error(origin, message).help("velocities are in m/s")

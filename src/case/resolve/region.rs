@@ -1,4 +1,4 @@
-//! The part of the domain that a random start fills.
+//! Part of the domain in which particles with random positions start.
 
 use super::{Resolver, vector};
 use crate::case::de::Located;
@@ -9,7 +9,7 @@ use crate::walls::{Cavity, Frustum, Hollow, RoundAxis};
 use nalgebra::Vector3;
 
 impl Resolver {
-    /// The region of a kind of particles, if it has one.
+    /// Region in which a species starts; `None` if the case gives no region.
     pub(super) fn region(
         &self,
         kind: &Located<ParticlesFile>,
@@ -51,7 +51,7 @@ impl Resolver {
         Ok(Hollow::new(Cavity::ClosedCylinder(Frustum { axle, radii: [radius; 2], half_height, solid: true })))
     }
 
-    /// The walls with the given name, by index; all of them have an inside.
+    /// Indices of the walls with the given name, each of which must have an inside.
     fn walls_inside(&self, name: &Located<String>, file: &CaseFile, scene: &Scene) -> Result<Vec<u32>, Diagnostic> {
         let walls = file.walls.iter().flatten().zip(0u32..);
         let is_named = |wall: &Option<Located<String>>| wall.as_ref().is_some_and(|own| own.value == name.value);

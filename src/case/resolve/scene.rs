@@ -1,4 +1,4 @@
-//! Domain, gas, gravity and surfaces.
+//! Reads and checks the domain, the gas, the gravity and the surfaces of a scene.
 
 use super::{Resolver, short, vector};
 use crate::case::de::Located;
@@ -13,7 +13,7 @@ use crate::scene::{Scene, Species, Surface};
 use nalgebra::Vector3;
 
 impl Resolver {
-    /// Box and periodic axes.
+    /// Box, with the axes along which it is periodic.
     pub(super) fn domain(&mut self, file: &CaseFile) -> Result<Domain, Diagnostic> {
         let domain = self.need(&file.domain, "domain")?;
         let size = self.need(&domain.value.size, "domain.size")?;
@@ -33,7 +33,7 @@ impl Resolver {
         Ok(Domain::new(vector(size), periodic))
     }
 
-    /// [m/s²] gravity; zero if the case has none.
+    /// [m/s²] acceleration by gravity; zero if the case gives none.
     ///
     /// # Errors
     /// An acceleration that is out of range.
@@ -53,9 +53,10 @@ impl Resolver {
         Ok(gravity)
     }
 
-    /// Warns that buoyancy is left out, if that matters for the weight of particles in a dense fluid.
+    /// Warns that buoyancy is neglected, if the density of the fluid makes buoyancy matter.
     pub(super) fn warn_of_buoyancy(&mut self, file: &CaseFile, scene: &Scene) {
-        /// [-] share of the weight below which no warning is given: the usual margin of comparisons.
+        /// [-] fraction of the weight below which buoyancy is neglected without a warning: the usual margin of
+        /// comparisons.
         const SMALL: f64 = 0.01;
         let (Some(fluid), Some(typed)) =
             (&scene.fluid, file.fluid.as_ref().and_then(|fluid| fluid.value.density.as_ref()))
@@ -80,7 +81,7 @@ impl Resolver {
         }
     }
 
-    /// Restitution and friction.
+    /// Restitution and friction of a surface.
     pub(super) fn surface(
         &self,
         restitution: &Option<Located<Ratio>>,
@@ -97,14 +98,14 @@ impl Resolver {
         Ok(Surface { restitution: e, friction: self.friction(friction)? })
     }
 
-    /// [-] coefficient of friction; 0 if it is not given.
+    /// [-] coefficient of friction; 0 if the case gives none.
     pub(super) fn friction(&self, friction: &Option<Located<Ratio>>) -> Result<f64, Diagnostic> {
         let Some(friction) = friction else { return Ok(0.0) };
         let help = "friction opposes sliding; 0 is smooth";
         self.in_range(friction, help)
     }
 
-    /// The gas, if there is one.
+    /// Gas with its velocity profile and drag law; `None` if the case has no gas.
     pub(super) fn fluid(
         &mut self,
         file: &CaseFile,
@@ -120,7 +121,7 @@ impl Resolver {
         let density = self.need(&fluid.value.density, "fluid.density")?;
         let rho = self.in_range(density, "did you mean \"1.2 kg/m^3\" (air)?")?;
         let viscosity = self.need(&fluid.value.kinematic_viscosity, "fluid.kinematic_viscosity")?;
-        // from mm²/s, or from St; the parser scales the number, which is the shortest way to print it
+        // a large number was probably meant in mm²/s or in St (cm²/s)
         let unit = if viscosity.value.0 > 1.0 { "mm^2/s" } else { "cm^2/s" };
         let slip =
             format!("did you mean \"{} {unit}\"? air has 1.5e-5 m^2/s, water 1e-6 m^2/s", short(viscosity.value.0));
@@ -192,7 +193,7 @@ impl Resolver {
     }
 }
 
-/// "did you mean" for a length that is neither a particle nor a channel size.
+/// Help for a length out of range: a different unit was probably meant.
 pub(super) fn unit_slip(length: f64) -> String {
     if length > 1.0 {
         let number = short(length);

@@ -1,4 +1,4 @@
-//! Settings of the engines, of the run and of the statistics.
+//! Reads and checks the settings of the engines, of the run and of the statistics.
 
 use super::{Resolver, VariantChoice};
 use crate::case::de::Located;
@@ -15,20 +15,21 @@ use crate::predict::energy::too_long;
 use crate::scene::Elasticity;
 use crate::simulation::soft_step;
 
-/// [-] N_c below which a contact is not resolved; such a step is refused.
+/// [-] smallest number of steps per contact N_c by which a contact is resolved; fewer are refused.
 const FEWEST_STEPS: f64 = 5.0;
-/// [-] N_c below which the literature warns (the paper's section 3.4: T_c/50 ..= T_c/15).
+/// [-] number of steps per contact N_c below which a warning is given (the paper's section 3.4: T_c/50 ..= T_c/15).
 const GOOD_STEPS: f64 = 15.0;
-/// [N/m] range of spring stiffness. Others do not exist (a bubble has 0.1, a diamond sphere of 1 mm 1e9), and with them
-/// squares of times or of frequencies would leave the range of numbers.
+/// [N/m] allowed range of spring stiffness. Other values do not exist: a bubble has 0.1, a diamond sphere of 1 mm 1e9.
+/// Squares of their times or frequencies would also exceed the range of floating-point numbers.
 pub(super) const SPRINGS: std::ops::RangeInclusive<f64> = 1e-9..=1e20;
-/// [-] default N_c.
+/// [-] default number of steps per contact N_c.
 const DEFAULT_STEPS: f64 = 20.0;
-/// [-] default θ (docs/design/hybrid.md).
+/// [-] default clearance θ of hybrid spheres, in contact times (docs/design/hybrid.md).
 const CLEARANCE: f64 = 2.0;
 
 impl Resolver {
-    /// Settings of the soft engine. The hard model does not use them: there a fault is only a warning.
+    /// Settings of the soft engine. The hard model does not use these settings, so that an error in them is then only a
+    /// warning.
     pub(super) fn soft(&mut self, file: &CaseFile) -> Result<SoftSettings, Diagnostic> {
         match self.soft_settings(file) {
             Err(error) if self.model == Model::Hard => {
@@ -75,7 +76,7 @@ impl Resolver {
         Ok(settings)
     }
 
-    /// The contact law that a case names.
+    /// Contact law that a case gives; `None` if it gives no law.
     fn contact_law(&mut self, soft: &SoftFile) -> Result<Option<ContactLaw>, Diagnostic> {
         let spring = soft.linear_spring_dashpot.as_ref();
         if let Some(hertz) = &soft.hertz {
@@ -86,7 +87,7 @@ impl Resolver {
         Ok(Some(ContactLaw::linear(self.in_range(stiffness, help)?)))
     }
 
-    /// Young's modulus and Poisson's ratio of a table.
+    /// Young's modulus and Poisson's ratio from a table of the case.
     fn elasticity(&self, typed: &Located<ElasticityFile>) -> Result<Elasticity, Diagnostic> {
         /// [-] Poisson's ratio of most metals, glasses and plastics: a round textbook value (Johnson 1985).
         const USUAL: f64 = 0.3;
@@ -103,7 +104,7 @@ impl Resolver {
         Ok(Elasticity { youngs_modulus, poissons_ratio })
     }
 
-    /// The elasticity of one kind of particles or one wall, if it has its own.
+    /// Elasticity of one species or one wall; `None` if the case gives none for it.
     pub(super) fn own_elasticity(
         &mut self,
         file: &CaseFile,
@@ -118,7 +119,7 @@ impl Resolver {
         self.elasticity(typed).map(Some)
     }
 
-    /// Refuses a step that does not resolve the shortest contact; warns of one that barely does.
+    /// Refuses a time step that does not resolve the shortest contact; warns if the step barely resolves it.
     pub(super) fn check_step(&mut self, file: &CaseFile, experiment: &Experiment) -> Result<(), Diagnostic> {
         let (Some(law), Some(soft)) = (experiment.law(), file.soft.as_ref().map(|soft| &soft.value)) else {
             return Ok(());
@@ -130,7 +131,7 @@ impl Resolver {
         let Some(shortest) = times.governing() else { return Ok(()) };
         let step = soft_step(experiment, experiment.count());
         let steps = shortest / step;
-        // N_c typed as 5 must not fail by rounding
+        // a limit typed exactly, such as N_c = 5, must not fail by rounding
         if steps >= GOOD_STEPS * (1.0 - 1e-9) {
             return Ok(());
         }
@@ -153,7 +154,8 @@ impl Resolver {
         Ok(())
     }
 
-    /// Refuses a soft step beyond the stability limit of its scheme; warns of a scheme that has no such limit.
+    /// Refuses a time step beyond the stability limit of its integrator. If such a step is allowed, or the integrator
+    /// is unstable at any step, warns instead.
     pub(super) fn check_stability(&mut self, file: &CaseFile, experiment: &Experiment) -> Result<(), Diagnostic> {
         let Some(soft) = file.soft.as_ref().filter(|_| self.model.has_contacts()) else { return Ok(()) };
         let particles = experiment.count();
@@ -203,7 +205,7 @@ impl Resolver {
         })
     }
 
-    /// [s] t_c of the TC model, if the case gives it.
+    /// [s] contact time t_c of the TC model; `None` if the case gives none.
     fn contact_time(&mut self, hard: &HardFile, stepping: HardSteppingFile) -> Result<Option<f64>, Diagnostic> {
         let Some(typed) = &hard.contact_time else { return Ok(None) };
         let help = "t_c of the TC model: how long a contact would last, for example \"1e-6 s\"; leave it out for none";
@@ -236,7 +238,7 @@ impl Resolver {
         Ok(settings)
     }
 
-    /// Model, length, window and seed.
+    /// Settings of the run: model, duration, averaging, window (time between two exchanges with the gas) and seed.
     pub(super) fn run(
         &mut self,
         file: &CaseFile,
@@ -292,7 +294,7 @@ impl Resolver {
             Model::Hard => Spheres::Hard,
             Model::Hybrid => Spheres::Hybrid(law()?),
         };
-        // checked with the rest of `[output]`
+        // other errors of `[output]` are reported where that table is checked
         let every = file.output.as_ref().and_then(|output| output.value.every.as_ref()).map(|every| every.value.0);
         let instants = every.filter(|every| *every > 0.0);
         Ok(RunSettings { instants, spheres, duration, average_from, window, seed })

@@ -1,4 +1,4 @@
-//! The diameters of a kind of particles.
+//! Reads and checks the diameters of a species.
 
 use super::Resolver;
 use super::scene::unit_slip;
@@ -8,12 +8,13 @@ use crate::case::file::{ByFile, ParticlesFile, PlacedFile, SizesFile};
 use crate::case::quantity::{Length, Ratio};
 use crate::scene::{Fraction, SizeDistribution, Species};
 
-/// [-] least share of a log-normal distribution between its cut-offs: the quantiles of a smaller one are rounding
-/// errors.
+/// [-] smallest fraction of a log-normal distribution that may remain between its cut-offs. The quantiles of a smaller
+/// fraction would consist of rounding errors.
 const LEAST_LEFT: f64 = 1e-6;
 
 impl Resolver {
-    /// [m] diameter of a kind; or the diameter of the mean volume, and the distribution of the diameters.
+    /// [m] diameter of a species. If the diameters differ, the result is the diameter of the mean volume, with the size
+    /// distribution.
     pub(super) fn diameter(
         &self,
         kind: &Located<ParticlesFile>,
@@ -27,7 +28,7 @@ impl Resolver {
         }
     }
 
-    /// [m] diameter of one particle of a list.
+    /// [m] diameter of one particle in a list of placed particles.
     pub(super) fn own_diameter(&self, item: &Located<PlacedFile>, species: &Species) -> Result<f64, Diagnostic> {
         let (typed, sizes) = match (&item.value.diameter, &species.sizes) {
             (None, None) => return Ok(species.diameter),
@@ -82,7 +83,7 @@ impl Resolver {
         }
     }
 
-    /// [m] the smallest and the largest diameter.
+    /// [m] smallest and largest diameter of a distribution.
     fn ends(&self, from: &Option<Located<Length>>, to: &Option<Located<Length>>) -> Result<[f64; 2], Diagnostic> {
         let (from, to) = (self.need(from, "particles.sizes.from")?, self.need(to, "particles.sizes.to")?);
         let (least, most) = (self.length(from)?, self.length(to)?);
@@ -111,7 +112,7 @@ impl Resolver {
             let share = self.in_range(fraction, help)?;
             let share = match by {
                 ByFile::Number => share,
-                // number of particles that fit into the volume
+                // the number of particles is proportional to the volume over that of one particle
                 ByFile::Volume => share / d.powi(3),
             };
             rows.push(Fraction { diameter: d, share });

@@ -1,4 +1,4 @@
-//! The particles at the start: kinds, number and positions.
+//! Initial particles of a case: their species, number, positions and velocities.
 
 use super::overlap::Rule;
 use super::{Resolver, short, vector};
@@ -17,24 +17,24 @@ use nalgebra::Vector3;
 const RANDOM_PACKING: f64 = 0.64;
 /// [-] volume fraction of the densest packing of equal spheres: π/sqrt(18).
 const DENSEST_PACKING: f64 = 0.7405;
-/// Largest number of particles; more would not fit the memory of a desktop.
+/// Largest number of particles. More would need more memory than a desktop computer has.
 const MOST_PARTICLES: i64 = 50_000_000;
-/// Largest number of kinds of particles. Their half million pairs take some 100 MB and a second to check; ten times as
-/// many kinds would take 10 GB.
+/// Largest number of species. Their half a million pairs take some 100 MB and a second to check; ten times as many
+/// species would take 10 GB.
 const MOST_KINDS: usize = 1000;
-/// [byte] memory per particle, rounded up: measured as the growth of the largest size of the process from 1e5 to 4e5
-/// particles in gas (265 hard, 296 soft).
+/// [byte] memory per particle, rounded up. The value was measured: growth of the peak memory of the process from 1e5 to
+/// 4e5 particles in gas (265 hard, 296 soft).
 const BYTES: f64 = 300.0;
-/// [m/s] largest speed; no particle in a gas is as fast.
+/// [m/s] largest allowed component of a velocity; particles in a gas are slower.
 pub(super) const FASTEST: f64 = 1e5;
 
-/// The number of particles, the memory that they would take, and the number allowed, in words.
+/// Text with a number of particles, the memory that they would need, and the allowed number.
 fn too_many(count: f64) -> String {
     let gigabytes = count * BYTES / 1e9;
     format!("{count:.3e} particles, which take about {gigabytes:.3e} GB of memory; allowed: up to {MOST_PARTICLES}")
 }
 
-/// [m³] volume that a volume fraction refers to: the whole box, or a region that is a body.
+/// [m³] volume to which a volume fraction refers: that of the start region if it is a body, else of the whole box.
 fn share_of(region: &Option<StartRegion>, scene: &Scene) -> f64 {
     match region {
         Some(StartRegion::Body(body)) => body.volume(&scene.domain.size),
@@ -42,24 +42,24 @@ fn share_of(region: &Option<StartRegion>, scene: &Scene) -> f64 {
     }
 }
 
-/// A particle with a given position.
+/// Particle with a given initial position.
 pub(super) struct Placed {
-    /// [m] centre, inside the box along periodic axes.
+    /// [m] position of the centre, inside the box along periodic axes.
     pub position: Vector3<f64>,
     /// [m] radius.
     pub radius: f64,
-    /// True if the particle comes from a state that a run has saved, unchanged.
+    /// True if the particle comes, unchanged, from a state saved by a run.
     pub saved: bool,
     /// True if the particle comes from a file of another program.
     pub foreign: bool,
     /// Name of the particle in messages.
     pub label: String,
-    /// Source position of the particle.
+    /// Source position of the particle in the case or in a file.
     pub origin: Origin,
 }
 
 impl Resolver {
-    /// Kinds of particles, in the order of the case.
+    /// Species of the particles, in the order of the case.
     pub(super) fn species(&mut self, file: &CaseFile) -> Result<Vec<Species>, Diagnostic> {
         let mut species: Vec<Species> = Vec::new();
         self.check_kinds(file)?;
@@ -92,7 +92,7 @@ impl Resolver {
         Ok(species)
     }
 
-    /// Refuses too many kinds: memory grows with the number of their pairs.
+    /// Refuses too many species, because memory grows with the number of their pairs.
     fn check_kinds(&self, file: &CaseFile) -> Result<(), Diagnostic> {
         let Some(kinds) = file.particles.as_ref().filter(|kinds| kinds.len() > MOST_KINDS) else { return Ok(()) };
         let (count, pairs) = (kinds.len(), kinds.len() * (kinds.len() + 1) / 2);
@@ -102,7 +102,7 @@ impl Resolver {
         Err(self.sources.error(&kinds[MOST_KINDS].origin, message).help(help))
     }
 
-    /// The start of the particles of every kind.
+    /// Initial particles of every species, in the order of the case.
     pub(super) fn start(&mut self, file: &CaseFile, scene: &Scene) -> Result<Vec<Population>, Diagnostic> {
         self.check_room(file, scene)?;
         let mut start = Vec::new();
@@ -151,7 +151,7 @@ impl Resolver {
         Ok(start)
     }
 
-    /// Pushes placed particles apart, and reports the largest distance moved.
+    /// Moves overlapping placed particles apart, and reports the largest displacement.
     fn push_apart(
         &mut self,
         relax: &Located<bool>,
@@ -189,8 +189,8 @@ impl Resolver {
         Ok(())
     }
 
-    /// Warns of sides that are neither periodic nor walled: particles at random positions reach every side and would
-    /// leave there.
+    /// Warns about sides of the box that are neither periodic nor walls. Particles with random positions would leave
+    /// the box through such sides.
     fn warn_of_open_sides(&mut self, file: &CaseFile, scene: &Scene, start: &[Population]) {
         if !start.iter().any(|population| matches!(population.amount, Amount::Count(count) if count > 0)) {
             return;
@@ -211,7 +211,8 @@ impl Resolver {
         }
     }
 
-    /// Checks that no particle can meet its own image, and that particles fit between sides that are not periodic.
+    /// Checks that no particle can touch its own periodic image, and that particles fit between sides that are not
+    /// periodic.
     fn check_room(&self, file: &CaseFile, scene: &Scene) -> Result<(), Diagnostic> {
         let largest = scene.largest_diameter();
         let Some(size) = file.domain.as_ref().and_then(|domain| domain.value.size.as_ref()) else { return Ok(()) };
@@ -229,7 +230,7 @@ impl Resolver {
         Ok(())
     }
 
-    /// Number of particles of a random start in a `volume` [m³].
+    /// Number of particles of a species that start at random positions in a `volume` [m³].
     fn count(&self, kind: &Located<ParticlesFile>, species: &Species, volume: f64) -> Result<usize, Diagnostic> {
         if let Some(count) = &kind.value.count {
             if count.value > MOST_PARTICLES {
@@ -241,7 +242,7 @@ impl Resolver {
         let fraction = self.need(&kind.value.volume_fraction, "particles.volume_fraction")?;
         let help = "the share of the whole box that this kind fills; spheres at random places pack no denser than 0.64";
         let phi = self.in_range(fraction, help)?;
-        // a fraction that was computed from a whole number of particles must give that number back
+        // a fraction computed from a whole number of particles must give that number again
         let count = (phi * volume / species.volume() * (1.0 + 1e-12)).floor();
         if count > MOST_PARTICLES as f64 {
             let what = format!("means {}", too_many(count));
@@ -250,7 +251,7 @@ impl Resolver {
         Ok(count as usize)
     }
 
-    /// Mean and standard deviation of the velocity of a random start.
+    /// Mean and standard deviation of the initial velocity [m/s] of a species with random positions.
     fn random_velocity(
         &mut self,
         kind: &ParticlesFile,
@@ -287,8 +288,8 @@ impl Resolver {
         Ok((mean, fluctuation))
     }
 
-    /// The particles of a kind with given positions; `None` for a random start. `index` is that of the species. Adds
-    /// them to `particles` as well.
+    /// Placed particles of the species with the given `index`; `None` if its positions are random. The particles are
+    /// also added to `particles`.
     fn placed(
         &mut self,
         kind: &Located<ParticlesFile>,
@@ -321,7 +322,7 @@ impl Resolver {
         Ok(Some(placed))
     }
 
-    /// Refuses at once a start that no packing can reach.
+    /// Refuses an initial state that is denser than any packing of spheres.
     fn check_packing(&mut self, file: &CaseFile, scene: &Scene, start: &[Population]) -> Result<(), Diagnostic> {
         let mut total = 0.0;
         let mut random = 0.0;

@@ -1,4 +1,5 @@
-//! Tables of numbers in CSV: starting positions, velocity profiles. Every error names the line of the table.
+//! Reads CSV tables of numbers, such as initial positions or velocity profiles. Every error refers to a line of the
+//! table.
 
 use super::Resolver;
 use crate::case::de::{Located, suggestion};
@@ -11,19 +12,19 @@ use std::io::Read;
 use std::path::Path;
 use std::sync::Arc;
 
-/// [byte] length of the longest text; keeps a device or a wrong file from filling the memory.
+/// [byte] largest size of a file that is read. The limit keeps a device or a wrong file from filling the memory.
 const LONGEST_TEXT: u64 = 1 << 28;
 
-/// Reads a whole file.
+/// Reads a whole file into memory.
 ///
 /// # Errors
-/// In words: it is not there, a folder, a pipe or a device, or too long.
+/// In words: the file does not exist, is a folder, a pipe or a device, or is too long.
 pub fn read_bytes(path: &Path) -> Result<Vec<u8>, String> {
     let told = |error: std::io::Error| match error.kind() {
         std::io::ErrorKind::NotFound => "there is no such file".to_string(),
         _ => error.to_string(),
     };
-    // checked before opening: to open a pipe without a writer would block
+    // checked before opening, because opening a pipe without a writer would wait for ever
     let kind = std::fs::metadata(path).map_err(told)?.file_type();
     if kind.is_dir() {
         return Err("it is a folder, not a file".into());
@@ -40,7 +41,7 @@ pub fn read_bytes(path: &Path) -> Result<Vec<u8>, String> {
     Ok(bytes)
 }
 
-/// True if links on the way to a file lead out of its folder. For a missing file it is false.
+/// True if symbolic links in the path of a file lead out of the folder. False for a missing file.
 pub fn leads_out(file: &Path, folder: &Path) -> bool {
     let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     match (file.canonicalize(), folder.canonicalize()) {
@@ -49,23 +50,23 @@ pub fn leads_out(file: &Path, folder: &Path) -> bool {
     }
 }
 
-/// Reads a whole text file; a byte order mark is dropped.
+/// Reads a whole text file, without its byte order mark.
 ///
 /// # Errors
-/// In words: it is not there, a folder, too long, or not UTF-8.
+/// In words: the file does not exist, is a folder, is too long, or is not UTF-8.
 pub fn read_text(path: &Path) -> Result<Arc<str>, String> {
     text_of(&read_bytes(path)?)
 }
 
-/// The text of a file; a byte order mark is dropped.
+/// Text of a file from its bytes, without a byte order mark.
 ///
 /// # Errors
-/// In words: it is not UTF-8.
+/// In words: the bytes are not UTF-8.
 pub fn text_of(bytes: &[u8]) -> Result<Arc<str>, String> {
     match std::str::from_utf8(bytes) {
         Ok(text) => {
             let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-            // lines that end with CR alone are counted as messages count them
+            // line ends of CR alone become LF, so that line numbers in messages are correct
             Ok(if text.contains('\n') { text.into() } else { text.replace('\r', "\n").into() })
         }
         Err(error) => {
@@ -77,17 +78,17 @@ pub fn text_of(bytes: &[u8]) -> Result<Arc<str>, String> {
     }
 }
 
-/// A table that has been read: its rows, and the column of each wanted name.
+/// Table of numbers that has been read: its rows, and the column of each wanted name.
 pub struct DataTable {
-    /// True if the table is a state that a run has saved, with all its lines unchanged.
+    /// True if the table is a state saved by a run, with all lines unchanged.
     pub saved: bool,
-    /// True if another program, and not the user, has written the table.
+    /// True if the table was written by another program.
     pub foreign: bool,
-    /// Lines above the header, as keys and values.
+    /// Lines `# key: value` above the header, as pairs of key and value.
     pub head: Vec<(String, String)>,
-    /// Column of each wanted name, if the table has it.
+    /// Index of the column of each wanted name; `None` if the table has no such column.
     pub(super) columns: Vec<Option<usize>>,
-    /// Unit of each wanted name, if the header gives one; else SI.
+    /// Unit of each wanted name, if the header gives one; `None` means SI.
     pub(super) units: Vec<Option<String>>,
     pub(super) rows: Vec<(csv::StringRecord, Origin)>,
 }
@@ -97,32 +98,32 @@ pub struct DataTable {
 pub struct TableRow<'a> {
     table: &'a DataTable,
     record: &'a csv::StringRecord,
-    /// Source position of the line.
+    /// Source position of the row.
     pub origin: &'a Origin,
 }
 
 impl DataTable {
-    /// True if the table has the wanted column.
+    /// True if the table has the wanted column with this index.
     pub fn has(&self, wanted: usize) -> bool {
         self.columns.get(wanted).is_some_and(Option::is_some)
     }
 
-    /// The rows in the order of the file.
+    /// Rows of the table, in the order of the file.
     pub fn rows(&self) -> impl Iterator<Item = TableRow<'_>> {
         self.rows.iter().map(|(record, origin)| TableRow { table: self, record, origin })
     }
 }
 
 impl<'a> TableRow<'a> {
-    /// The text of a wanted column, if the table has it.
+    /// Text of a wanted column in this row, if the table has the column.
     pub fn text(&self, wanted: usize) -> Option<&'a str> {
         let column = (*self.table.columns.get(wanted)?)?;
         self.record.get(column).map(of_cell)
     }
 }
 
-/// The name of a column and, if it ends with a suitable one, its unit: `x_mm` is `x` in mm, `vx_mm_s` is `vx` in mm/s.
-/// Wanted names that contain such an ending are kept whole and have no unit.
+/// Splits the name of a column into name and unit, if it ends with a suitable unit: `x_mm` is `x` in mm, `vx_mm_s` is
+/// `vx` in mm/s. Wanted names that contain such an ending themselves are not split.
 fn with_unit<'a>(column: &'a str, wanted: &[&str]) -> (&'a str, Option<String>) {
     let split = column.split_once('_').filter(|(name, _)| !wanted.contains(&column) && wanted.contains(name));
     let unit = |(name, unit): (&'a str, &str)| {
@@ -132,14 +133,14 @@ fn with_unit<'a>(column: &'a str, wanted: &[&str]) -> (&'a str, Option<String>) 
     split.and_then(unit).unwrap_or((column, None))
 }
 
-/// Powers of m, kg and s for a column of a start: velocities begin with v, the others are lengths.
+/// Exponents of m, kg and s for a column of initial states: names of velocities begin with v, all others are lengths.
 fn dimension(column: &str) -> [i8; 3] {
     if column.starts_with('v') { [1, 0, -1] } else { [1, 0, 0] }
 }
 
 impl Resolver {
-    /// Reads the table named by `name`. It has a header with the `required` columns and perhaps some `optional` ones,
-    /// in any order. [`TableRow::text`] counts them in the order of these two lists.
+    /// Reads the table in the file `name`. Its header contains the `required` columns and possibly some `optional`
+    /// ones, in any order. [`TableRow::text`] takes an index into these two lists, one after the other.
     pub(super) fn table(
         &mut self,
         name: &Located<String>,
@@ -150,7 +151,7 @@ impl Resolver {
         self.csv_table(name, (source, &text), required, optional)
     }
 
-    /// Reads a table from a text that is already a source.
+    /// Reads a table from a text whose source index is known.
     pub(super) fn csv_table(
         &self,
         name: &Located<String>,
@@ -196,7 +197,7 @@ impl Resolver {
         Ok(DataTable { saved, foreign: false, head, columns, units, rows })
     }
 
-    /// One line of numbers and its source position.
+    /// One line of the table with its source position.
     fn row(
         &self,
         source: usize,
@@ -223,7 +224,7 @@ impl Resolver {
         Err(self.sources.error(&place(error.position()), message).help(help))
     }
 
-    /// Source position of the line at or after byte `start`.
+    /// Source position of the first line with text at or after byte `start`.
     fn row_origin(&self, source: usize, text: &str, start: usize) -> Origin {
         let rest = text.get(start..).unwrap_or("");
         let start = start + (rest.len() - rest.trim_start().len());
@@ -231,11 +232,11 @@ impl Resolver {
         Origin { source, span: start..end.max(start) }
     }
 
-    /// [SI] a number in a row.
+    /// [SI] number in a column of a row.
     pub(super) fn number(&self, row: TableRow<'_>, wanted: usize, column: &str) -> Result<f64, Diagnostic> {
         let text = row.text(wanted).unwrap_or("");
         let number = match row.table.units.get(wanted).and_then(Option::as_deref) {
-            // read together with its unit, the number is rounded as in a case
+            // parsed together with its unit, a number has the same rounding as in a case
             Some(unit) if !text.is_empty() => quantity::parse(&format!("{text} {unit}"), dimension(column)).ok(),
             _ => text.parse::<f64>().ok(),
         };
@@ -248,7 +249,7 @@ impl Resolver {
         }
     }
 
-    /// (y [m], U [m/s]) of a velocity profile, y increasing.
+    /// Points (y [m], U [m/s]) of a velocity profile, with increasing y.
     pub(super) fn profile_table(&mut self, name: &Located<String>) -> Result<Vec<(f64, f64)>, Diagnostic> {
         let table = self.table(name, &["y_m", "U_m_s"], &[])?;
         let mut points: Vec<(f64, f64)> = Vec::new();

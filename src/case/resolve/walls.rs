@@ -1,4 +1,4 @@
-//! Walls: finds the shape of each table and checks that it fits into the domain.
+//! Reads the walls of a case: makes the shape of each table, and checks that it fits into the domain.
 
 use super::{Resolver, vector};
 use crate::case::de::Located;
@@ -11,15 +11,15 @@ use crate::walls::{Cavity, Frustum, Geometry, Hollow, Obstacle, Plane, RoundAxis
 use nalgebra::Vector3;
 use std::sync::Arc;
 
-/// [-] component of a normal along an axis below which it is rounding.
+/// [-] component of a unit normal along an axis below which the component counts as rounding.
 const ALIGNED: f64 = 1e-9;
-/// [-] excess of a hollow body over the box, relative to the box, that is only rounding.
+/// [-] distance by which a hollow body exceeds the box, over the size of the box, that counts as rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// Largest number of walls of a case: they take 1 GB and some 10 s to check.
+/// Largest number of walls of a case; so many take 1 GB and some 10 s to check.
 const MOST_WALLS: usize = 100_000;
 
-/// Side of a body on which the particles are.
+/// Side of a body on which the particles are: outside a solid, inside a vessel, or on both sides of a shell.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum BodySide {
     Solid,
@@ -27,12 +27,12 @@ enum BodySide {
     Shell,
 }
 
-/// Remedy for a body that is too near its own image.
+/// Remedy for a body that is too near its own periodic image.
 pub(super) const OWN_IMAGE: &str =
     "a body stands again beyond every periodic side: make the domain larger or the body smaller";
 
-/// Reason to refuse a body from `low` to `high` [m] along an axis: too little room between it and its image for a
-/// sphere of the largest diameter [m]. `None` if there is enough room.
+/// Reason to refuse a body that extends from `low` to `high` [m] along an axis. No sphere of the diameter `largest` [m]
+/// would fit between the body and its periodic image. `None` if there is enough room.
 pub(super) fn too_near_its_image(domain: &Domain, axis: usize, [low, high]: [f64; 2], largest: f64) -> Option<String> {
     let room = domain.size[axis] - (high - low);
     (domain.periodic[axis] && room < largest).then(|| {
@@ -41,12 +41,12 @@ pub(super) fn too_near_its_image(domain: &Domain, axis: usize, [low, high]: [f64
     })
 }
 
-/// True if a key is set to `true`.
+/// True if the key is present and `true`.
 fn says(key: &Option<Located<bool>>) -> bool {
     key.as_ref().is_some_and(|key| key.value)
 }
 
-/// Half the edges of the box around a round body [m].
+/// Half the edges [m] of the smallest box around a round body with the given axis.
 fn around(axis: usize, radius: f64, half_height: f64) -> Vector3<f64> {
     Vector3::from_fn(|k, _| if k == axis { half_height } else { radius })
 }
@@ -78,7 +78,7 @@ impl Resolver {
         Ok(walls)
     }
 
-    /// [m/s] velocity of the surface along itself.
+    /// [m/s] velocity of a wall's surface, which must be parallel to the surface.
     fn wall_velocity(&self, wall: &WallFile, geometry: &WallGeometry) -> Result<Vector3<f64>, Diagnostic> {
         let Some(typed) = &wall.velocity else { return Ok(Vector3::zeros()) };
         for component in &typed.value {
@@ -143,13 +143,13 @@ impl Resolver {
         Ok((center, vector(center)))
     }
 
-    /// [m] a length, which must be positive.
+    /// [m] value of a required length, which must be positive.
     pub(super) fn positive(&self, length: &Option<Located<Length>>, key: &str) -> Result<f64, Diagnostic> {
         let length = self.need(length, key)?;
         self.in_range(length, "a body has a positive size")
     }
 
-    /// [m] half the edges of a block, which must be positive.
+    /// [m] half the edges of a block, all of which must be positive.
     pub(super) fn half_extents(&self, half: &Option<Three<Length>>) -> Result<Vector3<f64>, Diagnostic> {
         let half = self.need(half, "half_extents")?;
         for edge in &half.value {
@@ -158,7 +158,7 @@ impl Resolver {
         Ok(vector(half))
     }
 
-    /// Kind of a body: solid, hollow or a shell.
+    /// Side of a body on which the particles are, from its keys `inside` and `open`.
     fn solidity(&self, inside: &Option<Located<bool>>, open: &Option<Located<bool>>) -> Result<BodySide, Diagnostic> {
         match (says(inside), open.as_ref().filter(|open| open.value)) {
             (true, Some(open)) => Err(self
@@ -208,7 +208,7 @@ impl Resolver {
         Ok((geometry, around(axis, low.max(high), half_height)))
     }
 
-    /// Checks that a hollow body lies inside the domain: a particle inside it never leaves.
+    /// Checks that a hollow body is inside the domain, so that particles in the body never leave the domain.
     pub(super) fn keep_inside(
         &self,
         center: &Three<Length>,
@@ -234,7 +234,7 @@ impl Resolver {
     fn plane(&self, plane: &Located<PlaneFile>, domain: &Domain) -> Result<Plane, Diagnostic> {
         let point = vector(self.need(&plane.value.point, "plane.point")?);
         let typed = self.need(&plane.value.normal, "plane.normal")?;
-        // scaled first: the squares of tiny or huge components would leave the range of a double
+        // division by the largest component keeps squares of very small and very large components finite
         let raw = vector(typed);
         let largest = raw.amax();
         if largest == 0.0 {
@@ -265,8 +265,8 @@ impl Resolver {
         Ok(plane_geometry)
     }
 
-    /// Checks that a body stands in the domain, which may end within it at periodic sides. No sphere may fit between
-    /// the body and its own image.
+    /// Checks that at least a part of a body is inside the domain. Across periodic sides, the body and its own image
+    /// must be so far apart that every sphere fits between them.
     fn keep_from_own_image(
         &self,
         center: &Three<Length>,

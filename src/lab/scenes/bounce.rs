@@ -1,4 +1,4 @@
-//! A ball that bounces until it rests.
+//! Scene of the lab: a ball that bounces until it rests.
 
 use super::{BoxView, HARD, HYBRID, LabScene, SOFT};
 use crate::lab::gauge::Gauge;

@@ -1,4 +1,4 @@
-//! Spheres on top of each other.
+//! Scene of the lab: a column of spheres on a floor.
 
 use super::{BoxView, HARD, HYBRID, LabScene, SOFT};
 use crate::lab::gauge::Gauge;

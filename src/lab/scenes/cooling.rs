@@ -1,4 +1,4 @@
-//! A gas that cools.
+//! Scene of the lab: a gas that cools by inelastic collisions.
 
 use super::{HARD, HYBRID, LabScene, SOFT, WHOLE};
 use crate::lab::gauge::Gauge;

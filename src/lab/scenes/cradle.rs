@@ -1,4 +1,4 @@
-//! Newton's cradle.
+//! Scene of the lab: Newton's cradle.
 
 use super::{BoxView, HARD, HYBRID, LabScene, SOFT};
 use crate::lab::gauge::Gauge;

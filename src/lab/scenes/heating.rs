@@ -1,4 +1,4 @@
-//! A gas that an integrator heats.
+//! Scene of the lab: a gas whose energy grows by the error of a time integrator.
 
 use super::{HARD, LabScene, SOFT, WHOLE};
 use crate::lab::gauge::Gauge;

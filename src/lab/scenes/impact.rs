@@ -1,4 +1,4 @@
-//! One impact of two spheres, in slow motion.
+//! Scene of the lab: one impact of two spheres in slow motion.
 
 use super::{BoxView, HARD, HYBRID, LabScene, SOFT};
 use crate::lab::gauge::Gauge;

@@ -1,6 +1,7 @@
-//! Scenes of the lab. Each is a case of `cases/` with changes, its parameters, its graphs, and its texts.
+//! Scenes of the lab. A scene consists of a case of `cases/` with changes, parameters that can be set, graphs and
+//! texts.
 //!
-//! A new scene is one file here and two lines below.
+//! To add a scene, write a file in this folder, and name it below in `mod` and in [`SCENES`].
 
 mod bounce;
 mod channel;
@@ -17,74 +18,74 @@ use super::parameter::ParameterRange;
 use crate::experiment::Model;
 use serde::Serialize;
 
-/// One scene.
+/// Description of one scene of the lab.
 pub struct LabScene {
-    /// Name.
+    /// Name of the scene in requests.
     pub name: &'static str,
-    /// Heading.
+    /// Heading of the scene on the page.
     pub title: &'static str,
-    /// The built-in case.
+    /// Name of the built-in case.
     pub case: &'static str,
-    /// Changes of the case that both panels share, as `--set` takes them.
+    /// Changes to the case for both panels, in the form of `--set` arguments.
     pub sets: &'static [&'static str],
-    /// The left panel.
+    /// Setup of the left panel.
     pub left: PanelSetup,
     /// Setups that the right panel may show; the first one is shown by default.
     pub rights: &'static [PanelSetup],
-    /// Parameters that may be set.
+    /// Parameters that the page can change, with their limits.
     pub knobs: &'static [ParameterRange],
     /// Quantities that are measured and drawn.
     pub gauge: Gauge,
-    /// [s] wall time that the whole scene takes at its own pace.
+    /// [s] wall time of the whole scene at its default pace.
     pub lasts: f64,
-    /// View of the box.
+    /// View of the box that the page draws.
     pub view: BoxView,
     /// Description of the scene in three sentences.
     pub sentences: [&'static str; 3],
-    /// An equation.
+    /// Equation that describes the scene.
     pub equation: &'static str,
     /// Meaning of the symbols in the equation.
     pub symbols: &'static str,
-    /// A question for the student.
+    /// Question for the student.
     pub question: &'static str,
     /// Answer to the question.
     pub answer: &'static str,
 }
 
-/// Setup of one panel.
+/// Setup of one panel: heading, collision model and changes to the case.
 pub struct PanelSetup {
-    /// Heading.
+    /// Heading of the panel.
     pub title: &'static str,
     /// Collision model.
     pub model: Model,
-    /// Changes of the case for this panel alone.
+    /// Changes to the case for this panel alone, in the form of `--set` arguments.
     pub sets: &'static [&'static str],
 }
 
-/// View of the box.
+/// View of the box: axes and part that the page draws.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct BoxView {
-    /// Coordinate on the horizontal axis.
+    /// Axis of space on the horizontal axis: 0, 1 or 2 for x, y or z.
     pub right: usize,
-    /// Coordinate on the vertical axis.
+    /// Axis of space on the vertical axis: 0, 1 or 2 for x, y or z.
     pub up: usize,
-    /// [m] range shown: from and to on the horizontal axis, then on the vertical one; `None`: the whole box.
+    /// [m] range shown: lower and upper limit on the horizontal axis, then on the vertical axis; `None`: the whole box.
     pub region: Option<[f64; 4]>,
-    /// [-] factor by which gaps between spheres are magnified (two spheres only).
+    /// [-] factor by which gaps between spheres are drawn larger (for two spheres only).
     pub magnify: Option<f64>,
 }
 
-/// The whole box, seen along its third axis.
+/// View of the whole box along the z axis.
 const WHOLE: BoxView = BoxView { right: 0, up: 1, region: None, magnify: None };
 
-/// Soft spheres, as they are in the case.
+/// Setup with soft spheres and the settings of the case.
 const SOFT: PanelSetup = PanelSetup { title: "soft", model: Model::Soft, sets: &[] };
-/// Hard spheres with an event queue.
+/// Setup with hard spheres and an event queue.
 const HARD: PanelSetup = PanelSetup { title: "hard", model: Model::Hard, sets: &[] };
-/// Hybrid spheres.
+/// Setup with hybrid spheres.
 const HYBRID: PanelSetup = PanelSetup { title: "hybrid", model: Model::Hybrid, sets: &[] };
 
-/// All scenes, in the order of the list.
+/// All scenes, in the order in which the page lists them.
 pub const SCENES: &[LabScene] = &[
     impact::SCENE,
     cradle::SCENE,
@@ -97,7 +98,7 @@ pub const SCENES: &[LabScene] = &[
     stepped::SCENE,
 ];
 
-/// The scene of that name.
+/// Finds the scene with the given name.
 pub fn scene(name: &str) -> Option<&'static LabScene> {
     SCENES.iter().find(|scene| scene.name == name)
 }

@@ -1,4 +1,4 @@
-//! Hard spheres that look for collisions only at the ends of steps.
+//! Scene of the lab: hard spheres whose collisions are found only at the ends of time steps.
 
 use super::{LabScene, PanelSetup, SOFT, WHOLE};
 use crate::experiment::Model;

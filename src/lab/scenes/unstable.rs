@@ -1,4 +1,4 @@
-//! A time step that is too long.
+//! Scene of the lab: soft spheres with a time step that is too long.
 
 use super::{HARD, LabScene, SOFT, WHOLE};
 use crate::lab::gauge::Gauge;

@@ -1,4 +1,4 @@
-//! The document of a chart of work against precision.
+//! Document of the work-precision chart.
 
 use crate::experiment::Model;
 use crate::output::document::{Block, Document, Table, TextRow, columns, known, text};
@@ -10,17 +10,18 @@ use crate::statistics::Estimate;
 use serde_json::json;
 use std::path::PathBuf;
 
-/// Writes all results of a chart. A failed method is also a result of a chart. Returns the path of the report.
+/// Writes all results of a work-precision chart, and returns the path of the report. A method that failed is a result
+/// too.
 ///
 /// # Errors
-/// An [`OutputError`]; the files written before it stay, without a `summary.json`.
+/// An [`OutputError`]. Files written before the error remain, but there is no `summary.json`.
 pub fn write_chart(folder: &Folder, study: &ChartStudy) -> Result<PathBuf, OutputError> {
     let figures = figures::work_precision(study);
     let document = Document {
         provenance: study.provenance,
         failures: Vec::new(),
         verdicts: study.verdicts,
-        // each quantity has a sentence of its own that can be read aloud
+        // each quantity has a separate verdict in the body of the page
         answers: 0,
         front: Vec::new(),
         notes: study.notes,
@@ -40,8 +41,8 @@ pub fn write_chart(folder: &Folder, study: &ChartStudy) -> Result<PathBuf, Outpu
     document.write(folder, numbers)
 }
 
-/// The answers of a chart as a table for a terminal: the cheapest soft and hard method within 1 % and 0.1 % of each
-/// quantity, with the operations of one run.
+/// Answers of a chart as a table for a terminal. For each quantity the table contains the cheapest soft and hard method
+/// within 1 % and 0.1 %, with the operations of one run.
 pub fn chart_answers(study: &ChartStudy) -> String {
     let rows = study.quantities.iter().enumerate().flat_map(|(index, quantity)| {
         [(0.01, "1 %"), (0.001, "0.1 %")].map(|(target, words)| -> TextRow {
@@ -65,13 +66,13 @@ pub fn chart_answers(study: &ChartStudy) -> String {
     )])
 }
 
-/// Explanation of the diagrams, given once for all of them.
+/// Explanation of all diagrams on the page.
 const READING: &str = "Operations: pair checks, force evaluations and events of one run together; they are the same on every machine. Bars: one standard error. \
      Pale and broad: what no other point beats; thin dashed: the same among soft methods. Diamond: the cheapest within 1 % for certain. Line marked chance: what chance alone \
      makes of one run, where there is chance; points below it say no more than points on it. Points on the lower frame: errors of 1e-9 or less. Stars on the upper frame: \
      failures, at the cost until then.";
 
-/// The parts of the page: a diagram per quantity with its winners, and the data behind it.
+/// Main part of the page: a diagram and the cheapest methods of each quantity, then the data.
 fn body(study: &ChartStudy, figures: usize) -> Vec<Block> {
     let mut body = vec![
         Block::entries([("each point", study.setting.to_owned()), ("reference", study.reference.to_owned())]),
@@ -140,7 +141,7 @@ fn reference(of: &ChartQuantity) -> Vec<String> {
 }
 
 impl ChartStudy<'_> {
-    /// The winners in a quantity, as a spoken sentence.
+    /// Sentence with the cheapest soft and hard method for a quantity.
     fn aloud(&self, index: usize) -> String {
         let (target, words) = figures::WITHIN;
         let floor = self.quantities[index].floor;
@@ -186,7 +187,7 @@ impl ChartStudy<'_> {
         ]
     }
 
-    /// Method and setting of a point.
+    /// Name of the method of a point, with the value of its swept parameter.
     fn knob(&self, point: &ChartPoint) -> String {
         let method = &self.methods[point.method];
         let value = if method.unit == "s" { quantity(point.knob, "s", 3) } else { significant(point.knob, 4) };
@@ -194,7 +195,7 @@ impl ChartStudy<'_> {
         format!("{}, {} = {value} {unit}", method.name, method.knob).trim_end().to_owned()
     }
 
-    /// All points, with their errors in every quantity.
+    /// Table of all points, with their errors in every quantity.
     fn table(&self) -> Block {
         let both = [Model::Soft, Model::Hard];
         let fronts: Vec<_> =

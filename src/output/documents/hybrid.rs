@@ -1,5 +1,5 @@
-//! Share of the touches that a hybrid run treated as instantaneous, and the contact times and overlaps that this
-//! neglects.
+//! Report of the instantaneous impacts in hybrid runs: their share, and the contact times and overlaps that they
+//! neglect.
 
 use super::run::table;
 use crate::experiment::Model;
@@ -9,8 +9,8 @@ use crate::output::numbers::{count, percent, quantity, significant};
 use crate::record::Impacts;
 use serde_json::{Value, json};
 
-/// Blocks about the instantaneous impacts: their share, the neglected durations and overlaps, and the realised
-/// restitution of both kinds of impacts. Empty without a hybrid variant.
+/// Parts of the report about instantaneous impacts: their share, the neglected durations and overlaps, and the realised
+/// restitution of both kinds of impact. Empty without a hybrid variant.
 pub(super) fn blocks(outcomes: &[Outcome]) -> Vec<Block> {
     if outcomes.iter().all(|outcome| outcome.experiment.model() != Model::Hybrid) {
         return Vec::new();
@@ -59,21 +59,21 @@ fn cells(impacts: &Impacts) -> [String; 8] {
     ]
 }
 
-/// [-] realised restitution of the impacts that lasted.
+/// [-] realised restitution of those impacts that were soft contacts.
 fn contacts_restitution(impacts: &Impacts) -> Option<f64> {
     let before = impacts.normal_speed.sum_of_squares() - impacts.instants.approach_squares();
     let after = impacts.rebound_squares() - impacts.instants.rebound_squares();
     (impacts.count > impacts.instants.count).then(|| (after / before).sqrt())
 }
 
-/// [-] share of the time of a particle that it would have been in the neglected contacts.
+/// [-] fraction of a particle's time that the neglected contacts would have taken.
 fn time_left_out(outcome: &Outcome) -> f64 {
     let record = &outcome.record;
     let time = 2.0 * record.pairs.instants.duration() + record.walls.instants.duration();
     time / (outcome.particles as f64 * outcome.simulated_seconds)
 }
 
-/// Numbers of the instantaneous impacts for `summary.json`; `null` for other models.
+/// Numbers about instantaneous impacts for `summary.json`; `null` for other models.
 pub(super) fn json(outcome: &Outcome) -> Value {
     if outcome.experiment.model() != Model::Hybrid {
         return Value::Null;

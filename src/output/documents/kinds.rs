@@ -1,11 +1,12 @@
-//! The parts of a report about each species of a mixture, and about each pair of kinds.
+//! Parts of a report about each species of a mixture, and about the impacts of each pair of species or of a species and
+//! a wall.
 
 use crate::outcome::Outcome;
 use crate::output::document::{Block, TextRow};
 use crate::output::numbers::{count, significant, with_error};
 use crate::output::{OutputError, csv};
 
-/// Tables of the species and of the pairs that met; none if all particles are of one species.
+/// Tables of the species, and of the impacts of each pair; empty if all particles are of one species.
 pub fn blocks(outcomes: &[Outcome]) -> Vec<Block> {
     if outcomes.iter().all(|outcome| outcome.kinds.species.is_empty()) {
         return Vec::new();
@@ -52,7 +53,7 @@ pub fn blocks(outcomes: &[Outcome]) -> Vec<Block> {
     ]
 }
 
-/// `species.csv` and `meetings.csv`, for mixtures only.
+/// Contents of `species.csv` and `meetings.csv`, only for mixtures.
 ///
 /// # Errors
 /// As for [`csv::species`].

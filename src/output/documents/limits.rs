@@ -1,4 +1,4 @@
-//! The document of a study of limits.
+//! Document of the study of limits, with maps of where each method fails.
 
 use crate::output::document::{Block, Document, TextRow, text};
 use crate::output::files::{MAPS, write_summary};
@@ -8,11 +8,11 @@ use crate::output::{Folder, OutputError, csv, figures};
 use serde_json::json;
 use std::path::PathBuf;
 
-/// Writes all results of a study of limits: a table and a picture per map, one page, the summary last. Returns the path
-/// of the page.
+/// Writes all results of a study of limits: a table and a picture for each map, one page, and finally the summary.
+/// Returns the path of the page.
 ///
 /// # Errors
-/// An [`OutputError`]; the files written before it stay, without a `summary.json`.
+/// An [`OutputError`]. Files written before the error remain, but there is no `summary.json`.
 pub fn write_limits(folder: &Folder, study: &LimitsStudy) -> Result<PathBuf, OutputError> {
     let mut body = vec![Block::Contents(study.maps.iter().map(|map| (map.name, map.title.clone())).collect())];
     let (mut tables, mut maps) = (Vec::new(), Vec::new());
@@ -56,7 +56,7 @@ pub fn write_limits(folder: &Folder, study: &LimitsStudy) -> Result<PathBuf, Out
     Ok(page)
 }
 
-/// The maps as a table for a terminal: the points of each by their outcome.
+/// Table of the maps for a terminal: the number of points of each map, by their outcome.
 pub fn limits_answers(study: &LimitsStudy) -> String {
     let rows = study.maps.iter().map(|map| -> TextRow {
         let outcomes = map.outcomes().into_iter().map(|(name, number)| format!("{} {name}", count(number)));
@@ -66,7 +66,7 @@ pub fn limits_answers(study: &LimitsStudy) -> String {
 }
 
 impl LimitsStudy<'_> {
-    /// The section about one map; `place` is the index of its picture.
+    /// Section of the page about one map; `place` is the index of its picture.
     fn section(&self, place: usize, map: &Map, seconds: f64) -> Vec<Block> {
         let outcomes: Vec<String> =
             map.outcomes().iter().map(|(name, number)| format!("{} {name}", count(*number))).collect();

@@ -1,4 +1,4 @@
-//! The documents of the studies, a file each.
+//! Documents of the studies, one file for each study or part of a report.
 
 mod chart;
 mod hybrid;

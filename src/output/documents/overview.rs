@@ -1,4 +1,4 @@
-//! The overview of a comparison: a table of answers, the differences beside the margin, and the cost.
+//! Overview of a comparison: a table of answers, a picture of the differences with the margin, and the cost.
 
 use crate::output::document::{AnswerCell as Cell, Block, Matrix};
 use crate::output::figures::{COST, IN_PER_CENT, in_per_cent, quantities, symbol};
@@ -7,7 +7,7 @@ use crate::output::panel::Figure;
 use crate::output::{Study, Verdict};
 use crate::statistics::Judged;
 
-/// The parts of the page that are visible without unfolding; empty for a single run.
+/// Parts of the page that are always visible; empty for a single run.
 pub fn blocks(study: &Study, figures: &[Figure]) -> Vec<Block> {
     if study.comparisons.is_empty() {
         return Vec::new();
@@ -21,7 +21,8 @@ pub fn blocks(study: &Study, figures: &[Figure]) -> Vec<Block> {
     blocks
 }
 
-/// A column per variant with its settings, a row per quantity, and one for all quantities together.
+/// Table of answers with a column per variant and its settings, and a row per quantity. The first row contains the
+/// answers for all quantities together.
 fn matrix(study: &Study) -> Matrix {
     let judged = |name: &str| study.comparisons.iter().find(|verdict| verdict.variant == name);
     let heads = study.outcomes.iter().enumerate().map(|(place, outcome)| {
@@ -30,7 +31,7 @@ fn matrix(study: &Study) -> Matrix {
         let words = [Some(set.to_owned()).filter(|set| !set.is_empty()), against].into_iter().flatten();
         (outcome.experiment.name.clone(), words.collect::<Vec<_>>().join(", "))
     });
-    // a variant without an answer is a reference of others
+    // a variant without an answer is only the reference for others
     let columns: Vec<_> = heads.zip(study.outcomes).filter(|((name, _), _)| judged(name).is_some()).collect();
     let verdicts: Vec<&Verdict> = columns.iter().filter_map(|((name, _), _)| judged(name)).collect();
     let together = verdicts.iter().map(|verdict| {
@@ -47,14 +48,14 @@ fn matrix(study: &Study) -> Matrix {
     turned(Matrix { head, rows })
 }
 
-/// The reference in words, with its settings.
+/// Name of the reference variant, with its settings.
 fn against(study: &Study, reference: &str) -> String {
     let place = study.outcomes.iter().position(|outcome| outcome.experiment.name == reference);
     let set = place.and_then(|place| study.overrides.get(place)).filter(|set| !set.is_empty());
     set.map_or_else(|| format!("against “{reference}”"), |set| format!("against “{reference}” ({set})"))
 }
 
-/// Puts the variants into rows if there are many of them.
+/// Exchanges rows and columns if there are many variants.
 fn turned(matrix: Matrix) -> Matrix {
     if matrix.head.len() <= 5 {
         return matrix;
@@ -73,7 +74,7 @@ fn judged(verdict: &Verdict) -> &[Judged] {
     verdict.comparison.as_ref().map_or(&[], |comparison| &comparison.judged)
 }
 
-/// The difference that the sentence names, in per cent of its scale.
+/// Answer for one quantity, with the difference that the sentence gives [% of its scale].
 fn cell(verdict: &Verdict, name: &str) -> Cell {
     let Some(one) = judged(verdict).iter().find(|one| one.tested.name == name) else {
         return Cell { answer: None, words: "not compared".into() };

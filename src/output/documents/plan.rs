@@ -1,4 +1,4 @@
-//! The document of a plan: a text to read, or JSON.
+//! Document of a plan, as text or as JSON.
 
 use crate::output::OutputError;
 use crate::output::document::{Block, TextRow, known, text};
@@ -8,24 +8,24 @@ use crate::statistics::Estimate;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// A plan with the data of its case.
+/// Predictions and recommendation of a plan, with data of the case.
 #[derive(Clone, Debug, Serialize)]
 pub struct PlanDocument<'a> {
-    /// Path of the case.
+    /// Path of the case file.
     pub case: String,
     /// Title of the case: its first line.
     pub title: String,
-    /// The model named in the case itself.
+    /// Collision model that the case itself gives.
     pub model_of_the_case: String,
-    /// Threads used for the times.
+    /// Number of threads for which times are predicted.
     pub threads: usize,
-    /// The predictions and measurements.
+    /// Predictions and measurements.
     pub plan: &'a RunPrediction,
-    /// The recommendation.
+    /// Recommended model and settings.
     pub recommendation: &'a Recommendation,
 }
 
-/// Units of all numbers in the JSON: each unit with the keys of its numbers.
+/// Units of all numbers in the JSON: each unit with the keys of the numbers in this unit.
 const UNITS: [(&str, &str); 11] = [
     (
         "s",
@@ -50,10 +50,10 @@ const UNITS: [(&str, &str); 11] = [
     ("N", "weight"),
 ];
 
-/// The plan as JSON: numbers in SI units, the unit of each key under `units`.
+/// Plan as JSON. Numbers are in SI, and `units` contains the unit of each key.
 ///
 /// # Errors
-/// A value that JSON cannot hold.
+/// A value that cannot be written as JSON.
 pub fn plan_json(document: &PlanDocument) -> Result<String, OutputError> {
     #[derive(Serialize)]
     struct WithUnits<'a> {
@@ -67,7 +67,7 @@ pub fn plan_json(document: &PlanDocument) -> Result<String, OutputError> {
     Ok(text)
 }
 
-/// The plan as text: the answer first, then the data behind it.
+/// Plan as text: first the recommendation, then the data from which it follows.
 pub fn plan_text(document: &PlanDocument) -> String {
     let (plan, advice) = (document.plan, document.recommendation);
     let mut blocks = vec![
@@ -75,7 +75,7 @@ pub fn plan_text(document: &PlanDocument) -> String {
         Block::Paragraph(advice.headline()),
         advised(advice),
     ];
-    // the recommendation of a model does not take failures into account
+    // the recommendation of a model does not depend on failures in the timed windows
     let stopped: Vec<&String> = plan.costs.iter().filter_map(|cost| cost.failure.as_ref()).collect();
     if let Some(why) = stopped.first().filter(|_| stopped.len() == plan.costs.len()) {
         blocks.push(Block::note(format!("No model comes to the end of the windows that were timed below: {why}.")));
@@ -97,16 +97,16 @@ pub fn plan_text(document: &PlanDocument) -> String {
     text(&blocks)
 }
 
-/// Rows of a table of contacts that fit on a screen.
+/// Largest number of rows in a table, so that the table fits on a screen.
 const MOST_ROWS: usize = 12;
 
-/// A remark on the rows that a table leaves out; none if it has all.
+/// Note on the number of rows that a table leaves out; `None` if the table has all rows.
 fn left_out(rows: usize) -> Option<Block> {
     let more = rows.checked_sub(MOST_ROWS).filter(|more| *more > 0)?;
     Some(Block::Note(format!("and {} more, all with --json", counted(more, "row"))))
 }
 
-/// A list of terms that grows term by term.
+/// List of terms with values, to which entries are added one by one.
 #[derive(Default)]
 struct Entries(Vec<(String, String)>);
 
@@ -178,7 +178,7 @@ fn contacts(plan: &RunPrediction) -> Vec<Block> {
     if plan.contacts.is_empty() {
         return Vec::new();
     }
-    // a stiffness common to all contacts stands in the heading
+    // a stiffness common to all contacts is in the heading
     let own = plan.contacts.iter().any(|row| row.contact.bodies.stiffness_ratio != 1.0);
     let rows = plan.contacts.iter().take(MOST_ROWS).map(|row| -> TextRow {
         let stiffness = own.then(|| format!("{} N/m", significant(row.stiffness, 4)));
@@ -188,7 +188,7 @@ fn contacts(plan: &RunPrediction) -> Vec<Block> {
             significant(row.steps, 3),
             format!("{} m/s", significant(row.impact_speed, 3)),
             significant(row.kappa, 3),
-            // for a few bodies only the fastest impact is known
+            // a scene of a few bodies has no mean overlap: only the fastest impact is predicted
             known(plan.gas.is_some(), format!("{} d", significant(row.mean_overlap, 3))),
             format!("{} d", significant(row.overlap_99, 3)),
             row.contact.bodies.restitution.to_string(),
@@ -303,7 +303,7 @@ fn averaging(plan: &RunPrediction) -> Vec<Block> {
     ]
 }
 
-/// The answers for a scene that never becomes steady.
+/// Predictions for a scene that never becomes steady.
 fn transient(plan: &RunPrediction) -> Vec<Block> {
     let Some(found) = &plan.transient else { return Vec::new() };
     let mut entries = Entries::default();
@@ -324,7 +324,7 @@ fn transient(plan: &RunPrediction) -> Vec<Block> {
     vec![Block::heading("Nothing is steady here"), Block::Note(course), Block::Entries(entries.0)]
 }
 
-/// A time from the start, in words.
+/// Time after the start, in words.
 fn after(time: f64) -> String {
     if time.is_finite() { format!("after about {}", quantity(time, "s", 2)) } else { "never".into() }
 }

@@ -1,4 +1,4 @@
-//! The document of a run or a comparison.
+//! Document of a run or a comparison.
 
 use super::{hybrid, kinds, overview, stress, trust, verdict, work};
 use crate::outcome::Outcome;
@@ -14,20 +14,20 @@ use crate::statistics::{Answer, Estimate};
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
-/// Number of answers at the head of a page; more would be hard to take in.
+/// Largest number of answers at the top of a page, which would otherwise be too long.
 const ANSWERS: usize = 3;
 
-/// Number of standard errors beyond which a value is marked.
+/// Number of standard errors beyond which a deviation is highlighted.
 const SUSPECT: f64 = 3.0;
 
-/// [-] share of the energy that went through the ledger; a larger unexplained share is marked. The error of the
-/// integrator at 20 steps per contact stays well below.
+/// [-] energy that the energy balance (ledger) leaves unexplained, over all energy in this balance, above which the
+/// value is highlighted. The error of the integrator at 20 steps per contact is much smaller.
 const SUSPECT_RESIDUAL: f64 = 1e-3;
 
-/// Writes all results of a run or comparison. Returns the path of the report.
+/// Writes all results of a run or a comparison, and returns the path of the report.
 ///
 /// # Errors
-/// An [`OutputError`]; the files written before it stay, without a `summary.json`.
+/// An [`OutputError`]. Files written before the error remain, but there is no `summary.json`.
 pub fn write_study(folder: &Folder, study: &Study) -> Result<PathBuf, OutputError> {
     let variants = study.outcomes.iter().enumerate().map(|(place, outcome)| {
         let mut summary = variant(outcome, study.parameters.get(place));
@@ -46,7 +46,7 @@ pub fn write_study(folder: &Folder, study: &Study) -> Result<PathBuf, OutputErro
     document(study)?.write(folder, numbers)
 }
 
-/// Writes the present results of a comparison that goes on: all files but `summary.json`. Returns the path of the
+/// Writes the present results of an unfinished comparison: all files except `summary.json`. Returns the path of the
 /// report.
 ///
 /// # Errors
@@ -93,11 +93,11 @@ fn document<'a>(study: &Study<'a>) -> Result<Document<'a>, OutputError> {
     })
 }
 
-/// The body of the page. The first `over_time` pictures show curves over time.
+/// Main part of the page. The first `over_time` figures show curves over time.
 fn body(study: &Study, over_time: usize, figures: &[Figure]) -> Vec<Block> {
     let outcomes = study.outcomes;
-    // averages over an unsteady run mix different states, and those of a few bodies say little: curves over time come
-    // first
+    // averages over an unsteady run mix different states, and averages of a few bodies have little meaning: then curves
+    // over time come first
     let follows = |outcome: &Outcome| !outcome.steadiness.steady || !outcome.paths.points.is_empty();
     let transient = over_time > 0 && outcomes.iter().all(follows);
     let player = Player::of(outcomes, study.frames);
@@ -140,8 +140,8 @@ fn body(study: &Study, over_time: usize, figures: &[Figure]) -> Vec<Block> {
     body
 }
 
-/// The pictures with the given names, or with names that begin with them and a hyphen; consecutive ones stand side by
-/// side.
+/// Figures with the given names, or with names that begin with a given name and a hyphen. Consecutive figures are
+/// placed next to each other.
 fn pictures(figures: &[Figure], names: &[&str]) -> Vec<Block> {
     let is = |figure: &Figure, name: &str| {
         figure.name.strip_prefix(name).is_some_and(|rest| rest.is_empty() || rest.starts_with('-'))
@@ -157,7 +157,7 @@ fn pictures(figures: &[Figure], names: &[&str]) -> Vec<Block> {
     ranges.into_iter().map(Block::Figures).collect()
 }
 
-/// The distinct texts, in order, separated by commas: one if all are equal.
+/// Distinct texts in order of first appearance, separated by commas.
 pub fn distinct(texts: impl Iterator<Item = String>) -> String {
     let mut seen: Vec<String> = Vec::new();
     for text in texts {
@@ -168,7 +168,7 @@ pub fn distinct(texts: impl Iterator<Item = String>) -> String {
     seen.join(", ")
 }
 
-/// A table of one row per variant, its name first.
+/// Table with one row per variant, which begins with the name of the variant.
 pub(super) fn table(head: &str, outcomes: &[Outcome], cells: impl Fn(&Outcome) -> TextRow) -> Block {
     let row = |outcome: &Outcome| {
         let (marked, rest) = cells(outcome);
@@ -177,7 +177,7 @@ pub(super) fn table(head: &str, outcomes: &[Outcome], cells: impl Fn(&Outcome) -
     Block::table(head, outcomes.iter().map(row))
 }
 
-/// Blocks about the impacts between spheres and on walls.
+/// Parts of the page about impacts between particles and on walls.
 fn impacts(outcomes: &[Outcome]) -> Vec<Block> {
     let pairs = |o: &Outcome| {
         let asked = o.experiment.scene.meetings().map(|(_, _, meeting)| significant(meeting.surface.restitution, 4));
@@ -202,7 +202,7 @@ fn impacts(outcomes: &[Outcome]) -> Vec<Block> {
 
 fn impact_cells(impacts: &Impacts, rate: Option<Estimate>, requested: String) -> Vec<String> {
     let s = impacts.summary();
-    // collisions at the exact instant have no overlap but that of rounding
+    // collisions at exact instants have no overlap except by rounding
     let deep = |value: Option<f64>| known(s.largest_overlap > Some(ROUNDING), significant(value, 3));
     vec![
         count(s.count),
@@ -210,7 +210,7 @@ fn impact_cells(impacts: &Impacts, rate: Option<Estimate>, requested: String) ->
         significant(s.mean_normal_speed, 3),
         requested,
         significant(s.mean_restitution, 5),
-        // collisions at the exact instant have no duration
+        // collisions at exact instants have no duration
         known(s.mean_duration > Some(0.0), quantity(s.mean_duration, "s", 3)),
         deep(s.mean_maximum_overlap),
         deep(s.p99_maximum_overlap),
@@ -218,7 +218,7 @@ fn impact_cells(impacts: &Impacts, rate: Option<Estimate>, requested: String) ->
     ]
 }
 
-/// Blocks about the energy balance.
+/// Parts of the page about the energy balance.
 fn energy(outcomes: &[Outcome]) -> Vec<Block> {
     let largest = outcomes
         .iter()
@@ -228,7 +228,7 @@ fn energy(outcomes: &[Outcome]) -> Vec<Block> {
     let prefix = Prefix::of(largest);
     let joule = |energy: f64| significant(energy * prefix.factor, 4);
     let through = |o: &Outcome| o.record.ledger.through(o.energy_at_start);
-    // Variants stand side by side: a ledger reads downwards.
+    // one column per variant, so that the items of a balance are one below the other
     let row = |name: &str, cell: &dyn Fn(&Outcome) -> String| -> TextRow {
         (false, std::iter::once(name.into()).chain(outcomes.iter().map(cell)).collect())
     };
@@ -236,7 +236,7 @@ fn energy(outcomes: &[Outcome]) -> Vec<Block> {
     let work = |name: &str, of: fn(&Outcome) -> f64| {
         row(name, &|o| format!("{} ({})", joule(of(o)), percent(of(o), through(o))))
     };
-    // impulses lose energy only by rounding: no digit of it means anything
+    // a loss that is only the rounding error of impulses has no meaningful digit
     let loss = |name: &str, of: fn(&Outcome) -> f64| {
         row(name, &|o| {
             let rounding = (of(o) / through(o)).abs() < 1e-12;
@@ -280,7 +280,7 @@ fn energy(outcomes: &[Outcome]) -> Vec<Block> {
     blocks
 }
 
-/// Block about the balance of the streamwise forces.
+/// Parts of the page about the balance of streamwise forces.
 fn momentum(outcomes: &[Outcome]) -> Vec<Block> {
     let forces = |o: &Outcome| {
         let averaged = [o.balance.drag, o.balance.wall, o.balance.residual].into_iter().flatten();
@@ -304,7 +304,7 @@ fn momentum(outcomes: &[Outcome]) -> Vec<Block> {
     vec![table("variant | drag | weight | walls | sum | sum in SE", outcomes, cells), Block::Note(note)]
 }
 
-/// Block about the start of averaging and the test for a steady state.
+/// Parts of the page about the averaging period and the test for a steady state.
 fn averaging(outcomes: &[Outcome]) -> Vec<Block> {
     let cells = |o: &Outcome| {
         let s = &o.steadiness;
@@ -323,15 +323,15 @@ fn averaging(outcomes: &[Outcome]) -> Vec<Block> {
     ]
 }
 
-/// The final states: equal hashes mean equal bits.
+/// Table of hashes of the initial and final states. Equal hashes mean that all bits of the states are equal.
 fn hashes(outcomes: &[Outcome]) -> Block {
     let cells =
         |o: &Outcome| (false, vec![format!("{:016x}", o.initial_state_hash), format!("{:016x}", o.final_state_hash)]);
     table("variant | hash of the initial state | hash of the final state", outcomes, cells)
 }
 
-/// [-] energy that the ledger does not explain, over the energy that went through it: at the start, by drag and by
-/// gravity. `None` if no energy did.
+/// [-] energy that the energy balance (ledger) leaves unexplained, over the initial energy plus the magnitudes of the
+/// work of drag, gravity and moving walls. `None` if that sum is 0.
 fn relative_residual(outcome: &Outcome) -> Option<f64> {
     let ledger = &outcome.record.ledger;
     let through = ledger.through(outcome.energy_at_start);
@@ -343,7 +343,7 @@ pub(super) fn measured(found: Option<Estimate>) -> Value {
     json!({ "value": found.map(|found| found.value), "standard_error": found.and_then(|found| found.error) })
 }
 
-/// The ledger of a variant in `summary.json`.
+/// Energies of a variant for `summary.json`: start, end, and all terms of the energy balance.
 fn energies(outcome: &Outcome) -> Value {
     let ledger = &outcome.record.ledger;
     let mut energies = json!({ "at_start": outcome.energy_at_start, "at_end": outcome.energy_at_end });
@@ -356,7 +356,7 @@ fn energies(outcome: &Outcome) -> Value {
     energies
 }
 
-/// Data of a variant in `summary.json`, in SI units; `null` stands for an unknown value.
+/// Data of a variant for `summary.json`, in SI units; `null` means an unknown value.
 fn variant(outcome: &Outcome, parameters: Option<&Value>) -> Value {
     let (experiment, record) = (&outcome.experiment, &outcome.record);
     let (pairs, walls) = (outcome.pairs.summary(), outcome.walls.summary());
@@ -408,7 +408,7 @@ fn variant(outcome: &Outcome, parameters: Option<&Value>) -> Value {
             "steadiness": outcome.steadiness,
             "replicas": outcome.averaged.replicas,
         },
-        // as text: JSON readers keep 53 bits of a number
+        // hashes are text, because JSON readers keep only 53 bits of a number
         "initial_state_hash": format!("{:016x}", outcome.initial_state_hash),
         "final_state_hash": format!("{:016x}", outcome.final_state_hash),
         "parameters": parameters,

@@ -1,4 +1,4 @@
-//! The document of a study of sensitivity.
+//! Document of a sensitivity study.
 
 use crate::output::document::{Block, Document, Table, known};
 use crate::output::numbers::{percent, quantity, significant, with_error};
@@ -8,10 +8,10 @@ use crate::statistics::{Answer, Estimate};
 use serde_json::json;
 use std::path::PathBuf;
 
-/// Writes a whole study. Returns the path of the page.
+/// Writes all results of a sensitivity study, and returns the path of the page.
 ///
 /// # Errors
-/// An [`OutputError`]; the files written before it stay, without a `summary.json`.
+/// An [`OutputError`]. Files written before the error remain, but there is no `summary.json`.
 pub fn write_sensitivity(folder: &Folder, study: &SensitivityStudy) -> Result<PathBuf, OutputError> {
     let numbers = json!({
         "margin": study.margin,
@@ -23,7 +23,7 @@ pub fn write_sensitivity(folder: &Folder, study: &SensitivityStudy) -> Result<Pa
     document(study)?.write(folder, numbers)
 }
 
-/// Writes the present results of a study that goes on: all files but `summary.json`. Returns the path of the page.
+/// Writes the present results of an unfinished study: all files except `summary.json`. Returns the path of the page.
 ///
 /// # Errors
 /// As for [`write_sensitivity`].
@@ -72,13 +72,13 @@ fn document<'a>(study: &'a SensitivityStudy<'a>) -> Result<Document<'a>, OutputE
     })
 }
 
-/// A table whose last column holds sentences.
+/// Table whose last column contains sentences.
 fn remarks(head: &str, rows: impl Iterator<Item = (bool, Vec<String>)>) -> Block {
     let Block::Table(table) = Block::table(head, rows) else { return Block::note("") };
     Block::Table(Table { remarks: true, ..table })
 }
 
-/// Table of the factors and their effects, the most important first.
+/// Table of the factors and their effects; the most important factor is first.
 fn factors(study: &SensitivityStudy) -> Block {
     let row = |factor: &Factor| {
         let shift = factor.headline();
@@ -106,7 +106,7 @@ fn share(shift: &Shift) -> String {
     with_error(Estimate { value: 100.0 * shift.share(), error: shift.share_error().map(|error| 100.0 * error) })
 }
 
-/// Kind of results that the shifts refer to.
+/// Note on the kind of results to which the shifts refer; `None` if there are no results.
 fn basis(study: &SensitivityStudy) -> Option<&'static str> {
     match study.factors.iter().find_map(|factor| factor.basis)? {
         Basis::Averages => Some(
@@ -125,7 +125,7 @@ fn basis(study: &SensitivityStudy) -> Option<&'static str> {
     }
 }
 
-/// A row per factor, a column per observable; nothing without shifts.
+/// Table with a row per factor and a column per observable; `None` without shifts.
 fn shifts(study: &SensitivityStudy) -> Option<Block> {
     let names = study.observables();
     if names.is_empty() {
@@ -142,7 +142,7 @@ fn shifts(study: &SensitivityStudy) -> Option<Block> {
     Some(Block::table(&format!("factor | {}", names.join(" | ")), study.factors.iter().map(row)))
 }
 
-/// Table of the runs.
+/// Table of all runs, with their settings and times.
 fn runs(study: &SensitivityStudy) -> Block {
     let all: f64 = study.runs.iter().map(|run| run.wall_seconds).sum();
     let row = |run: &crate::output::sensitivity::SensitivityRun| {

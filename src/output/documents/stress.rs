@@ -1,4 +1,4 @@
-//! Stress, contacts per particle and volume fraction of a run.
+//! Parts of a report about stress, contacts per particle and volume fraction.
 
 use super::run::{measured, table};
 use crate::outcome::Outcome;
@@ -7,7 +7,7 @@ use crate::output::numbers::{significant, with_error};
 use crate::statistics::Estimate;
 use serde_json::{Value, json};
 
-/// Pressure with its two parts and contacts per particle.
+/// Table of the stress with its kinetic and contact parts, and of the contacts per particle.
 pub(super) fn blocks(outcomes: &[Outcome]) -> Vec<Block> {
     let head = "variant | kinetic xx, yy, zz [Pa] | contact xx, yy, zz [Pa] | pressure [Pa] | pressure over its kinetic part | contacts per particle | volume fraction of a slice, least to most";
     let cells = |outcome: &Outcome| {
@@ -37,7 +37,7 @@ pub(super) fn blocks(outcomes: &[Outcome]) -> Vec<Block> {
     ]
 }
 
-/// Stress of a variant in `summary.json`, in SI units.
+/// Stress of a variant for `summary.json`, in SI units.
 pub(super) fn json(outcome: &Outcome) -> Value {
     let stress = &outcome.stress;
     let all = |list: &[Option<Estimate>]| list.iter().map(|part| measured(*part)).collect::<Vec<_>>();

@@ -1,4 +1,4 @@
-//! The document of a sweep.
+//! Document of a sweep.
 
 use crate::output::document::{Block, Document};
 use crate::output::files::write_summary;
@@ -9,14 +9,14 @@ use crate::statistics::Estimate;
 use serde_json::json;
 use std::path::PathBuf;
 
-/// Number of standard errors beyond which values count as different.
+/// Number of standard errors beyond which two values count as different.
 const FAR: f64 = 3.0;
 
-/// Writes the table, the pictures and the page of a sweep, and the summary if all runs are done. Returns the path of
-/// the page.
+/// Writes the table, the pictures and the page of a sweep, and also the summary if all runs are done. Returns the path
+/// of the page.
 ///
 /// # Errors
-/// An [`OutputError`]; the files written before it stay.
+/// An [`OutputError`]. Files written before the error remain.
 pub fn write_sweep(folder: &Folder, study: &SweepStudy) -> Result<PathBuf, OutputError> {
     let verdicts = verdicts(study);
     let document = document(study, &verdicts)?;
@@ -50,7 +50,7 @@ pub fn write_sweep(folder: &Folder, study: &SweepStudy) -> Result<PathBuf, Outpu
     Ok(page)
 }
 
-/// The answers in sentences.
+/// Answers of a sweep, in sentences.
 pub fn sweep_verdicts(study: &SweepStudy) -> Vec<String> {
     verdicts(study)
 }
@@ -92,7 +92,7 @@ fn document<'a>(study: &'a SweepStudy, verdicts: &'a [String]) -> Result<Documen
     })
 }
 
-/// Number of runs, and the points at which each variant deviates from its reference.
+/// Sentences about missing and failed runs, and about the points at which each variant differs from its reference.
 fn verdicts(study: &SweepStudy) -> Vec<String> {
     let waiting = study.rows.iter().filter(|row| row.status() == "not run yet").count();
     let failed = study.rows.iter().filter(|row| row.failure().is_some()).count();
@@ -116,7 +116,8 @@ fn verdicts(study: &SweepStudy) -> Vec<String> {
     sentences
 }
 
-/// One variant against the reference over all points, in one observable; `None` if nothing can be compared.
+/// Sentence that compares a variant with the reference at all points, for one observable. `None` if no values with
+/// errors can be compared.
 fn compared(study: &SweepStudy, variant: usize, reference: usize, key: &str, name: &str) -> Option<String> {
     let (mut points, mut near) = (0, 0);
     let mut farthest: Option<(f64, &SweepRow, Estimate, Estimate)> = None;
@@ -136,8 +137,8 @@ fn compared(study: &SweepStudy, variant: usize, reference: usize, key: &str, nam
         }
     }
     let (far, row, difference, base) = farthest?;
-    // a share of the reference means nothing if the reference is 0 within its error, as for a mean velocity without
-    // wind
+    // a fraction of the reference has no meaning if the reference is 0 within its error, such as a mean velocity
+    // without wind
     let apart = if base.error.is_some_and(|error| base.value.abs() <= FAR * error) {
         format!(
             "{} standard errors, where “{}” is 0 within three of its own",

@@ -1,14 +1,14 @@
-//! The trust sheets as parts of a document.
+//! Parts of a document about the trust sheets, which contain checks of the results of a run.
 
 use crate::output::document::{Block, Table};
 use crate::output::numbers::{UNKNOWN, quantity, significant, with_error};
 use crate::output::{Expected, Halved, HalvedStep, Judgement, TrustCheck, TrustSheet, Verification};
 use crate::statistics::Estimate;
 
-/// Number of standard errors beyond which a change is marked.
+/// Number of standard errors beyond which a change is highlighted.
 const SUSPECT: f64 = 3.0;
 
-/// All sheets as parts of a page, variants side by side.
+/// All sheets as parts of a page, with one column per variant.
 pub(super) fn blocks(sheets: &[TrustSheet]) -> Vec<Block> {
     if sheets.is_empty() {
         return Vec::new();
@@ -27,7 +27,7 @@ pub(super) fn blocks(sheets: &[TrustSheet]) -> Vec<Block> {
         HalvedStep::Verified(_) => None,
         HalvedStep::Unknown(why) => Some(why),
     });
-    // the reasons are mostly the same for all variants
+    // mostly all variants have the same reason, which is written once
     let mut told: Vec<&String> = Vec::new();
     for why in unknown {
         if !told.contains(&why) {
@@ -41,7 +41,7 @@ pub(super) fn blocks(sheets: &[TrustSheet]) -> Vec<Block> {
     blocks
 }
 
-/// A value, with its error if that is more than rounding.
+/// Value in its unit, with its error if the error exceeds rounding.
 fn value(found: impl Into<Option<Estimate>>, unit: &str) -> String {
     let Some(found) = found.into() else { return format!("{UNKNOWN}{unit}") };
     let space = if unit.is_empty() { "" } else { " " };
@@ -55,7 +55,7 @@ fn value(found: impl Into<Option<Estimate>>, unit: &str) -> String {
     format!("{text}{space}{unit}")
 }
 
-/// A row per number, a column per variant.
+/// Table of the checks, with a row per check and a column per variant.
 fn checks(sheets: &[TrustSheet]) -> Block {
     let mut names: Vec<&'static str> = Vec::new();
     for check in sheets.iter().flat_map(|sheet| &sheet.checks) {
@@ -78,7 +78,7 @@ fn checks(sheets: &[TrustSheet]) -> Block {
     Block::Table(Table { head: head.collect(), rows: names.iter().map(row).collect(), remarks: true })
 }
 
-/// The distinct texts, in order.
+/// Distinct texts in order of first appearance, separated by semicolons.
 fn distinct(texts: impl Iterator<Item = String>) -> String {
     let mut seen: Vec<String> = Vec::new();
     for text in texts {
@@ -97,7 +97,7 @@ fn expected(expected: Expected) -> String {
     }
 }
 
-/// The number, its judgement, and its deviation from the expected value.
+/// Value of a check, its deviation from the expected value, and a mark for good or suspect values.
 fn cell(check: &TrustCheck) -> String {
     let off = check
         .in_errors()

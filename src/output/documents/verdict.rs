@@ -1,5 +1,4 @@
-//! The part of a page with the answers of the comparison: equivalent or different variants, and the size of the
-//! differences.
+//! Part of a page with the answers of a comparison: which variants are equivalent or different, and by how much.
 
 use crate::output::document::{Block, known};
 use crate::output::figures::symbol;
@@ -7,7 +6,7 @@ use crate::output::numbers::{percent, quantity, significant, with_error};
 use crate::output::{Basis, Study, Verdict};
 use crate::statistics::{Deviation, Estimate, Judged};
 
-/// The compared pairs, and the numbers behind the answers; empty for a single run.
+/// Answers, and the numbers from which they follow for each compared pair; empty for a single run.
 pub fn blocks(study: &Study) -> Vec<Block> {
     if study.comparisons.is_empty() {
         return Vec::new();
@@ -33,7 +32,7 @@ pub fn blocks(study: &Study) -> Vec<Block> {
     blocks
 }
 
-/// A row per variant: its settings, its reference, and the answer.
+/// Table with a row per variant: its settings, its reference and its answer.
 fn answers(study: &Study) -> Block {
     let row = |(place, outcome): (usize, &crate::outcome::Outcome)| {
         let name = &outcome.experiment.name;

@@ -1,4 +1,4 @@
-//! Cost of a run, in time and in counts.
+//! Parts of a report about the cost of runs, in wall time and in counts of work.
 
 use super::run::{distinct, table};
 use crate::experiment::{HardStepping, Model};
@@ -7,9 +7,9 @@ use crate::output::cost;
 use crate::output::document::{Block, known};
 use crate::output::numbers::{count, percent, quantity, significant};
 
-/// Work and cost of each variant.
+/// Table of the work and the cost of each variant.
 pub fn costs(outcomes: &[Outcome]) -> Vec<Block> {
-    // the cost of a run that stopped early is not that of the case
+    // the cost of a run that stopped early is not the cost of the whole case
     let finished = outcomes.iter().filter(|outcome| outcome.failure.is_none());
     let cheapest = finished.filter_map(cost).filter(|cost| *cost > 0.0).reduce(f64::min);
     let cells = |o: &Outcome| {
@@ -35,7 +35,7 @@ pub fn costs(outcomes: &[Outcome]) -> Vec<Block> {
     };
     let head = "variant | model | time step | window | simulated | wall s per simulated s | over cheapest | steps | events | pair checks";
     let particles = distinct(outcomes.iter().map(|outcome| count(outcome.particles as u64)));
-    // integrators of the contacts, if there were contacts
+    // names of the integrators, for runs that had contacts
     let stepped = outcomes.iter().filter_map(|outcome| {
         let integrators = outcome.integrators();
         let name = &outcome.experiment.name;
@@ -51,7 +51,8 @@ pub fn costs(outcomes: &[Outcome]) -> Vec<Block> {
     blocks.chain((!stepped.is_empty()).then_some(integrators)).collect()
 }
 
-/// Statistics of the islands; empty without islands.
+/// Statistics of the islands, which are groups of particles that may touch within a part of a window. Empty without
+/// islands.
 pub fn islands(outcomes: &[Outcome]) -> Vec<Block> {
     if outcomes.iter().all(|o| o.counters.islands == 0) {
         return Vec::new();
@@ -73,7 +74,7 @@ pub fn islands(outcomes: &[Outcome]) -> Vec<Block> {
     ]
 }
 
-/// Distribution of the wall time over the parts of a run.
+/// Distribution of the wall time over the parts of a run, such as drag and sampling.
 pub fn timing(outcomes: &[Outcome]) -> Vec<Block> {
     let cells = |o: &Outcome| {
         let t = &o.timing;
@@ -93,7 +94,7 @@ pub fn timing(outcomes: &[Outcome]) -> Vec<Block> {
     [table(head, outcomes, cells)].into_iter().chain((!serial.is_empty()).then_some(Block::Note(note))).collect()
 }
 
-/// [1/s] particles times windows per wall-clock second; `None` if no time passed.
+/// [1/s] number of particles times number of windows, per wall-clock second. `None` if no time was measured.
 pub fn particle_windows_per_second(outcome: &Outcome) -> Option<f64> {
     let seconds = outcome.timing.wall_seconds;
     (seconds > 0.0).then(|| outcome.particles as f64 * outcome.windows as f64 / seconds)

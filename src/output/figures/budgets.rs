@@ -1,4 +1,4 @@
-//! Budgets of the second moments across the channel.
+//! Figures of the budgets of the second moments of velocity across the channel.
 
 use super::chart;
 use crate::observe::{Budgets, MOMENTS, Terms};
@@ -6,10 +6,10 @@ use crate::output::numbers::Prefix;
 use crate::output::panel::{Figure, Panel, PanelSeries, SeriesPoint, SeriesStyle};
 use crate::statistics::Estimate;
 
-/// A term by name.
+/// Name of a term of the budget, with the function that selects this term.
 type Named = (&'static str, fn(&Terms<Estimate>) -> Estimate);
 
-/// The terms in the order of the legend.
+/// Terms of a budget, in the order of the legend.
 const TERMS: [Named; 5] = [
     ("production", |terms| terms.production),
     ("impacts", |terms| terms.impacts),
@@ -18,7 +18,7 @@ const TERMS: [Named; 5] = [
     ("rest", |terms| terms.rest),
 ];
 
-/// The budgets of a run between walls at y = 0 and y = `height` [m], a panel per moment.
+/// Budgets of a run between walls at y = 0 and y = `height` [m], with one panel per moment.
 pub fn budgets(budgets: &Budgets, height: f64) -> Figure {
     let prefix = Prefix::of(height);
     let panel = |(k, (name, ..)): (usize, (&str, usize, usize))| {

@@ -1,5 +1,5 @@
-//! Maps: coloured cells with lines of theory. Colours are Okabe and Ito's and shades of one blue. Cells that fail are
-//! crossed as well, so that a black-and-white print can be read.
+//! Maps of coloured cells with theoretical lines. The colours are those of Okabe and Ito, and shades of one blue. Cells
+//! of failed runs also have crosses, so that a map is readable without colours.
 
 use super::chart::{HEIGHT, WIDTH, plain, powers, style, svg, ticks, with_legend};
 use crate::output::limits::{RegimeMap, Shade};
@@ -10,7 +10,7 @@ use kuva::render::layout::Layout;
 use kuva::render::plots::Plot;
 use kuva::render::render::render_multiple;
 
-/// The dashes of the lines of theory, in their order.
+/// Dash patterns of the theoretical lines, in their order.
 const DASHES: [&str; 3] = ["", "8 4", "2 3"];
 
 fn colour(shade: Shade) -> &'static str {
@@ -24,7 +24,7 @@ fn colour(shade: Shade) -> &'static str {
     }
 }
 
-/// The picture of a plane of cells.
+/// SVG picture of a map of cells.
 pub fn cells(map: &RegimeMap) -> String {
     let mut plots = Vec::new();
     let mut legend = Vec::new();

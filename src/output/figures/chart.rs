@@ -1,7 +1,7 @@
-//! One style for every picture; with `cells` and `rows`, the only file that names kuva.
+//! Common style of all pictures. Only this file, `cells` and `rows` name the plotting library kuva.
 //!
-//! Colours are Okabe and Ito's, safe for the colour-blind; each also has its own dash and marker, so that a
-//! black-and-white print can be read.
+//! The colours are those of Okabe and Ito, which colour-blind readers can distinguish. Each colour has a separate dash
+//! pattern and marker, so that pictures are readable in black and white.
 
 use crate::output::numbers::{significant, superscript};
 use crate::output::panel::{Panel, PanelSeries, SeriesPoint, SeriesStyle};
@@ -23,9 +23,9 @@ pub(super) const WIDTH: f64 = 640.0;
 pub(super) const HEIGHT: f64 = 400.0;
 /// [px] height of one panel if there are several.
 const PANEL_HEIGHT: f64 = 250.0;
-/// Number of decades that a logarithmic axis shows below its largest value; more could not be labelled.
+/// Number of decades that a logarithmic axis shows below its largest value; labels of more decades would not fit.
 const DECADES: i32 = 6;
-/// Colour of curves that are only for reference.
+/// Colour of curves that serve only as a reference.
 pub(super) const GREY: &str = "#777777";
 
 pub(super) const COLOURS: [&str; 7] = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000"];
@@ -72,7 +72,7 @@ impl SeriesStyle {
     }
 }
 
-/// One panel with its legend below.
+/// SVG picture of one panel with its legend below.
 pub(super) fn single(panel: &Panel) -> String {
     let legend = legend(std::slice::from_ref(panel));
     let (plots, layout) = draw(panel);
@@ -80,13 +80,13 @@ pub(super) fn single(panel: &Panel) -> String {
     svg(&render_multiple(plots, layout.with_width(WIDTH).with_height(HEIGHT)))
 }
 
-/// The layout with `legend` below.
+/// Adds `legend` below a picture.
 pub(super) fn with_legend(layout: Layout, legend: Vec<LegendEntry>) -> Layout {
     let layout = layout.with_legend_entries(legend).with_legend_box(false);
     layout.with_legend_position(LegendPosition::OutsideBottomColumns)
 }
 
-/// Panels in rows of two, one legend below all of them.
+/// SVG picture of several panels in rows of two, with one legend below all panels.
 pub(super) fn grid(panels: &[Panel]) -> String {
     if panels.is_empty() {
         return single(&Panel::default());
@@ -106,7 +106,7 @@ pub(super) fn grid(panels: &[Panel]) -> String {
     svg(&figure.render())
 }
 
-/// Entries in order of first appearance.
+/// Legend entries of all panels, in order of first appearance.
 fn legend(panels: &[Panel]) -> Vec<LegendEntry> {
     let mut seen: Vec<&str> = Vec::new();
     let mut entries = Vec::new();
@@ -162,7 +162,7 @@ fn draw(panel: &Panel) -> (Vec<Plot>, Layout) {
     }
     for point in failed.iter().flat_map(|series| &series.points).filter(shown) {
         x.include(point.x);
-        // on the frame, at any height
+        // points of failed runs are drawn on the frame, whatever their y
         if panel.log_y || y.is_empty() {
             y.include(point.y);
         }
@@ -182,7 +182,7 @@ fn draw(panel: &Panel) -> (Vec<Plot>, Layout) {
     }
     let mut layout = layout(panel, x, y, empty);
     if empty {
-        // kuva draws no axes without a plot.
+        // kuva draws no axes without a plot
         plots.push(Plot::Line(LinePlot::new().with_data([(0.0, 0.0)])));
     }
     for &(value, label) in &panel.marks {
@@ -192,7 +192,7 @@ fn draw(panel: &Panel) -> (Vec<Plot>, Layout) {
     (plots, layout)
 }
 
-/// The layout of the axes of a panel with the given ends; an empty panel says so.
+/// Axes of a panel with the given ends. An empty panel contains the words "nothing recorded".
 fn layout(panel: &Panel, x: (f64, f64), y: (f64, f64), empty: bool) -> Layout {
     let mut layout = style(Layout::new(x, y))
         .with_x_axis_min(x.0)
@@ -218,18 +218,18 @@ fn layout(panel: &Panel, x: (f64, f64), y: (f64, f64), empty: bool) -> Layout {
     layout
 }
 
-/// Tick labels with all digits of a tick: steps of 0.0025 need four decimal places, and two would misplace every other
-/// tick.
+/// Tick labels with all digits of a tick. Steps of 0.0025 need four decimal places; with two, every other label would
+/// be wrong.
 pub(super) fn ticks((low, high): (f64, f64)) -> TickFormat {
     let span = high - low;
     TickFormat::Custom(Arc::new(move |value| {
-        // the rest after adding up steps to zero
+        // small remainder after adding steps up to zero
         let value = if value.abs() < 1e-9 * span { 0.0 } else { value };
         let size = value.abs().max(1e-3 * span);
         if value != 0.0 && !(1e-4..1e6).contains(&size) {
             return significant(value, 3);
         }
-        // three places beyond the first digit of the span: ticks have no more, the rest is rounding
+        // ticks have at most three places beyond the first digit of the span; further digits are rounding
         let places = (3 - span.log10().floor() as i32).clamp(1, 9) as usize;
         let text = format!("{:.places$}", value.abs());
         let text = text.trim_end_matches('0').trim_end_matches('.');
@@ -237,7 +237,7 @@ pub(super) fn ticks((low, high): (f64, f64)) -> TickFormat {
     }))
 }
 
-/// Tick labels of a logarithmic axis.
+/// Tick labels of a logarithmic axis, as powers of ten where numbers would be long.
 pub(super) fn powers() -> TickFormat {
     TickFormat::Custom(Arc::new(|value| {
         let power = value.log10();
@@ -249,7 +249,7 @@ pub(super) fn powers() -> TickFormat {
     }))
 }
 
-/// A line on a band (if errors are known), or the points; errors of separate points end at `floor`.
+/// Plots of a series: a line, with a band if errors are known, or points. Error bars end at `floor`.
 fn plot(look: SeriesStyle, points: &[SeriesPoint], floor: f64) -> Vec<Plot> {
     let data: Vec<(f64, f64)> = points.iter().map(|p| (p.x, p.y)).collect();
     let line = || {
@@ -302,7 +302,7 @@ fn scatter(place: usize, data: Vec<(f64, f64)>) -> Plot {
     Plot::Scatter(plot.with_marker(MARKERS[place % MARKERS.len()]))
 }
 
-/// Ends of an axis.
+/// Range of an axis: its lower and its upper end.
 #[derive(Clone, Copy)]
 struct AxisRange(f64, f64);
 
@@ -317,10 +317,10 @@ impl AxisRange {
         self.0 > self.1
     }
 
-    /// The ends, kept apart even if all values are equal.
+    /// Ends of the axis, at some distance from each other even if all values are equal.
     fn ends(self) -> (f64, f64) {
         let Self(low, high) = self;
-        // Below this share of the values the difference is rounding, and ticks could not be told apart.
+        // a smaller difference is rounding, and ticks would have equal labels
         if high - low > 1e-9 * low.abs().max(high.abs()) {
             return (low, high);
         }
@@ -328,7 +328,7 @@ impl AxisRange {
         (low - half, high + half)
     }
 
-    /// The range widened to powers of ten, at least one decade.
+    /// Range widened to powers of ten, of at least one decade.
     fn decades(self) -> (f64, f64) {
         let (low, high) = (self.0.log10().floor(), self.1.log10().ceil());
         (10f64.powf(low), 10f64.powf(high.max(low + 1.0)))
@@ -340,19 +340,19 @@ impl AxisRange {
         }
         let (low, high) = self.ends();
         let pad = 0.04 * (high - low);
-        // Quantities that cannot be negative should not get an axis that says they might.
+        // if no value is negative, the axis begins at 0 or above
         (if self.0 >= 0.0 && low - pad < 0.0 { 0.0 } else { low - pad }, high + pad)
     }
 }
 
-/// The picture as text, with a view box so that it can be scaled to its column.
+/// SVG text of a picture, with a view box, so that a page can scale the picture to the width of its column.
 pub(super) fn svg(scene: &Scene) -> String {
     let text = SvgBackend::new().render_scene(scene);
     let view = format!("<svg viewBox=\"0 0 {} {}\" ", scene.width, scene.height);
     text.replacen("<svg ", &view, 1)
 }
 
-/// Text in a form that kuva accepts: dollar signs would start a formula, control characters are not allowed in XML.
+/// Text in a form that kuva accepts. A dollar sign would start a formula, and XML allows no control characters.
 pub(super) fn plain(text: &str) -> String {
     text.chars().filter(|c| !c.is_control()).collect::<String>().replace('$', "\\$")
 }

@@ -1,4 +1,5 @@
-//! The velocity of the gas: across the channel (the paper's Fig. 2), and in wall units beside a direct simulation.
+//! Figures of the gas velocity: across the channel (the paper's Fig. 2), and in wall units with a direct numerical
+//! simulation.
 
 use super::chart;
 use super::profiles;
@@ -7,8 +8,8 @@ use crate::output::numbers::Prefix;
 use crate::output::panel::Figure;
 use crate::output::panel::{Panel, PanelSeries, SeriesPoint, SeriesStyle};
 
-/// U+(y+) of a direct numerical simulation of channel flow at Re_τ = 1000.512, u_τ = 0.0500256 U_b: Lee and Moser 2015,
-/// J. Fluid Mech. 774, 395-415.
+/// Points (y⁺, U⁺) of a direct numerical simulation of channel flow at Re_τ = 1000.512, u_τ = 0.0500256 U_b: Lee and
+/// Moser 2015, J. Fluid Mech. 774, 395-415.
 const DNS: [(f64, f64); 9] = [
     (5.0, 4.829),
     (10.0, 8.434),
@@ -23,18 +24,18 @@ const DNS: [(f64, f64); 9] = [
 
 /// Number of points of a drawn curve.
 const POINTS: usize = 400;
-/// Number of points of each of several curves.
+/// Number of points of each curve if there are several gases.
 const GASES_POINTS: usize = 120;
 
-/// The pictures of a gas profile between walls at y = 0 and y = `height` [m]; the second one only for a k-epsilon
-/// channel.
+/// Figures of a gas profile between walls at y = 0 and y = `height` [m]. The second figure, in wall units, exists only
+/// for a k-epsilon channel.
 pub fn gas(profile: &Profile, height: f64) -> Vec<Figure> {
     let mut figures = vec![Figure::new(
         "velocity",
         "Mean streamwise velocity of the gas.",
         chart::single(&profiles::gas_velocity(profile, height)),
     )];
-    // the direct simulation is of a channel
+    // the direct simulation is of a channel, not of a pipe
     if let Some(flow) = profile.channel_flow().filter(|flow| flow.section == Section::Channel) {
         figures.push(Figure::new(
             "wall-units",
@@ -45,10 +46,11 @@ pub fn gas(profile: &Profile, height: f64) -> Vec<Figure> {
     figures
 }
 
-/// The profiles of several gases between walls at y = 0 and y = `height` [m], over the logarithm of the distance from
-/// the wall, up to the middle. `None` for fewer than two.
+/// Profiles of several gases between walls at y = 0 and y = `height` [m]. The horizontal axis is the logarithm of the
+/// distance from the wall, up to the middle of the channel. `None` for fewer than two gases.
 pub fn gases(profiles: &[(String, Profile)], height: f64) -> Option<Figure> {
-    /// [-] share of the height below which distances are left out: half the radius of the smallest sphere of a channel.
+    /// [-] distance from the wall, over the height, at which the curves begin: half the radius of the smallest sphere
+    /// of a channel.
     const NEAREST: f64 = 2.5e-3;
     if profiles.len() < 2 {
         return None;
@@ -65,7 +67,7 @@ pub fn gases(profiles: &[(String, Profile)], height: f64) -> Option<Figure> {
         x_label: format!("y  [{}m]", prefix.symbol),
         y_label: "U  [m/s]".into(),
         series,
-        y_range: Some((0.0, 1.1 * top)), // room above
+        y_range: Some((0.0, 1.1 * top)), // room above the curves
         x_range: Some((NEAREST * height * prefix.factor, 0.5 * height * prefix.factor)),
         log_x: true,
         ..Panel::default()
@@ -85,7 +87,7 @@ fn wall_units(profile: &Profile, flow: &ChannelFlow) -> Panel {
     };
     let velocity = |y: f64| profile.velocity(y * wall_unit) / flow.friction_velocity;
     let mut all = vec![
-        // κ = 0.41 and E = 9.0: the constants of the wall functions
+        // κ = 0.41 and E = 9.0 are the constants of the wall functions
         series(
             "ln(9 y⁺)/0.41",
             SeriesStyle::Exact,
@@ -105,7 +107,7 @@ fn wall_units(profile: &Profile, flow: &ChannelFlow) -> Panel {
         y_label: "U⁺ = U/u_τ  [–]".into(),
         series: all,
         x_range: Some((1.0, 2.0 * flow.reynolds_tau)),
-        y_range: Some((0.0, 1.1 * top)), // room above
+        y_range: Some((0.0, 1.1 * top)), // room above the curves
         log_x: true,
         ..Panel::default()
     }

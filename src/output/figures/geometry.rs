@@ -1,19 +1,20 @@
-//! The box with its axes (the counterpart of the paper's Fig. 1), in an oblique view.
+//! Figure of the box with its axes in an oblique view, which corresponds to the paper's Fig. 1.
 
 use super::chart;
 use crate::output::numbers::Prefix;
 use crate::output::panel::{Figure, Panel, PanelSeries, SeriesPoint, SeriesStyle};
 use crate::scene::Scene;
 
-/// [-] shortening of the spanwise axis, which is drawn at 45 degrees: a cabinet view.
+/// [-] length of the spanwise axis in the picture along each of its two directions, over its true length. The axis is
+/// drawn at 45 degrees and half length (cabinet projection).
 const OBLIQUE: f64 = 0.5 * std::f64::consts::FRAC_1_SQRT_2;
-/// [-] length of the arrows over the shortest edge of the box.
+/// [-] length of an arrow over the shortest edge of the box.
 const ARROW: f64 = 0.3;
-/// Number of points of the curve of the gas velocity.
+/// Number of intervals of the curve of the gas velocity.
 const POINTS: usize = 80;
 
-/// The box, its walls along y, the gas velocity across it and the direction of gravity. y is to the right, z up, x into
-/// the page.
+/// Figure of the box, its ends along y, the gas velocity and the direction of gravity. The axis y points to the right,
+/// z upwards, and x into the page.
 pub fn geometry(scene: &Scene) -> Figure {
     let size = scene.domain.size;
     let prefix = Prefix::of(size.max());
@@ -23,14 +24,14 @@ pub fn geometry(scene: &Scene) -> Figure {
     let wall =
         |y: f64| [(0.0, 0.0), (size.x, 0.0), (size.x, size.z), (0.0, size.z), (0.0, 0.0)].map(|(x, z)| at(x, y, z));
     let kind = |axis: usize| if scene.domain.periodic[axis] { "periodic" } else { "between walls" };
-    // series of one name have one line in the legend
+    // series of equal name share one line of the legend
     let end = |y: f64| PanelSeries::new("ends of the box along y", SeriesStyle::Line(0), wall(y));
     let mut series = vec![end(0.0), end(size.y)];
     for (x, z) in [(0.0, 0.0), (size.x, 0.0), (size.x, size.z), (0.0, size.z)] {
         series.push(PanelSeries::new("edges", SeriesStyle::Reference, [at(x, 0.0, z), at(x, size.y, z)]));
     }
     let arrow = ARROW * size.min();
-    // beside the box, so that nothing hides the arrows
+    // the arrows are next to the box, so that nothing covers them
     let from = size.y + 1.5 * arrow;
     let axis = |label: String, look: usize, end: SeriesPoint| {
         PanelSeries::new(label, SeriesStyle::Line(look), [at(0.0, from, 0.0), end])

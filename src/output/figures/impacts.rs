@@ -1,4 +1,4 @@
-//! Distributions over impacts (the paper's Fig. 6), and their means against κ_n (its Eq. 13).
+//! Figures of distributions over impacts (the paper's Fig. 6), and of mean overlaps against κ_n (the paper's Eq. 13).
 
 use super::chart;
 use crate::experiment::SoftStepping;
@@ -10,46 +10,46 @@ use crate::predict::overlaps::Overlaps;
 use crate::record::{Histogram, Impacts};
 use std::f64::consts::PI;
 
-/// Number of bins that a picture of this width can show.
+/// Largest number of histogram bins that a picture shows.
 const SHOWN: usize = 48;
 
-/// Number of points of a curve: one every four pixels of a panel.
+/// Number of intervals of a curve: one for every four pixels of a panel.
 const CURVE_POINTS: usize = 60;
 
-/// Name of the curves of kinetic theory.
+/// Name in the legend of curves from kinetic theory.
 const THEORY: &str = "Maxwellian gas";
 
-/// [-] overlap over the diameter below which it is only rounding, as event-driven collisions leave it.
+/// [-] overlap over the diameter below which the overlap is rounding, as in event-driven collisions.
 pub(in crate::output) const ROUNDING: f64 = 1e-9;
 
-/// Function of a distribution that is drawn.
+/// Kind of curve by which a distribution is drawn.
 #[derive(Clone, Copy, PartialEq)]
 enum Shape {
     Density,
     /// Probability density on a logarithmic axis, for rare values.
     LogDensity,
-    /// Cumulative distribution: the share of values below.
+    /// Cumulative distribution: the fraction of smaller values.
     Share,
 }
 
-/// One quantity of an impact, and the way in which it is drawn.
+/// Quantity of an impact, and the way in which its distribution is drawn.
 #[derive(Clone, Copy)]
 struct ImpactQuantity {
     x_label: &'static str,
-    /// Factor on the quantity for the axis: 100 for per cent.
+    /// Factor on the quantity for the axis, such as 100 for per cent.
     scale: f64,
     y_label: &'static str,
     shape: Shape,
-    /// Variants with only smaller values are left out.
+    /// Smallest value that is drawn; variants whose values are all smaller are left out.
     least: f64,
     pick: fn(&Impacts) -> &Histogram,
-    /// Value of kinetic theory at x.
+    /// Prediction of kinetic theory, as a function of the quantity.
     theory: Option<fn(&Overlaps, f64) -> f64>,
-    /// True if the theory holds only if all contacts are stepped together.
+    /// True if the prediction requires that all contacts are stepped at the same times.
     in_step: bool,
 }
 
-/// Probability density of the normal speed of approach: pairs and walls.
+/// Picture of the probability density of the normal speed of approach, between particles and at walls.
 pub fn impact_speed(outcomes: &[Outcome]) -> String {
     let view = ImpactQuantity {
         x_label: "normal speed  [m/s]",
@@ -64,8 +64,9 @@ pub fn impact_speed(outcomes: &[Outcome]) -> String {
     views(outcomes, &[view])
 }
 
-/// Largest overlap over the diameter, pairs and walls: probability density (logarithmic, to show rare deep overlaps)
-/// and distribution.
+/// Picture of the largest overlap of an impact over the diameter, between particles and at walls. One panel shows the
+/// probability density on a logarithmic axis, because deep overlaps are rare; the other shows the cumulative
+/// distribution.
 pub fn overlap(outcomes: &[Outcome]) -> String {
     let density = ImpactQuantity {
         x_label: "δ max / d  [–]",
@@ -82,7 +83,8 @@ pub fn overlap(outcomes: &[Outcome]) -> String {
     views(outcomes, &[density, share])
 }
 
-/// Overlap at detection over the diameter, pairs and walls: probability density and distribution.
+/// Picture of the overlap at detection over the diameter, between particles and at walls: probability density and
+/// cumulative distribution.
 pub fn first_overlap(outcomes: &[Outcome]) -> String {
     let density = ImpactQuantity {
         x_label: "δ first / d  [%]",
@@ -99,8 +101,8 @@ pub fn first_overlap(outcomes: &[Outcome]) -> String {
     views(outcomes, &[density, share])
 }
 
-/// Mean overlaps of all soft variants over κ_n, against κ_n, with the lines of kinetic theory: pairs and walls. `None`
-/// if there are fewer than two to compare.
+/// Picture of the mean overlaps of all soft variants, divided by κ_n, against κ_n. Lines show kinetic theory. There are
+/// panels for particles and for walls. `None` with fewer than two variants.
 pub fn mean_overlap(outcomes: &[Outcome]) -> Option<String> {
     let panel = |title: &str, wall: bool| {
         let known: Vec<(f64, &Impacts)> = outcomes
@@ -119,7 +121,7 @@ pub fn mean_overlap(outcomes: &[Outcome]) -> Option<String> {
         let points = || series.iter().flat_map(|series| &series.points);
         let low = points().fold(f64::INFINITY, |low, point| low.min(point.x));
         let (high, top) = points().fold((0.0, 2.0), |(x, y): (f64, f64), point| (x.max(point.x), y.max(point.y)));
-        // half as much again on both sides, so that no point lies on the frame
+        // the axis extends by a factor of 1.5 on both sides, so that no point is on the frame
         let ranges = (Some((low / 1.5, 1.5 * high)), Some((0.0, top)));
         let panel = Panel {
             title: title.into(),
@@ -139,7 +141,7 @@ pub fn mean_overlap(outcomes: &[Outcome]) -> Option<String> {
     (!panels.is_empty()).then(|| chart::grid(&panels))
 }
 
-/// A row of panels per group and view: between particles, and at walls.
+/// Picture with a row of panels per group of variants and view. The panels show impacts between particles and at walls.
 fn views(outcomes: &[Outcome], views: &[ImpactQuantity]) -> String {
     let mut panels = Vec::new();
     for group in groups(outcomes) {
@@ -178,8 +180,8 @@ impl ImpactQuantity {
         panel
     }
 
-    /// The densities as a staircase. On a linear axis they end on zero. On a logarithmic axis an empty bin stands at
-    /// half a count, below all counted values.
+    /// Density as a step curve. On a linear axis the curve ends at zero. On a logarithmic axis an empty bin counts as
+    /// half a value, which is below all filled bins.
     fn steps(&self, histogram: &Histogram) -> Vec<SeriesPoint> {
         let all = bins(histogram);
         let mut points: Vec<SeriesPoint> = Vec::new();
@@ -190,7 +192,7 @@ impl ImpactQuantity {
             else {
                 continue;
             };
-            // The last group may have fewer bins: the missing ones are empty.
+            // the last group may have fewer bins: the missing bins count as empty
             let density = sum / merged as f64;
             let y = if self.shape == Shape::LogDensity { density.max(half_count(histogram, merged)) } else { density };
             let upper = first.lower + merged as f64 * histogram.width;
@@ -202,7 +204,7 @@ impl ImpactQuantity {
         points
     }
 
-    /// The curve of kinetic theory over the range of the histogram.
+    /// Curve of kinetic theory over the range of the histogram; `None` if the theory does not apply.
     fn curve(&self, outcome: &Outcome, histogram: &Histogram, wall: bool) -> Option<PanelSeries> {
         let (theory, overlaps) = (self.theory?, outcome.kinetic_theory(wall)?);
         let uniform = outcome.experiment.soft.stepping == SoftStepping::Uniform;
@@ -220,7 +222,7 @@ impl ImpactQuantity {
     }
 }
 
-/// Shares of the values below the bin ends, for as many bins as a picture can show.
+/// Fractions of values below the ends of bins, for as many bins as a picture shows.
 fn shares(histogram: &Histogram) -> Vec<SeriesPoint> {
     let all = bins(histogram);
     let mut below = 0;
@@ -232,7 +234,7 @@ fn shares(histogram: &Histogram) -> Vec<SeriesPoint> {
     std::iter::once(zero).chain(all.chunks(all.len().div_ceil(SHOWN).max(1)).filter_map(end)).collect()
 }
 
-/// Density of half a count in `merged` bins.
+/// Density that corresponds to half a value in `merged` bins.
 fn half_count(histogram: &Histogram, merged: usize) -> f64 {
     0.5 / (histogram.total as f64 * histogram.width * merged as f64)
 }

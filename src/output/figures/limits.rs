@@ -1,11 +1,11 @@
-//! The pictures of the study of limits.
+//! Figures of the study of limits.
 
 use super::cells::cells;
 use super::chart;
 use crate::output::limits::{Map, Picture};
 use crate::output::panel::{Figure, Panel, SeriesStyle};
 
-/// The picture of a map.
+/// Figure of one map: cells or curves.
 pub fn limits(map: &Map) -> Figure {
     let svg = match &map.picture {
         Picture::Cells(plane) => cells(plane),
@@ -14,7 +14,8 @@ pub fn limits(map: &Map) -> Figure {
     Figure::new(map.name, &map.method, svg)
 }
 
-/// The ends of the horizontal axis: the marks at its ends need room.
+/// Ends of the horizontal axis, with room for markers at both ends. `None` without markers, or if they have one
+/// position.
 pub(super) fn x_range(panel: &Panel) -> Option<(f64, f64)> {
     let marks =
         panel.series.iter().filter(|series| matches!(series.look, SeriesStyle::Points(_) | SeriesStyle::Sweep(_)));
@@ -23,7 +24,7 @@ pub(super) fn x_range(panel: &Panel) -> Option<(f64, f64)> {
     if low >= high {
         return None;
     }
-    // a fortieth of the axis, about the width of a mark
+    // room as a fraction of the axis: a fortieth, about the width of a marker
     const ROOM: f64 = 0.025;
     Some(if panel.log_x {
         let room = (high / low).powf(ROOM);

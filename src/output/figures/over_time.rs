@@ -1,5 +1,5 @@
-//! Curves over time: averages over all particles, and the path of each particle if there are few, beside theory if
-//! there is one.
+//! Figures of curves over time: averages over all particles, and the path of each particle if the particles are few.
+//! Theoretical curves are added if a theory applies.
 
 use super::{chart, file_name};
 use crate::observe::Row;
@@ -10,22 +10,23 @@ use crate::output::panel::{Figure, Panel, PanelSeries, SeriesPoint, SeriesStyle}
 use crate::predict::closed_form::{Bouncing, Chain, Cooling, settling_velocity};
 use nalgebra::Vector3;
 
-/// Number of parts of a run in which impact rates are counted: enough for a curve, few enough for a count in each.
+/// Number of parts of a run for which impact rates are computed. With so many parts a curve has enough points, and each
+/// part still contains impacts.
 const PARTS: usize = 50;
 
-/// Number of points of a drawn theory.
+/// Number of intervals of a theoretical curve.
 const POINTS: usize = 600;
 
-/// [-] factor of a falling temperature above which the axis is logarithmic.
+/// [-] ratio of the highest to the lowest temperature above which the axis is logarithmic.
 const DECAY: f64 = 20.0;
 
-/// [-] share of the settling velocity that particles must reach for the settling velocity to be drawn.
+/// [-] fraction of the settling velocity that particles must reach so that the settling velocity is drawn.
 const NEAR: f64 = 0.1;
 
-/// [-] mean velocity over the agitation below which it is rounding.
+/// [-] mean velocity over the agitation below which the mean velocity is rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// The pictures over time of a run or comparison.
+/// Figures over time of a run or a comparison.
 pub fn over_time(outcomes: &[Outcome]) -> Vec<Figure> {
     let mut figures = Vec::new();
     for group in groups(outcomes) {
@@ -54,9 +55,9 @@ fn picture(group: &PanelGroup, name: &str, caption: &str, panels: Vec<Panel>) ->
     })
 }
 
-/// The time axis of all panels.
+/// Time axis common to all panels.
 struct TimeAxis {
-    /// [s] the longest run.
+    /// [s] duration of the longest run.
     length: f64,
     prefix: Prefix,
 }
@@ -67,7 +68,7 @@ impl TimeAxis {
         Self { length, prefix: Prefix::of(length) }
     }
 
-    /// A panel over this time; lines without points are left out, `None` if no line is left.
+    /// Panel with this time axis. Series without points are left out; `None` if no series but theory remains.
     fn panel(&self, y_label: String, series: Vec<PanelSeries>) -> Option<Panel> {
         let series: Vec<PanelSeries> = series.into_iter().filter(|series| !series.points.is_empty()).collect();
         let drawn = series.iter().any(|series| !matches!(series.look, SeriesStyle::Exact | SeriesStyle::Reference));
@@ -79,7 +80,7 @@ impl TimeAxis {
         SeriesPoint::at(time * self.prefix.factor, value)
     }
 
-    /// A theory over the whole time, at the times at which it has a value.
+    /// Theoretical curve over the whole time, at those times at which `of` has a value.
     fn theory(&self, label: &str, of: impl Fn(f64) -> Option<f64>) -> PanelSeries {
         let times = (0..=POINTS).map(|k| self.length * k as f64 / POINTS as f64);
         let points = times.filter_map(|time| Some(self.point(time, of(time)?)));
@@ -87,7 +88,7 @@ impl TimeAxis {
     }
 }
 
-/// The rows of a group as lines, one per variant.
+/// Lines of a quantity in the rows of the time series, one line per variant.
 fn lines(group: &PanelGroup, time: &TimeAxis, of: impl Fn(&Row) -> Option<f64>) -> Vec<PanelSeries> {
     let line = |(place, (name, outcome)): (usize, &(String, &Outcome))| {
         let points = outcome.series.rows.iter().filter_map(|row| Some(time.point(row.time, of(row)?)));
@@ -96,7 +97,7 @@ fn lines(group: &PanelGroup, time: &TimeAxis, of: impl Fn(&Row) -> Option<f64>) 
     group.members.iter().enumerate().map(line).collect()
 }
 
-/// Impacts per time [1/s] between rows, in parts of the run.
+/// Lines of impacts per time [1/s], computed in parts of the run.
 fn rates(group: &PanelGroup, time: &TimeAxis, count: impl Fn(&Row) -> u64) -> Vec<PanelSeries> {
     let line = |(place, (name, outcome)): (usize, &(String, &Outcome))| {
         let rows: Vec<&Row> = outcome.series.rows.iter().collect();
@@ -121,12 +122,12 @@ fn rates(group: &PanelGroup, time: &TimeAxis, count: impl Fn(&Row) -> u64) -> Ve
     group.members.iter().enumerate().map(line).collect()
 }
 
-/// The largest magnitude among points.
+/// Largest magnitude among the points of all series.
 fn largest(series: &[PanelSeries]) -> f64 {
     series.iter().flat_map(|series| &series.points).map(|point| point.y.abs()).fold(0.0, f64::max)
 }
 
-/// A panel of a quantity [unit] with an SI prefix; `None` where it is 0 throughout.
+/// Panel of a quantity in `unit` with an SI prefix; `None` if the quantity is always 0.
 fn prefixed(time: &TimeAxis, name: &str, unit: &str, mut series: Vec<PanelSeries>) -> Option<Panel> {
     let prefix = Prefix::of(largest(&series));
     series.iter_mut().flat_map(|series| &mut series.points).for_each(|point| point.y *= prefix.factor);
@@ -137,14 +138,15 @@ fn plain(time: &TimeAxis, label: &str, series: Vec<PanelSeries>) -> Option<Panel
     (largest(&series) > 0.0).then(|| time.panel(label.into(), series))?
 }
 
-/// Granular temperatures, where they are known at every instant: of a few bodies they would be pieces.
+/// Granular temperatures over time. There are no lines unless the temperatures are known at all instants, as for many
+/// particles.
 fn temperature(group: &PanelGroup, time: &TimeAxis) -> Vec<PanelSeries> {
     let known = |outcome: &Outcome| outcome.series.rows.iter().all(|row| row.temperature.is_some());
     let all = group.members.iter().all(|(_, outcome)| known(outcome));
     if all { lines(group, time, Row::granular_temperature) } else { Vec::new() }
 }
 
-/// Mean velocities along an axis; none where they are the rounding of velocities that cancel.
+/// Mean velocities along an axis. There are no lines if the velocities are only rounding errors of a sum that cancels.
 fn velocity(group: &PanelGroup, time: &TimeAxis, axis: usize) -> Vec<PanelSeries> {
     let lines = lines(group, time, |row| Some(row.velocity[axis]));
     let rows = group.members.iter().flat_map(|(_, outcome)| &outcome.series.rows);
@@ -152,7 +154,7 @@ fn velocity(group: &PanelGroup, time: &TimeAxis, axis: usize) -> Vec<PanelSeries
     if largest(&lines) > ROUNDING * agitation { lines } else { Vec::new() }
 }
 
-/// The panels of all particles together.
+/// Panels of averages over all particles.
 fn series(group: &PanelGroup, time: &TimeAxis) -> Vec<Panel> {
     let Some((_, first)) = group.members.first() else { return Vec::new() };
     let scene = &first.experiment.scene;
@@ -187,8 +189,8 @@ fn series(group: &PanelGroup, time: &TimeAxis) -> Vec<Panel> {
     panels.into_iter().flatten().collect()
 }
 
-/// The axis with most of the motion: along gravity or, without gravity, along the largest velocity or the streamwise
-/// one.
+/// Axis with most of the motion: that of gravity or, without gravity, that of the largest velocity. If nothing moves,
+/// the result is the streamwise axis.
 fn axis(outcome: &Outcome) -> usize {
     let gravity = outcome.experiment.scene.gravity;
     let speeds =
@@ -200,10 +202,10 @@ fn axis(outcome: &Outcome) -> usize {
     }
 }
 
-/// Position and velocity of a particle at a time [s] according to theory.
+/// Theoretical position and velocity of the particle with a given index at a time [s].
 type Theory = dyn Fn(usize, f64) -> Option<[Vector3<f64>; 2]>;
 
-/// The theory of a scene of few particles, if there is one.
+/// Theory for a scene of few particles; `None` if no theory applies.
 fn theory(outcome: &Outcome) -> Option<Box<Theory>> {
     let points = &outcome.paths.points;
     let start: Vec<_> = points.iter().take(outcome.particles).map(|point| [point.position, point.velocity]).collect();
@@ -216,7 +218,7 @@ fn theory(outcome: &Outcome) -> Option<Box<Theory>> {
     Some(Box::new(move |sphere, time| chain.at(sphere, time)))
 }
 
-/// The panels of every particle: its place and its velocity along one axis.
+/// Panels of the position and the velocity of every particle along one axis.
 fn paths(group: &PanelGroup, time: &TimeAxis) -> Vec<Panel> {
     let Some((_, first)) = group.members.first().filter(|(_, first)| !first.paths.points.is_empty()) else {
         return Vec::new();

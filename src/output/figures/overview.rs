@@ -1,5 +1,5 @@
-//! The head of the page of a comparison: differences in per cent beside the margin, and the cost. Pictures use the
-//! colours of the page, so that they also fit its dark mode; a separate file has the light colours.
+//! Figures at the top of a comparison's page: differences in per cent with the margin, and the cost. The pictures use
+//! the colours of the page, so that they also fit its dark mode; a separate file has the light colours.
 
 use crate::output::numbers::significant;
 use crate::output::panel::Figure;
@@ -7,23 +7,23 @@ use crate::output::{Study, Verdict, cost as cost_of};
 use crate::statistics::{Answer, Estimate, Judged, slice_column};
 use maud::{Markup, html};
 
-/// Name of the picture of differences.
+/// Name of the picture with the differences.
 pub const IN_PER_CENT: &str = "differences-in-per-cent";
-/// Name of the picture of the cost.
+/// Name of the picture with the cost.
 pub const COST: &str = "cost";
 
 /// [px] width of a picture.
 const WIDTH: f64 = 560.0;
-/// [px] part of the width for the names of rows.
+/// [px] part of the width that contains the names of rows.
 const NAMES: f64 = 168.0;
-/// [px] height of a row without its points, and of each point.
+/// [px] height of a row without its points; then height of each point.
 const ROW: f64 = 10.0;
 const POINT: f64 = 11.0;
-/// [margins] largest difference on the axis; larger ones stand on the frame, with their numbers.
+/// [margins] largest difference on the axis; larger differences are drawn at the frame, with their numbers.
 const FURTHEST: f64 = 4.0;
-/// [s] wall time below which the cost of a run depends mostly on the load of the machine.
+/// [s] wall time below which the cost of a run depends mainly on the load of the machine.
 const TELLING: f64 = 0.1;
-/// Colours of the variants, as in all pictures; style.css has those of the dark page.
+/// Colours of the variants, equal to those of other pictures; style.css contains the colours for the dark mode.
 const COLOURS: [&str; 7] = super::chart::COLOURS;
 
 fn colour(place: usize) -> String {
@@ -31,18 +31,18 @@ fn colour(place: usize) -> String {
     format!("var(--series-{}, {})", place + 1, COLOURS[place])
 }
 
-/// Symbol of a quantity in pictures.
+/// Symbol of a quantity for pictures.
 pub fn symbol(quantity: &str) -> String {
     slice_column(quantity).map_or(quantity, |column| column.symbol).into()
 }
 
-/// The difference that the sentence names [% of its scale].
+/// Difference that the sentence of the comparison gives [% of its scale].
 pub fn in_per_cent(one: &Judged) -> Option<Estimate> {
     let found = one.tested.headline()?;
     Some(Estimate::new(found.difference, found.error).times(100.0 / one.tested.scale))
 }
 
-/// Names of all compared quantities, in the order in which they first appear.
+/// Names of all compared quantities, in order of first appearance.
 pub fn quantities<'a>(verdicts: impl Iterator<Item = &'a Verdict>) -> Vec<&'a str> {
     let mut names: Vec<&str> = Vec::new();
     for one in verdicts.filter_map(|verdict| verdict.comparison.as_ref()).flat_map(|comparison| &comparison.judged) {
@@ -53,7 +53,8 @@ pub fn quantities<'a>(verdicts: impl Iterator<Item = &'a Verdict>) -> Vec<&'a st
     names
 }
 
-/// Differences of each quantity in per cent of its scale, with the margin as a band; `None` if there are none.
+/// Figure of the differences of each quantity in per cent of its scale, with the margin as a band. `None` without a
+/// comparison.
 pub fn differences(study: &Study) -> Option<Figure> {
     let judged =
         |verdict: &Verdict| verdict.comparison.as_ref().map_or(Vec::new(), |comparison| comparison.judged.clone());
@@ -81,24 +82,24 @@ pub fn differences(study: &Study) -> Option<Figure> {
     Some(Figure::new(IN_PER_CENT, caption, picture.draw(study).into_string()))
 }
 
-/// One difference.
+/// Difference of one variant from its reference in one quantity.
 struct DifferenceMark {
     /// Index of the variant.
     place: usize,
-    /// [%]
+    /// [%] difference with its standard error.
     found: Estimate,
-    /// [%] interval that contains the differences at all positions.
+    /// [%] interval that contains the differences in all slices or at all instants.
     interval: [f64; 2],
 }
 
 struct Differences {
-    /// [%]
+    /// [%] margin of equivalence.
     margin: f64,
     rows: Vec<(String, Vec<DifferenceMark>)>,
 }
 
 impl Differences {
-    /// [%] end of the axis on both sides.
+    /// [%] right end of the axis; the left end is its negative.
     fn end(&self) -> f64 {
         let reach = |mark: &DifferenceMark| mark.interval.iter().fold(0.0, |most: f64, end| most.max(end.abs()));
         let marks = self.rows.iter().flat_map(|(_, marks)| marks).map(reach).filter(|reach| reach.is_finite());
@@ -141,7 +142,7 @@ fn percent(value: f64) -> String {
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }
 
-/// The legend: the colour of each variant.
+/// Legend with the colour of each variant.
 fn names(study: &Study) -> Markup {
     let variants = study.comparisons.iter().filter_map(|verdict| {
         let place = study.outcomes.iter().position(|o| o.experiment.name == verdict.variant)?;
@@ -149,7 +150,7 @@ fn names(study: &Study) -> Markup {
     });
     let wide = |name: &str| 26.0 + 7.0 * name.chars().count() as f64;
     let starts = variants.scan(NAMES, |x, (place, name)| Some((std::mem::replace(x, *x + wide(name)), place, name)));
-    // names that do not fit stand only in the table
+    // names that do not fit are only in the table
     let shown: Vec<_> = starts.filter(|(x, _, name)| x + wide(name) < WIDTH).collect();
     html! {
         @for (x, place, name) in &shown {
@@ -183,12 +184,12 @@ fn arrow(x: f64, y: f64, side: f64) -> String {
     format!("M{x} {y} l{} -5 v10 z", -9.0 * side)
 }
 
-/// Wall-clock time per simulated time, a bar per variant. `None` if runs were too short to tell, and for a single
-/// variant.
+/// Figure of the wall-clock time per simulated time, with a bar per variant. `None` for a single variant, or if all
+/// runs were too short for a comparison of times.
 pub fn cost(study: &Study) -> Option<Figure> {
     let outcomes = study.outcomes;
     let told = outcomes.iter().filter(|o| o.failure.is_none() && o.timing.wall_seconds >= TELLING);
-    // a run that stopped early is never the cheapest: its cost is not that of the case
+    // a run that stopped early does not have the cost of the whole case, and is left out
     let cheapest = told.filter_map(cost_of).reduce(f64::min)?;
     if study.comparisons.is_empty() || outcomes.len() < 2 {
         return None;
@@ -218,16 +219,16 @@ pub fn cost(study: &Study) -> Option<Figure> {
 struct Bar {
     place: usize,
     name: String,
-    /// [-] cost over that of the cheapest; `None` for a run that stopped early.
+    /// [-] cost over that of the cheapest variant; `None` for a run that stopped early.
     ratio: Option<f64>,
     words: String,
-    /// True if the variant is as accurate as the reference.
+    /// True if the variant is the reference, or equivalent to it within the margin.
     equal: bool,
 }
 
 fn draw(bars: &[Bar]) -> Markup {
     let most = bars.iter().filter_map(|bar| bar.ratio).fold(1.0, f64::max);
-    // words stand beside the bar, or on it if it is long
+    // the words are to the right of the bar, which takes at most half of the width
     let wide = |ratio: f64| 0.48 * (WIDTH - NAMES) * ratio / most;
     let height = 24.0;
     html! {
@@ -247,7 +248,7 @@ fn draw(bars: &[Bar]) -> Markup {
     }
 }
 
-/// A name short enough to fit beside its bar.
+/// Name shortened so that it fits next to its bar.
 fn short(name: &str) -> String {
     const LONGEST: usize = 23;
     if name.chars().count() <= LONGEST {

@@ -1,4 +1,4 @@
-//! Profiles across the channel (the paper's Fig. 5 and 7), and their differences in standard errors.
+//! Figures of profiles across the channel (the paper's Fig. 5 and 7), and of their differences in standard errors.
 
 use super::chart;
 use crate::fluid::Profile;
@@ -12,7 +12,7 @@ use crate::walls::WallGeometry;
 /// Number of points of the gas profile.
 const FLUID_POINTS: usize = 201;
 
-/// Number density over its mean, a panel per group.
+/// Picture of the number density over its mean, with a panel per group of variants.
 pub fn number_density(outcomes: &[Outcome]) -> String {
     let height = Height::of(outcomes);
     let panel = |group: &PanelGroup| {
@@ -22,7 +22,7 @@ pub fn number_density(outcomes: &[Outcome]) -> String {
     draw(&groups(outcomes).iter().map(panel).collect::<Vec<_>>())
 }
 
-/// Mean streamwise velocity of the particles, a panel per group.
+/// Picture of the mean streamwise velocity of the particles, with a panel per group of variants.
 pub fn streamwise_velocity(outcomes: &[Outcome]) -> String {
     let height = Height::of(outcomes);
     let panel = |group: &PanelGroup| {
@@ -32,8 +32,8 @@ pub fn streamwise_velocity(outcomes: &[Outcome]) -> String {
     draw(&groups(outcomes).iter().map(panel).collect::<Vec<_>>())
 }
 
-/// Mean streamwise velocity of the particles and of the gas. It is a separate picture because the much wider range of
-/// the gas would hide differences between variants. `None` without a gas.
+/// Picture of the mean streamwise velocities of the particles and of the gas. This picture is a separate one, because
+/// the much wider range of the gas would hide differences between variants. `None` without a gas.
 pub fn beside_the_gas(outcomes: &[Outcome]) -> Option<String> {
     let height = Height::of(outcomes);
     let groups = groups(outcomes);
@@ -46,15 +46,16 @@ pub fn beside_the_gas(outcomes: &[Outcome]) -> Option<String> {
     Some(draw(&groups.iter().map(panel).collect::<Vec<_>>()))
 }
 
-/// [-] part of slice `k` of `slices` across y that centres of spheres can reach: walls keep them a radius away. `None`
-/// if no part can be reached. 1 if spheres differ in size, because the part then depends on the size.
+/// [-] fraction of slice `k` of `slices` across y that centres of spheres can reach; they stay a radius away from
+/// walls. `None` if centres cannot reach the slice. The fraction is 1 if spheres differ in size, because it then
+/// depends on the size.
 fn open_part(outcome: &Outcome, k: usize, slices: usize) -> Option<f64> {
     let scene = &outcome.experiment.scene;
     let ([species], false) = (scene.species.as_slice(), scene.has_sizes()) else { return Some(1.0) };
     let (top, radius) = (scene.domain.size.y, 0.5 * species.diameter);
     let is_wall = |y: f64, facing: f64| {
         scene.walls.iter().any(|wall| match &wall.geometry {
-            // a plane that is a side of the box, up to rounding
+            // the plane is a side of the box, up to rounding
             WallGeometry::Plane(plane) => plane.normal.y == facing && (plane.point.y - y).abs() <= 1e-9 * top,
             _ => false,
         })
@@ -66,7 +67,7 @@ fn open_part(outcome: &Outcome, k: usize, slices: usize) -> Option<f64> {
     (open > 0.0).then(|| (open / width).min(1.0))
 }
 
-/// Number density over its mean, per volume that centres can reach.
+/// Lines of the number density over its mean, for the volume that centres of particles can reach.
 fn room(group: &PanelGroup, height: &Height) -> Vec<PanelSeries> {
     let series = |(place, (name, outcome)): (usize, &(String, &Outcome))| {
         let rows = &outcome.profiles.slices;
@@ -79,7 +80,7 @@ fn room(group: &PanelGroup, height: &Height) -> Vec<PanelSeries> {
     group.members.iter().enumerate().map(series).collect()
 }
 
-/// One panel by itself, several in rows of two.
+/// Picture of one panel, or of several in rows of two.
 fn draw(panels: &[Panel]) -> String {
     match panels {
         [panel] => chart::single(panel),
@@ -89,7 +90,7 @@ fn draw(panels: &[Panel]) -> String {
 
 fn gas(group: &PanelGroup, height: &Height) -> Option<PanelSeries> {
     let fluid = group.members.iter().find_map(|(_, outcome)| outcome.experiment.scene.fluid.as_ref())?;
-    // slices of a pipe also hold particles away from the plane through its axis
+    // slices of a pipe also contain particles that are not in the plane through its axis
     let label = if matches!(fluid.profile, Profile::Pipe(_)) { "gas, in the plane through the axis" } else { "gas" };
     Some(PanelSeries { label: label.into(), look: SeriesStyle::Reference, points: gas_points(&fluid.profile, height) })
 }
@@ -102,14 +103,15 @@ fn gas_points(profile: &Profile, height: &Height) -> Vec<SeriesPoint> {
     (0..FLUID_POINTS).map(point).collect()
 }
 
-/// The gas alone, between walls at y = 0 and y = `length` [m].
+/// Panel of the gas velocity between walls at y = 0 and y = `length` [m].
 pub(super) fn gas_velocity(profile: &Profile, length: f64) -> Panel {
     let height = Height { length, prefix: Prefix::of(length) };
     let line = PanelSeries { label: "gas".into(), look: SeriesStyle::Line(0), points: gas_points(profile, &height) };
     height.panel("U  [m/s]", vec![line])
 }
 
-/// The six second moments, a panel each; a picture per group, with its caption.
+/// Pictures of the six second moments, with a panel per moment. Each group of variants has one picture, which follows
+/// its caption.
 pub fn second_moments(outcomes: &[Outcome]) -> Vec<(String, String)> {
     let height = Height::of(outcomes);
     let picture = |group: &PanelGroup| {
@@ -122,8 +124,8 @@ pub fn second_moments(outcomes: &[Outcome]) -> Vec<(String, String)> {
     groups(outcomes).iter().map(picture).collect()
 }
 
-/// Differences of each variant from its reference in standard errors of the difference, a panel per quantity. Slices
-/// are compared one by one; variants with another number of slices are left out.
+/// Picture of the differences between each variant and its reference, in standard errors of the difference. Each
+/// quantity has a panel. Slices are compared one by one; variants with another number of slices are left out.
 pub fn differences(outcomes: &[Outcome]) -> String {
     let height = Height::of(outcomes);
     let panels: Vec<Panel> = [NUMBER_DENSITY, U, UU, VV, WW, UV]
@@ -151,7 +153,7 @@ fn lines(group: &PanelGroup, height: &Height, column: SliceColumn) -> Vec<PanelS
 }
 
 fn scores(outcomes: &[Outcome], height: &Height, column: SliceColumn) -> Vec<PanelSeries> {
-    // without scatter there is no score
+    // without standard errors there is no score
     let score = |(row, base): (&SliceRow, &SliceRow)| {
         let score = row.of(column)?.less(base.of(column)?).in_errors()?;
         Some(SeriesPoint::at(row.y * height.prefix.factor, score))
@@ -160,8 +162,8 @@ fn scores(outcomes: &[Outcome], height: &Height, column: SliceColumn) -> Vec<Pan
         let slices = |k: usize| outcomes[k].profiles.slices.len();
         place != reference && slices(*place) == slices(*reference)
     });
-    // a variant keeps its look; with more variants than looks, looks follow the drawn variants, so that few are used
-    // twice
+    // a variant keeps its style; if there are more variants than styles, only drawn variants get styles, so that few
+    // styles repeat
     let kept = outcomes.len() <= TOLD_APART;
     pairs
         .enumerate()
@@ -177,7 +179,7 @@ fn scores(outcomes: &[Outcome], height: &Height, column: SliceColumn) -> Vec<Pan
         .collect()
 }
 
-/// The wall-normal axis of all profiles.
+/// Wall-normal axis common to all profiles.
 struct Height {
     /// [m] height of the domain.
     length: f64,

@@ -1,4 +1,4 @@
-//! Rows of points on a logarithmic axis: one row per name, several kinds of points in each.
+//! Pictures of rows of points on a logarithmic axis: one row per name, with several kinds of points.
 
 use super::chart::{COLOURS, GREY, MARKERS, WIDTH, plain, powers, style, svg, with_legend};
 use kuva::plot::ScatterPlot;
@@ -9,40 +9,40 @@ use kuva::render::plots::Plot;
 use kuva::render::render::render_multiple;
 use std::sync::Arc;
 
-/// [px] height of a row without its points.
+/// [px] height of a row apart from its points.
 const ROW: f64 = 18.0;
-/// [px] height of a point in its row.
+/// [px] height added to a row for each kind of points.
 const DOT: f64 = 7.0;
-/// [px] height of axis, label and legend.
+/// [px] height of the axis, its label and the legend together.
 const REST: f64 = 130.0;
-/// Number of decades to the left of the mark.
+/// Number of decades to the left of the vertical line.
 const DECADES: f64 = 2.0;
 
-/// A point of a row.
+/// Point in a row.
 pub struct Dot {
-    /// Index of the kind of points.
+    /// Index of the kind of points to which this point belongs.
     pub series: usize,
-    /// [units of the axis] position on the axis.
+    /// [units of the axis] value, which is the position on the axis.
     pub value: f64,
     /// [units of the axis] standard error of the value.
     pub error: Option<f64>,
-    /// True if the answer for the value is certain; other points are pale.
+    /// True if the answer for this value is certain; other points have pale colours.
     pub sure: bool,
 }
 
-/// A picture of rows.
+/// Data of a picture of rows.
 pub struct RowsFigure {
     /// Label of the axis.
     pub x_label: String,
     /// Names of the kinds of points.
     pub series: Vec<String>,
-    /// Name of each row and its points; the first on top.
+    /// Names of the rows with their points; the first row is at the top.
     pub rows: Vec<(String, Vec<Dot>)>,
-    /// [units of the axis] position of a vertical line.
+    /// [units of the axis] value at which a vertical line is drawn.
     pub mark: f64,
 }
 
-/// The picture.
+/// SVG picture of rows of points.
 pub fn rows(picture: &RowsFigure) -> String {
     let floor = picture.mark * 10f64.powf(-DECADES);
     let ends = picture.rows.iter().flat_map(|row| &row.1).map(|dot| dot.value + dot.error.unwrap_or(0.0));
@@ -88,13 +88,13 @@ pub fn rows(picture: &RowsFigure) -> String {
     svg(&render_multiple(plots, layout.with_width(WIDTH).with_height(height)))
 }
 
-/// The points of one kind, either the certain ones or the others.
+/// Plot of the points of one kind, either the certain or the uncertain ones.
 fn points(picture: &RowsFigure, series: usize, sure: bool, floor: f64) -> Option<Plot> {
     let kinds = picture.series.len() as f64;
     let (mut data, mut arms) = (Vec::new(), Vec::new());
     for (row, (_, dots)) in picture.rows.iter().enumerate() {
         for dot in dots.iter().filter(|dot| dot.series == series && dot.sure == sure && dot.value.is_finite()) {
-            // side by side within the row, the first on top
+            // the kinds have different heights within the row; the first kind is at the top
             let place = (picture.rows.len() - row) as f64 + 0.7 * (0.5 - (series as f64 + 0.5) / kinds);
             let x = dot.value.max(floor);
             let error = dot.error.unwrap_or(0.0);
@@ -108,7 +108,7 @@ fn points(picture: &RowsFigure, series: usize, sure: bool, floor: f64) -> Option
     (!data.is_empty()).then(|| Plot::Scatter(plot.with_marker(MARKERS[series % MARKERS.len()])))
 }
 
-/// The colour `#rrggbb` mixed with two thirds of white.
+/// Paler form of the colour `#rrggbb`: one part of the colour and two parts of white.
 fn pale(colour: &str) -> String {
     let part =
         |k: usize| colour.get(2 * k + 1..2 * k + 3).and_then(|hex| u8::from_str_radix(hex, 16).ok()).unwrap_or(0);

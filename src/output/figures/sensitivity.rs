@@ -1,11 +1,11 @@
-//! Shift of each observable by each factor, in margins.
+//! Figure of the shift of each observable by each factor, in units of the margin.
 
 use super::rows::{Dot, RowsFigure, rows};
 use crate::output::panel::Figure;
 use crate::output::sensitivity::{Factor, SensitivityStudy, Shift};
 use crate::statistics::Answer;
 
-/// One picture: a row per factor, the most important one on top.
+/// Figure with a row per factor; the most important factor is at the top. Empty without factors.
 pub fn sensitivity(study: &SensitivityStudy) -> Vec<Figure> {
     if study.factors.is_empty() {
         return Vec::new();
@@ -32,7 +32,7 @@ pub fn sensitivity(study: &SensitivityStudy) -> Vec<Figure> {
     vec![Figure::new("sensitivity", caption, picture)]
 }
 
-/// Symbol of an observable in a legend.
+/// Symbol of an observable for the legend.
 fn symbol(name: &str) -> String {
     match name {
         "granular temperature" => "T".into(),

@@ -1,4 +1,4 @@
-//! Results of a sweep over its first key, a picture per observable.
+//! Figures of a sweep: each observable over the first varied key.
 
 use super::chart;
 use super::limits::x_range;
@@ -6,8 +6,8 @@ use crate::case::SweepAxis;
 use crate::output::panel::{Figure, Panel, PanelSeries, SeriesPoint, SeriesStyle};
 use crate::output::sweep::{OBSERVABLES, SweepObservable, SweepRow, SweepStudy};
 
-/// A picture per observable that has a value at some point. The first key is the abscissa; in a grid the other keys
-/// distinguish curves.
+/// Figures of all observables that have a value at some point. The first key is on the horizontal axis; values of the
+/// other keys distinguish the curves.
 pub fn sweep(study: &SweepStudy) -> Vec<Figure> {
     let Some(axis) = study.axes.first() else { return Vec::new() };
     let known = |observable: &&SweepObservable| study.rows.iter().any(|row| row.measured(observable.key).is_some());
@@ -26,7 +26,7 @@ pub fn sweep(study: &SweepStudy) -> Vec<Figure> {
     OBSERVABLES.iter().filter(known).map(picture).collect()
 }
 
-/// Legend of the abscissa for values that are not numbers: the position of each value.
+/// Legend of the horizontal axis for values that are not numbers: the position of each value.
 fn places(axis: &SweepAxis) -> String {
     if axis.numbers.is_some() {
         return String::new();
@@ -40,7 +40,7 @@ fn panel(study: &SweepStudy, axis: &SweepAxis, observable: &SweepObservable) -> 
         Some(numbers) => numbers[row.at[0]],
         None => row.at[0] as f64 + 1.0,
     };
-    // curves: variants at each choice of the other keys
+    // one curve for each variant and each choice of the other keys
     let mut curves: Vec<(usize, &[usize], Vec<&SweepRow>)> = Vec::new();
     for row in study.rows {
         match curves.iter_mut().find(|(variant, others, _)| (*variant, *others) == (row.variant, &row.at[1..])) {
@@ -76,7 +76,7 @@ fn panel(study: &SweepStudy, axis: &SweepAxis, observable: &SweepObservable) -> 
     }
 }
 
-/// True if values span a decade or more and can stand on a logarithmic axis.
+/// True if the values are positive and span a decade or more, so that the axis should be logarithmic.
 fn is_wide(numbers: &[f64]) -> bool {
     let (low, high) =
         numbers.iter().fold((f64::INFINITY, 0.0), |(low, high): (f64, f64), &x| (low.min(x), high.max(x)));

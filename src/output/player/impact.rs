@@ -1,4 +1,4 @@
-//! One impact as a recording: gaps and overlaps are magnified so that they are visible.
+//! Recording of one impact, in which gaps and overlaps are enlarged so that they are visible.
 
 use super::{Player, RecordedVariant, RecordingFrame};
 use crate::observe::{Frame, Frames};
@@ -9,15 +9,15 @@ use nalgebra::Vector3;
 /// Number of frames of a recording.
 const FRAMES: usize = 240;
 
-/// [diameters] drawn depth of the largest overlap.
+/// [diameters] depth with which the largest overlap is drawn.
 const DEEP: f64 = 0.3;
 
-/// [-] time shown before the first touch and after it, over the longest contact.
+/// [-] recorded time before the first touch, over the duration of the longest contact; then recorded time after it.
 const BEFORE: f64 = 0.6;
 const AFTER: f64 = 1.4;
 
 impl Player {
-    /// Recording of one impact under each variant; `None` if no variant has a contact with a duration.
+    /// Recording of one impact for each variant; `None` if no variant has a contact with a duration.
     pub fn of_impact(study: &ImpactStudy) -> Option<Self> {
         let of = |pick: fn(&Bounce) -> Option<f64>| {
             study.bounces.iter().filter_map(pick).filter(|value| value.is_finite()).fold(0.0, f64::max)
@@ -55,12 +55,13 @@ impl Player {
     }
 }
 
-/// [m] a box that two spheres and the gap between them fit in.
+/// [m] size of a box that contains two spheres and the gap between them.
 fn size(study: &ImpactStudy) -> Vector3<f64> {
     Vector3::new(3.6, 1.4, 1.4) * study.diameter
 }
 
-/// The path of a variant at even times [s] after its first touch; `None` if it never touched.
+/// Recorded motion of a variant at equal intervals. The times are from `from` to `to` [s] after the first touch. `None`
+/// if the spheres never touch.
 fn record<'a>(
     study: &ImpactStudy,
     bounce: &'a Bounce,
@@ -93,12 +94,12 @@ fn record<'a>(
     (recorded.frames.len() > 1).then_some((bounce, recorded))
 }
 
-/// [s] time at which the gap is closed for the first time.
+/// [s] time at which the gap is closed for the first time; `None` if it never is.
 fn touch(path: &[PathPoint]) -> Option<f64> {
     path.windows(2).find_map(|pair| {
         let (a, b) = (pair[0], pair[1]);
         let closes = a.gap > 0.0 && (b.gap <= 0.0 || b.normal_velocity > 0.0 && a.normal_velocity < 0.0);
-        // a collision between two points: the end of the first flight
+        // an instantaneous collision between two points ends the straight motion from the first point
         let flight = a.time - a.gap / a.normal_velocity;
         closes.then(
             || if b.gap < 0.0 { a.time + (b.time - a.time) * a.gap / (a.gap - b.gap) } else { flight.min(b.time) },
@@ -106,8 +107,8 @@ fn touch(path: &[PathPoint]) -> Option<f64> {
     })
 }
 
-/// Gap [m] and normal velocity [m/s] at a time [s]. Values between points are interpolated linearly; before the first
-/// and after the last point the spheres fly freely.
+/// Gap [m] and normal velocity [m/s] at a time [s]. Values between points of the path are interpolated linearly. Before
+/// the first and after the last point, the spheres move straight.
 fn at(path: &[PathPoint], time: f64) -> Option<(f64, f64)> {
     let (first, last) = (path.first()?, path.last()?);
     let straight = |point: &PathPoint| (point.gap + point.normal_velocity * (time - point.time), point.normal_velocity);

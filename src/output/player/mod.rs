@@ -1,9 +1,9 @@
-//! Animations of several variants side by side on a page: the data for player.js, and a still picture for readers
-//! without script and for print.
+//! Animations of several variants next to each other on a page: data for player.js, and still pictures for print and
+//! for readers without scripts.
 //!
-//! The recording stands in the page as JSON. Positions are 16-bit fractions of the box, velocities and overlaps 16-bit
-//! fractions of the largest value; a screen is coarser than that. Data are stored frame by frame, particle by particle:
-//! positions, velocities, overlaps (if any), solvers.
+//! The page contains the recording as JSON. Positions are 16-bit fractions of the box; velocities and overlaps are
+//! 16-bit fractions of their largest value. This resolution is finer than that of a screen. All positions come first,
+//! then all velocities, overlaps (if any) and solvers; each block is ordered by frame and then by particle.
 
 mod impact;
 mod outlines;
@@ -19,56 +19,56 @@ use maud::{Markup, PreEscaped, html};
 use nalgebra::Vector3;
 use serde_json::{Value, json};
 
-/// Number of bodies that are shown with a still picture; the others can be chosen.
+/// Number of variants that have a panel at first; the reader can choose the others.
 const SHOWN: usize = 3;
 
-/// The scripts, in the order in which they stand in a page.
+/// Scripts, in the order in which a page contains them.
 const SCRIPTS: [&str; 2] = [include_str!("../page/scene.js"), include_str!("../page/player.js")];
 
-/// [-] largest value of a 16-bit number.
+/// [-] largest value of an unsigned 16-bit number.
 const FULL: f64 = u16::MAX as f64;
 
-/// A recording that a page shows.
+/// Recording that a page shows, with still pictures.
 #[derive(Clone, Debug)]
 pub(super) struct Player {
-    /// Caption: a sentence or two.
+    /// Caption of one or two sentences.
     words: String,
-    /// Name of each variant that has a panel, and a still picture of it.
+    /// Name and still picture of each variant that has a panel.
     panels: Vec<(String, String)>,
-    /// Data for the script.
+    /// Data of the recording for the script.
     data: Value,
 }
 
-/// One variant of a recording.
+/// Recorded motion of one variant.
 struct RecordedVariant<'a> {
     name: &'a str,
-    /// Reason of an early stop.
+    /// Reason why the run stopped early, if it did.
     stopped: Option<String>,
     frames: &'a Frames,
 }
 
-/// Common data of all variants of a recording.
+/// Data common to all variants of a recording: box, walls and view.
 struct RecordingFrame {
-    /// [m]
+    /// [m] size of the box.
     size: Vector3<f64>,
     periodic: [bool; 3],
-    /// Line segments of each wall, six numbers [m] each.
+    /// Line segments of each wall, with six coordinates [m] per segment.
     walls: Vec<Vec<f64>>,
-    /// [m/s²]
+    /// [m/s²] gravity by which flights between frames are curved.
     gravity: Vector3<f64>,
-    /// [m/s] mean velocity of all particles along periodic axes, with which the picture may move.
+    /// [m/s] mean velocity of all particles along periodic axes; the view may move with this velocity.
     drift: Vector3<f64>,
     /// Names of the species.
     names: Vec<String>,
-    /// The axes to the right and up, such as `zy`.
+    /// Axes that point to the right and up, such as `zy`.
     view: &'static str,
-    /// [-] magnification of gaps and overlaps; `None`: drawn to scale.
+    /// [-] factor by which gaps and overlaps are enlarged; `None`: drawn to scale.
     magnified: Option<f64>,
     words: String,
 }
 
 impl Player {
-    /// The player of recorded runs; `None` if no run was recorded, or nothing moves.
+    /// Player of recorded runs; `None` if no run has more than one frame and a sphere.
     pub fn of(outcomes: &[Outcome], frames: &[Frames]) -> Option<Self> {
         let variants =
             outcomes.iter().zip(frames).filter(|(_, frames)| frames.frames.len() > 1 && !frames.radius.is_empty());
@@ -102,9 +102,9 @@ impl Player {
         Self { words: stage.words.clone(), panels: panels.collect(), data }
     }
 
-    /// The part of a page.
+    /// HTML of the player for a page.
     pub fn markup(&self) -> Markup {
-        // in a script element only a tag could end it
+        // within a script element, only a tag could end the data
         let data = self.data.to_string().replace('<', "\\u003c");
         html! {
             section.player aria-label="Particles" {
@@ -119,12 +119,12 @@ impl Player {
     }
 }
 
-/// The scripts of a page that has a player.
+/// HTML with the scripts for a page that contains a player.
 pub(super) fn scripts() -> Markup {
     html! { @for script in SCRIPTS { script { (PreEscaped(script)) } } }
 }
 
-/// The common data of runs of a scene.
+/// Data common to all recorded runs of a scene.
 fn stage(outcome: &Outcome, frames: &Frames) -> RecordingFrame {
     let scene = &outcome.experiment.scene;
     let drift = drift(scene, frames);
@@ -161,7 +161,7 @@ fn stage(outcome: &Outcome, frames: &Frames) -> RecordingFrame {
     }
 }
 
-/// The axes that show most of a scene: up is against gravity, or across the channel.
+/// Axes of the view that shows a scene best. The upward axis is opposite to gravity, or across the channel.
 fn view(scene: &Scene, shown: usize) -> &'static str {
     let size = scene.domain.size;
     let falls_along_z = scene.gravity.z != 0.0 && scene.gravity.y == 0.0 && scene.fluid.is_none();
@@ -173,7 +173,7 @@ fn view(scene: &Scene, shown: usize) -> &'static str {
     }
 }
 
-/// [m/s] mean velocity at the start along periodic axes, if it is much larger than the motion about it.
+/// [m/s] mean initial velocity along periodic axes. A component is 0 unless it is much larger than the fluctuations.
 fn drift(scene: &Scene, frames: &Frames) -> Vector3<f64> {
     let Some(first) = frames.frames.first() else { return Vector3::zeros() };
     let count = first.velocity.len().max(1) as f64;
@@ -186,7 +186,7 @@ fn drift(scene: &Scene, frames: &Frames) -> Vector3<f64> {
 }
 
 impl RecordedVariant<'_> {
-    /// The data of a variant for the script.
+    /// Data of a variant for the script.
     fn record(&self, stage: &RecordingFrame) -> Value {
         let Frames { radius, species, frames, .. } = self.frames;
         let fastest = frames.iter().flat_map(|frame| &frame.velocity).fold(0.0_f32, |most, v| most.max(v.amax()));

@@ -1,4 +1,4 @@
-//! The walls of a scene as line segments.
+//! Walls of a scene as line segments for animations.
 
 use crate::output::trajectory::flat;
 use crate::scene::Scene;
@@ -6,13 +6,14 @@ use crate::walls::{Plane, WallGeometry};
 use nalgebra::Vector3;
 use std::collections::HashMap;
 
-/// [-] cosine of the angle between two triangles below which their common edge is drawn: 25 degrees.
+/// [-] cosine of 25 degrees. If the normals of two triangles differ by more than this angle, their common edge is
+/// drawn.
 const SHARP: f64 = 0.906;
 
-/// Largest number of segments of one surface; more would hide the spheres.
+/// Largest number of segments of one surface; more would cover the spheres.
 const MOST: usize = 2000;
 
-/// Line segments of each wall, six numbers [m] each: the outlines of planes, and the edges of bodies.
+/// Line segments of each wall, with six coordinates [m] per segment: outlines of planes, and edges of bodies.
 pub fn outlines(scene: &Scene) -> Vec<Vec<f64>> {
     let of = |geometry: &WallGeometry| match geometry {
         WallGeometry::Plane(plane) => around(plane, scene),
@@ -26,7 +27,7 @@ pub fn outlines(scene: &Scene) -> Vec<Vec<f64>> {
 
 fn segment(from: &Vector3<f64>, to: &Vector3<f64>) -> impl Iterator<Item = f64> {
     let (from, to): ([f64; 3], [f64; 3]) = ((*from).into(), (*to).into());
-    // a screen shows no more digits, and more would fill the page
+    // single precision is enough for a screen, and its text is shorter
     from.into_iter().chain(to).map(|x| f64::from(x as f32))
 }
 
@@ -36,8 +37,8 @@ fn around(plane: &Plane, scene: &Scene) -> Vec<f64> {
     corners.iter().zip(next).flat_map(|(from, to)| segment(from, to)).collect()
 }
 
-/// Edges at which a surface ends or bends. Triangles share an edge if its corners have equal positions, whatever their
-/// indices.
+/// Edges at which a surface ends or bends. Two triangles have a common edge if the corners of both have equal
+/// positions, whatever their indices.
 fn edges(corners: &[Vector3<f64>], triangles: &[[u32; 3]]) -> Vec<f64> {
     let key = |corner: u32| corners[corner as usize].map(f64::to_bits).data.0[0];
     let mut found: HashMap<_, (u32, u32, Vec<Vector3<f64>>)> = HashMap::new();

@@ -1,18 +1,18 @@
-//! The last instant of a recording as a picture, for readers without script and for print.
+//! Still picture of the last instant of a recording, for print and for readers without scripts.
 
 use super::RecordingFrame;
 use crate::observe::Frames;
 use maud::html;
 use nalgebra::Vector3;
 
-/// [px] width of a picture, and the room about the box.
+/// [px] width of a picture; then margin around the box.
 const WIDTH: f64 = 400.0;
 const MARGIN: f64 = 6.0;
 
-/// The colours of scene.js, from the slowest to the fastest.
+/// Colours of speeds as in scene.js, from the slowest to the fastest sphere.
 const SCALE: [&str; 6] = ["#323888", "#245696", "#1b798e", "#3e9d79", "#8ebc52", "#ecd646"];
 
-/// A picture of the last frame, coloured by speed.
+/// SVG picture of the last frame, with spheres coloured by speed.
 pub fn still(stage: &RecordingFrame, frames: &Frames) -> String {
     let Some(last) = frames.frames.last() else { return String::new() };
     let [right, up] = match stage.view {

@@ -1,4 +1,4 @@
-//! The data of one frame of a trajectory, and its output formats.
+//! Data of one frame of a trajectory, and the formats in which a frame is written.
 
 use super::vtp::Vtp;
 use crate::domain::Domain;
@@ -7,43 +7,43 @@ use nalgebra::Vector3;
 use std::borrow::Cow;
 use std::fmt::Write;
 
-/// A particle that flew straight.
+/// Code of a particle that moved straight in the last window.
 const FLEW: u8 = 0;
-/// A particle in an island.
+/// Code of a particle in an island, which is a group of particles that may touch within a part of a window.
 const ISLAND: u8 = 1;
-/// A particle moved together with all others: uniform steps, or one event queue.
+/// Code of a particle that was moved together with all others, by uniform steps or one event queue.
 const EVERYONE: u8 = 2;
 
-/// The particles at one instant, in the order of their ids. Memory is reused from frame to frame.
+/// Particles at one instant. The memory is reused from frame to frame.
 #[derive(Debug, Default)]
 pub(super) struct TrajectoryFrame {
-    /// [s]
+    /// [s] simulated time of the frame.
     pub time: f64,
     position: Vec<Vector3<f64>>,
     velocity: Vec<Vector3<f64>>,
-    /// [rad/s] `None` where spheres do not rotate.
+    /// [rad/s] angular velocities; `None` if spheres do not rotate.
     spin: Option<Vec<Vector3<f64>>>,
     id: Vec<u32>,
-    /// Index in the store and overlap [m] of particles in contact, an entry for each of their contacts.
+    /// Index in the store and overlap [m] of each particle in contact, with one entry per contact of the particle.
     contacts: Vec<(u32, f64)>,
-    /// Indices of the particles in islands; `None`: all were moved at once.
+    /// Indices of the particles in islands; `None` if all particles were moved together.
     islands: Option<Vec<u32>>,
-    /// The particles in the order of ids, once the frame has been [sorted](Self::sort).
+    /// Data of the particles in the order of their ids, available after [`sort`](Self::sort).
     own: Vec<Own>,
 }
 
-/// The data of the particles that do not change.
+/// Data of all particles that do not change during a run.
 #[derive(Debug)]
 pub(super) struct Cast {
     domain: Domain,
     id: Vec<u32>,
-    /// [m]
+    /// [m] radii of the particles.
     radius: Vec<f64>,
     species: Vec<u16>,
 }
 
 impl Cast {
-    /// The cast in the order of the store: the writer sorts it.
+    /// Copies these data in the order of the particle store. The writing thread sorts them later.
     pub(super) fn of(simulation: &Simulation) -> Self {
         let particles = &simulation.particles;
         Self {
@@ -54,7 +54,7 @@ impl Cast {
         }
     }
 
-    /// Sorts the cast by id.
+    /// Sorts the data by the ids of the particles.
     pub(super) fn sort(&mut self) {
         let (id, radius, species) = (self.id.clone(), self.radius.clone(), self.species.clone());
         for (place, rank) in ranks(&id).iter().enumerate() {
@@ -64,7 +64,7 @@ impl Cast {
     }
 }
 
-/// Rank of each particle in the order of ids, which must be distinct. For all particles of a run the rank equals the
+/// Rank of each particle in the order of ids, which must be distinct. For all particles of a run, the rank equals the
 /// id.
 fn ranks(ids: &[u32]) -> Cow<'_, [u32]> {
     let count = ids.len() as u32;
@@ -85,14 +85,15 @@ fn ranks(ids: &[u32]) -> Cow<'_, [u32]> {
 struct Own {
     /// Index of the particle in the store.
     place: u32,
-    /// [m] largest overlap of the particle.
+    /// [m] largest overlap among the contacts of the particle.
     overlap: f64,
     contacts: u16,
     solver: u8,
 }
 
 impl TrajectoryFrame {
-    /// Copies the needed data of the simulation, in the order of the store: the writer sorts them.
+    /// Copies the data of a frame from the simulation, in the order of the particle store. The writing thread sorts
+    /// them later.
     pub(super) fn take(&mut self, simulation: &Simulation) {
         let particles = &simulation.particles;
         self.time = simulation.time;
@@ -108,7 +109,7 @@ impl TrajectoryFrame {
         self.islands = simulation.in_islands().map(<[u32]>::to_vec);
     }
 
-    /// Sorts the particles by id, as needed by `vtp` and `xyz`.
+    /// Sorts the particles by id, which `vtp` and `xyz` require.
     pub(super) fn sort(&mut self) {
         let Self { own, id, islands, contacts, .. } = self;
         let ranks = ranks(id);
@@ -127,12 +128,13 @@ impl TrajectoryFrame {
         }
     }
 
-    /// The frame as VTK PolyData.
+    /// Frame as a VTK PolyData file, in three parts to be written one after the other.
     pub(super) fn vtp(&self, cast: &Cast, memory: Vec<u8>) -> [Vec<u8>; 3] {
         self.arrays(cast, memory).finish()
     }
 
-    /// The file that joins pieces of the frame at `time` [s], which have spins if spheres `rotate`.
+    /// Contents of the file that joins the pieces of the frame at `time` [s]. The pieces contain spins if `rotate` is
+    /// true.
     pub(super) fn joined(time: f64, rotate: bool, pieces: impl Iterator<Item = String>) -> Vec<u8> {
         let domain = Domain::new(Vector3::repeat(1.0), [false; 3]);
         let nobody = Cast { domain, id: Vec::new(), radius: Vec::new(), species: Vec::new() };
@@ -157,7 +159,7 @@ impl TrajectoryFrame {
         });
         let wrapped = own.iter().map(|own| cast.domain.wrap(&self.position[own.place as usize]).into());
         file.part("Points", |file| file.array::<f64, 3>("Points", wrapped));
-        // one vertex cell with all points: without a cell a viewer draws nothing
+        // one vertex cell contains all points, because viewers draw only cells
         file.part("Verts", |file| {
             file.array("connectivity", (0..count as i32).map(|id| [id]));
             file.array("offsets", (count > 0).then_some([count as i32]).into_iter());
@@ -165,7 +167,7 @@ impl TrajectoryFrame {
         file
     }
 
-    /// The frame as extended XYZ, in m, s and m/s.
+    /// Frame as a file in extended XYZ, in m, s and m/s.
     pub(super) fn xyz(&self, cast: &Cast) -> Vec<u8> {
         let own = &self.own;
         let [x, y, z] = cast.domain.size.into();
@@ -188,7 +190,7 @@ impl TrajectoryFrame {
             for number in position.iter().chain(&velocity).chain([&cast.radius[rank]]) {
                 let _ = write!(text, "{number:?} ");
             }
-            // types count from 1
+            // types in the file are counted from 1
             let kind = u32::from(cast.species[rank]) + 1;
             let id = cast.id[rank];
             let _ = write!(text, "{id} {kind} {:?} {} {}", own.overlap, own.contacts, own.solver);

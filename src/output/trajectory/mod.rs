@@ -1,11 +1,13 @@
-//! The particles at equal times in all variants, for ParaView (`.vtp` with a `.pvd`), OVITO and ASE (extended XYZ).
+//! Trajectory files: the particles at equal times in all variants. The formats are VTK for ParaView (`.vtp` with a
+//! `.pvd` index), and extended XYZ for OVITO and ASE.
 //!
-//! An observer copies the needed data of the simulation and hands them to a thread that sorts and writes. Each file is
-//! written whole or not at all. The thread holds two frames at most, however long the run is; if the disk is slower
-//! than the run, the run waits.
+//! An observer copies the required data of the simulation, and sends them to a thread that sorts and writes them. Each
+//! file is written completely or not at all. However long the run is, the thread holds at most two frames. If the disk
+//! is slower than the run, the run waits.
 //!
-//! If processes share a run and each has a part of the particles, each writes its part of a frame as a VTK file, and
-//! waits until all have done so. Then the writing thread of the lead writes the file that joins these pieces (`.pvtp`).
+//! If several processes share a run, each writes its particles as one piece of the frame, in a VTK file, and waits
+//! until all processes have done so. Then the writing thread of the lead process writes the file that joins the pieces
+//! (`.pvtp`).
 
 mod frame;
 mod pieces;
@@ -30,10 +32,10 @@ use std::sync::mpsc::{Receiver, SyncSender, channel, sync_channel};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::{Scope, ScopedJoinHandle};
 
-/// The subfolder of trajectories.
+/// Name of the subfolder of trajectories.
 pub const TRAJECTORY: &str = "trajectory";
 
-/// True if a file was written by a trajectory, as its beginning tells. Other files in the folder belong to the user.
+/// True if the beginning of a file shows that this program wrote it. Other files in the folder belong to the user.
 pub(super) fn is_ours(path: &Path) -> bool {
     let mut beginning = [0; 512];
     let read = File::open(path).and_then(|mut file| file.read(&mut beginning));
@@ -42,29 +44,29 @@ pub(super) fn is_ours(path: &Path) -> bool {
 
 /// Messages to the writing thread.
 enum WriterMessage {
-    /// The walls, the times [s] of existing frames, and true if spheres rotate.
+    /// Surfaces of the walls, times [s] of existing frames, and true if spheres rotate.
     Begin(Option<[Vec<u8>; 3]>, Vec<f64>, bool),
-    /// The cast of the following frames.
+    /// Constant data of the particles in the frames that follow.
     Cast(Box<Cast>),
     Frame(TrajectoryFrame),
-    /// The time [s] of a frame, and the number of processes that have written their pieces of it.
+    /// Time [s] of a frame, and the number of processes that have written their pieces of this frame.
     Pieces(f64, usize),
 }
 
-/// Progress of the writing thread.
+/// Progress of the writing thread, shared with the observer.
 #[derive(Default)]
 struct WriterProgress {
     written: Mutex<Written>,
     changed: Condvar,
 }
 
-/// Work done by the writing thread.
+/// Amount of work that the writing thread has done.
 #[derive(Default)]
 struct Written {
     frames: u64,
     /// True if no more frames will be written.
     ended: bool,
-    /// Reason of a failure.
+    /// Reason why writing failed, if it did.
     failed: Option<String>,
 }
 
@@ -78,13 +80,13 @@ impl WriterProgress {
         self.changed.notify_all();
     }
 
-    /// Waits until the given number of frames is written, or no more will be.
+    /// Waits until the given number of frames has been written, or the thread has ended.
     fn wait(&self, frames: u64) {
         drop(self.changed.wait_while(self.now(), |written| written.frames < frames && !written.ended));
     }
 }
 
-/// Marks the thread as ended when dropped, in whatever way the thread ends.
+/// Records that the thread has ended, when this value is dropped, even after a panic.
 struct Ended(Arc<WriterProgress>);
 
 impl Drop for Ended {
@@ -93,32 +95,32 @@ impl Drop for Ended {
     }
 }
 
-/// Hands the particles to a thread that writes them.
+/// Observer that sends the particles to a writing thread at equal intervals of time.
 pub struct Trajectory<'scope> {
     folder: &'scope Folder,
     name: String,
     asked: Trajectories,
-    /// Channel to the thread; `None` once the trajectory is finished.
+    /// Channel to the thread; `None` after the trajectory is finished.
     frames: Option<SyncSender<WriterMessage>>,
-    /// Written frames, returned so that their memory is reused.
+    /// Channel by which written frames come back, so that their memory is reused.
     used: Receiver<TrajectoryFrame>,
     writer: Option<ScopedJoinHandle<'scope, Result<(), OutputError>>>,
     progress: Arc<WriterProgress>,
-    /// True if the thread has the walls.
+    /// True if the thread has received the walls.
     begun: bool,
-    /// True if the thread has the cast.
+    /// True if the thread has received the constant data of the particles.
     has_cast: bool,
-    /// The part of a frame that this process writes itself.
+    /// Piece of a frame that this process writes itself, if several processes share the run.
     piece: FramePiece,
-    /// [s] times of the frames of earlier parts of the run and of this one.
+    /// [s] times of all frames, including those from earlier parts of a resumed run.
     times: Vec<f64>,
-    /// Number of frames from before this part of the run.
+    /// Number of frames from earlier parts of a resumed run.
     earlier: usize,
     failed: Option<OutputError>,
 }
 
 impl<'scope> Trajectory<'scope> {
-    /// A trajectory in `trajectory/NAME` of a folder; the writing thread belongs to `scope`.
+    /// Creates a trajectory in `trajectory/NAME` of a folder. The writing thread belongs to `scope`.
     pub fn new<'env>(
         scope: &'scope Scope<'scope, 'env>,
         folder: &'env Folder,
@@ -168,13 +170,13 @@ impl<'scope> Trajectory<'scope> {
     }
 
     fn send(&mut self, message: WriterMessage) {
-        // a writer that has ended has left its reason behind
+        // sending fails if the thread has ended; `finish` then takes its error
         if self.frames.as_ref().is_none_or(|frames| frames.send(message).is_err()) {
             self.finish();
         }
     }
 
-    /// Waits until all is written.
+    /// Waits until all frames are written, and stores the error of the thread if there is one.
     fn finish(&mut self) {
         self.frames = None;
         let Some(writer) = self.writer.take() else { return };
@@ -186,12 +188,12 @@ impl<'scope> Trajectory<'scope> {
         self.failed = self.failed.take().or(failed);
     }
 
-    /// True if nothing is to be written for a time [s]: its frame exists, or an earlier frame could not be written.
+    /// True if nothing need be written for a time [s], because its frame exists, or writing has failed before.
     fn is_done(&self, time: f64) -> bool {
         self.failed.is_some() || self.times.last().is_some_and(|last| *last >= time)
     }
 
-    /// Sends the thread the data that it needs before the first frame.
+    /// Sends the data that the thread requires before the first frame.
     fn begin(&mut self, simulation: &Simulation) {
         if !self.begun {
             self.send(WriterMessage::Begin(
@@ -203,7 +205,7 @@ impl<'scope> Trajectory<'scope> {
         }
     }
 
-    /// Hands all particles to the thread.
+    /// Sends all particles to the thread.
     fn take_all(&mut self, simulation: &Simulation) {
         if self.is_done(simulation.time) {
             return;
@@ -219,7 +221,7 @@ impl<'scope> Trajectory<'scope> {
         self.send(WriterMessage::Frame(frame));
     }
 
-    /// Reports if all frames could be written.
+    /// Returns the result of writing all frames.
     ///
     /// # Errors
     /// A frame could not be written.
@@ -230,13 +232,14 @@ impl<'scope> Trajectory<'scope> {
 }
 
 impl Observer for Trajectory<'_> {
-    /// The next whole multiple of the requested interval: equal in every variant, whatever its windows.
+    /// Next whole multiple of the requested interval. These times are equal in all variants, whatever their windows.
     fn next(&self, now: f64, _schedule: &Schedule) -> Option<f64> {
-        // 1e-9: rounding of a sum of windows
+        // the factor allows for the rounding error of a sum of windows
         Some(((now / self.asked.every * (1.0 + 1e-9)).floor() + 1.0) * self.asked.every)
     }
 
-    /// All particles for extended XYZ, which is one file; else parts.
+    /// All particles are needed in one process for extended XYZ, which is one file. For VTK each process needs only its
+    /// part.
     fn sight(&self) -> Needs {
         if self.asked.format.is_xyz() { Needs::Every(1) } else { Needs::Parts }
     }
@@ -253,14 +256,14 @@ impl Observer for Trajectory<'_> {
     }
 
     fn end(&mut self, simulation: &Simulation) {
-        // with parts, all processes together have already written the last frame
+        // if processes share the run, they have already written the last frame together
         if simulation.parts().is_none() {
             self.take_all(simulation);
         }
         self.finish();
     }
 
-    /// The times of all frames, once they are written: a resumed run continues from there.
+    /// Times of all frames, returned after these frames have been written. A resumed run continues after them.
     fn stored(&self) -> Result<Stored, StoreError> {
         self.progress.wait((self.times.len() - self.earlier) as u64);
         Stored::of(&self.times)
@@ -277,19 +280,19 @@ impl Observer for Trajectory<'_> {
     }
 }
 
-/// Writes the frames that it receives.
+/// Writer of the frames that the thread receives.
 struct Writer<'env> {
     folder: &'env Folder,
     name: String,
     format: TrajectoryFormat,
-    /// [s] times of the written frames, and true for those in pieces.
+    /// [s] times of the written frames; true for frames in pieces.
     frames: Vec<(f64, bool)>,
-    /// Number of frames that the index lists.
+    /// Number of frames in the present index file.
     listed: usize,
     walls: bool,
-    /// True if spheres rotate, so that frames have their spins.
+    /// True if spheres rotate, so that frames contain spins.
     rotates: bool,
-    /// Surplus files of frames from another part of the run, which the next index no longer lists.
+    /// Names of files left by another part of the run, which are removed after the index no longer lists them.
     spare: Vec<String>,
 }
 
@@ -318,7 +321,7 @@ impl Writer<'_> {
                     written(Some(frame));
                 }
                 WriterMessage::Pieces(time, count) => {
-                    // the memory for all particles is released
+                    // the memory for all particles is no longer needed
                     (cast, memory) = (None, Vec::new());
                     self.join(time, count)?;
                     written(None);
@@ -342,7 +345,7 @@ impl Writer<'_> {
         (0..self.frames.len()).filter(is_gone).collect()
     }
 
-    /// The file of a frame, relative to the folder of results.
+    /// Path of the file of a frame, relative to the folder of results.
     fn file(&self, number: usize) -> String {
         let kind = match self.frames[number].1 {
             true => "pvtp",
@@ -382,7 +385,7 @@ impl Writer<'_> {
         Ok(memory)
     }
 
-    /// Writes the file that joins the pieces of a frame.
+    /// Writes the file that joins `count` pieces of a frame at `time` [s].
     fn join(&mut self, time: f64, count: usize) -> Result<(), OutputError> {
         let number = self.frames.len();
         let sources = (0..count).map(|rank| format!("{number:06}-{rank}.vtp"));
@@ -395,7 +398,7 @@ impl Writer<'_> {
         self.is_written(time, true)
     }
 
-    /// Existing pieces of a frame, from the given rank on.
+    /// Names of the existing pieces of a frame whose rank is `rank` or higher.
     fn pieces_from(&self, number: usize, rank: usize) -> Vec<String> {
         let names = (rank..).map(|rank| pieces::piece(&self.name, number, rank));
         names.take_while(|name| self.folder.path().join(name).exists()).collect()
@@ -403,14 +406,16 @@ impl Writer<'_> {
 
     fn is_written(&mut self, time: f64, in_pieces: bool) -> Result<(), OutputError> {
         self.frames.push((time, in_pieces));
-        // writing the full index after each frame would cost the square of the number of frames
+        // the index is not written after each frame, because the total work would grow with the square of the number of
+        // frames
         if self.frames.len() <= 100 || self.frames.len() >= self.listed + self.listed / 20 {
             self.list(&[])?;
         }
         Ok(())
     }
 
-    /// Writes the index that ParaView opens: time and file of every frame but those that are gone.
+    /// Writes the index file that ParaView opens. The index contains time and file of each frame, except the frames in
+    /// `gone`.
     fn list(&mut self, gone: &[usize]) -> Result<(), OutputError> {
         if !self.format.is_vtp() || gone.is_empty() && self.listed == self.frames.len() {
             return Ok(());

@@ -1,5 +1,5 @@
-//! Frames of a run whose particles are distributed over several processes. Each process writes its own particles as a
-//! piece, and the lead joins the pieces.
+//! Frames of a run that several processes share. Each process writes its own particles as a piece, and the lead process
+//! (rank 0) joins the pieces.
 
 use super::frame::{Cast, TrajectoryFrame};
 use super::{TRAJECTORY, Trajectory, WriterMessage};
@@ -8,17 +8,17 @@ use crate::output::{Folder, OutputError};
 use crate::simulation::Simulation;
 use std::io::{Error, ErrorKind};
 
-/// The file of a piece that a process writes, relative to the folder of results.
+/// Path of the piece that the process `rank` writes for frame `number`, relative to the folder of results.
 pub(super) fn piece(name: &str, number: usize, rank: usize) -> String {
     format!("{TRAJECTORY}/{name}/{number:06}-{rank}.vtp")
 }
 
-/// The file that joins the pieces of a frame.
+/// Path of the file that joins the pieces of frame `number`, relative to the folder of results.
 pub(super) fn joined(name: &str, number: usize) -> String {
     format!("{TRAJECTORY}/{name}/{number:06}.pvtp")
 }
 
-/// The part of a frame in this process. Memory is reused from frame to frame.
+/// Piece of a frame that this process writes. The memory is reused from frame to frame.
 #[derive(Debug, Default)]
 pub(super) struct FramePiece {
     frame: TrajectoryFrame,
@@ -26,11 +26,11 @@ pub(super) struct FramePiece {
 }
 
 impl FramePiece {
-    /// Writes the particles of this process into a file of the given name.
+    /// Writes the particles of this process into the file `name` of a folder.
     fn write(&mut self, simulation: &Simulation, folder: &Folder, name: &str) -> Result<(), OutputError> {
         self.frame.take(simulation);
         self.frame.sort();
-        // the particles of this process change from frame to frame
+        // each frame needs new constant data, because particles move between processes
         let mut cast = Cast::of(simulation);
         cast.sort();
         let parts = self.frame.vtp(&cast, std::mem::take(&mut self.bytes));
@@ -42,13 +42,14 @@ impl FramePiece {
 }
 
 impl Trajectory<'_> {
-    /// Writes the particles of this process; all processes must call this. Once all pieces exist, the lead lets its
-    /// thread join them. A piece that cannot be written counts as a failure of the lead.
+    /// Writes the particles of this process; all processes must make this call. When all pieces exist, the writing
+    /// thread of the lead process joins them. A piece that cannot be written counts as a failure of the lead process.
     pub(super) fn take_part(&mut self, simulation: &Simulation, processes: &dyn Communicator) {
         let leads = processes.is_lead();
         let mut number = [if leads { self.next_frame(simulation) } else { 0 }];
         processes.sum(&mut number);
-        // only the lead knows the number; a negative one means that the lead has failed, or has this frame already
+        // only the lead process contributes the number; a negative number means that it has failed, or that the frame
+        // exists
         let Ok(number) = usize::try_from(number[0]) else { return };
         let own = piece(&self.name, number, processes.rank());
         let result = self.piece.write(simulation, self.folder, &own);
@@ -69,8 +70,8 @@ impl Trajectory<'_> {
         self.send(WriterMessage::Pieces(simulation.time, processes.size()));
     }
 
-    /// The number of the frame that all processes are about to write; -1 if none is to be written. No file of this run
-    /// is then being written, and no file joins the new pieces before they are complete.
+    /// Number of the frame that all processes are to write, or -1 if they are to write none. On return, all earlier
+    /// frames of this run are written. A file that would join the new pieces before they are complete has been removed.
     fn next_frame(&mut self, simulation: &Simulation) -> i64 {
         let number = self.times.len();
         if self.is_done(simulation.time) {
@@ -78,7 +79,7 @@ impl Trajectory<'_> {
         }
         self.begin(simulation);
         self.progress.wait((number - self.earlier) as u64);
-        // the memory for all particles is released
+        // the memory for all particles is no longer needed
         while self.used.try_recv().is_ok() {}
         self.has_cast = false;
         let ready = self.folder.make_room().and_then(|()| self.folder.remove(&[joined(&self.name, number)]));
@@ -86,7 +87,7 @@ impl Trajectory<'_> {
         if self.failed.is_some() || self.progress.now().failed.is_some() { -1 } else { number as i64 }
     }
 
-    /// The error if the piece of a process cannot be seen here.
+    /// Error if the piece of a process does not exist in the folder of this process; `None` if it exists.
     fn missing(&self, number: usize, process: usize) -> Option<OutputError> {
         let path = self.folder.path().join(piece(&self.name, number, process));
         let why = || {

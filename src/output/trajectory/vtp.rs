@@ -1,27 +1,27 @@
-//! VTK PolyData files with raw appended data, for ParaView; every number keeps all its bits.
+//! Writes VTK PolyData files with raw binary data for ParaView. Every number keeps all its bits.
 //!
 //! File format: VTK File Formats, "XML file formats",
 //! <https://docs.vtk.org/en/latest/design_documents/VTKFileFormats.html>.
 
 use std::fmt::Write;
 
-/// [byte] size of the buffer for numbers before they are appended: a multiple of the size of any point.
+/// [byte] size of the buffer through which numbers are appended: a multiple of the size of any point.
 const PIECE: usize = 6144;
 
-/// A file under construction: the header names arrays, whose bytes follow in the order of the header.
+/// VTK file under construction. The header describes arrays, whose bytes follow in the order of the header.
 pub(super) struct Vtp {
     header: String,
     data: Vec<u8>,
-    /// The arrays of points, as declared in a file that joins pieces.
+    /// Declarations of the point arrays for a file that joins several pieces.
     of_points: String,
 }
 
-/// A number type that an array can hold.
+/// Type of number that an array can contain.
 pub(super) trait Number: Copy {
     /// Name of the type in VTK.
     const NAME: &'static str;
 
-    /// Writes the bytes of the number, the lowest first.
+    /// Writes the bytes of the number in little-endian order.
     fn put(self, bytes: &mut [u8]);
 }
 
@@ -40,7 +40,8 @@ macro_rules! numbers {
 numbers!(f64: "Float64", i32: "Int32", u32: "UInt32", u16: "UInt16", u8: "UInt8");
 
 impl Vtp {
-    /// A file of the state at `time` [s] with the given numbers of points, vertices and polygons. `memory` is reused.
+    /// Begins a file of the state at `time` [s] with the given numbers of points, vertices and polygons. `memory` is
+    /// reused for the data.
     pub(super) fn begin(mut memory: Vec<u8>, time: f64, [points, vertices, polygons]: [usize; 3]) -> Self {
         memory.clear();
         let mut header = String::from(
@@ -56,7 +57,7 @@ impl Vtp {
         Self { header, data: memory, of_points: String::new() }
     }
 
-    /// Begins a part of the file, such as `Points`; `arrays` adds its arrays.
+    /// Adds a section of the file, such as `Points`; `arrays` adds the arrays of the section.
     pub(super) fn part(&mut self, name: &str, arrays: impl FnOnce(&mut Self)) {
         let before = self.of_points.len();
         let _ = writeln!(self.header, "<{name}>");
@@ -69,7 +70,7 @@ impl Vtp {
         }
     }
 
-    /// An array of `C` components per point.
+    /// Adds an array with `C` components per point.
     pub(super) fn array<T: Number, const C: usize>(&mut self, name: &str, mut values: impl Iterator<Item = [T; C]>) {
         let _ = writeln!(
             self.header,
@@ -81,7 +82,7 @@ impl Vtp {
         let _ = writeln!(points, "<PDataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{C}\"/>");
         let start = self.data.len();
         self.data.extend_from_slice(&[0; 8]);
-        // through a buffer that stays in the cache: appended one by one, numbers take several times as long
+        // the buffer stays in the processor cache: appending numbers one by one would take several times as long
         let mut piece = [0; PIECE];
         loop {
             let mut used = 0;
@@ -98,7 +99,7 @@ impl Vtp {
         self.data[start..start + 8].copy_from_slice(&length.to_le_bytes());
     }
 
-    /// The text of a file that joins `pieces`, named relative to the file, of the state at `time` [s].
+    /// Text of a file that joins `pieces` of the state at `time` [s]. Names of pieces are relative to the file.
     pub(super) fn join(self, time: f64, pieces: impl Iterator<Item = String>) -> Vec<u8> {
         let mut text = String::from(
             "<?xml version=\"1.0\"?>\n<!-- written by diptych -->\n\
@@ -113,14 +114,14 @@ impl Vtp {
         text.into_bytes()
     }
 
-    /// The file: header, data, end; to be written in this order.
+    /// Finishes the file: header, data and end, to be written in this order.
     pub(super) fn finish(mut self) -> [Vec<u8>; 3] {
         self.header += "</Piece>\n</PolyData>\n<AppendedData encoding=\"raw\">\n_";
         [self.header.into_bytes(), self.data, b"\n</AppendedData>\n</VTKFile>\n".to_vec()]
     }
 }
 
-/// The time [s] of a file.
+/// XML element with the time [s] of a file.
 fn time_value(time: f64) -> String {
     format!(
         "<FieldData><DataArray type=\"Float64\" Name=\"TimeValue\" NumberOfTuples=\"1\" format=\"ascii\">{time:?}</DataArray>\

@@ -1,4 +1,4 @@
-//! The walls of a scene as surfaces: planes within the box, bodies as triangles.
+//! Walls of a scene as surfaces for trajectory files: planes within the box, and bodies as triangles.
 
 use super::vtp::Vtp;
 use crate::domain::Domain;
@@ -6,10 +6,11 @@ use crate::scene::Scene;
 use crate::walls::{Plane, WallGeometry};
 use nalgebra::Vector3;
 
-/// Corners [m] and polygons of a surface.
+/// Corners [m] of a surface, and its polygons as indices of corners.
 pub(in crate::output) type DrawnSurface = (Vec<Vector3<f64>>, Vec<Vec<u32>>);
 
-/// All walls of known shape as VTK PolyData, each with its index in the case; `None` without any.
+/// VTK PolyData file with the surfaces of all walls, each with the index of its wall in the case. `None` if no wall has
+/// a surface.
 pub(super) fn walls(scene: &Scene) -> Option<[Vec<u8>; 3]> {
     let surfaces = scene.walls.iter().map(|wall| match &wall.geometry {
         WallGeometry::Plane(plane) => flat(plane, &scene.domain),
@@ -45,11 +46,12 @@ pub(super) fn walls(scene: &Scene) -> Option<[Vec<u8>; 3]> {
     Some(file.finish())
 }
 
-/// The part of a plane that lies in the box: one convex polygon, turned about the plane's normal.
+/// Part of a plane that is inside the box: one convex polygon, anticlockwise as seen from the side to which the normal
+/// points.
 pub(in crate::output) fn flat(plane: &Plane, domain: &Domain) -> DrawnSurface {
     let corner = |k: usize| Vector3::from_fn(|axis, _| if k >> axis & 1 == 1 { domain.size[axis] } else { 0.0 });
     let height = |x: &Vector3<f64>| (x - plane.point).dot(&plane.normal);
-    // rounding, if the plane is a side of the box
+    // tolerance for rounding, if the plane is a side of the box
     let near = 1e-9 * domain.size.max();
     let mut corners: Vec<Vector3<f64>> = (0..8).map(corner).filter(|x| height(x).abs() <= near).collect();
     let edges = (0..8).flat_map(|k| (0..3).filter(move |axis| k >> axis & 1 == 0).map(move |axis| (k, k | 1 << axis)));

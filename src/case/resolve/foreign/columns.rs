@@ -1,49 +1,51 @@
-//! Meaning of the columns in a file of another program, from their usual names.
+//! Meaning of the columns in a particle file of another program, found from their usual names.
 
 use super::{COLUMNS, Lines};
 use crate::case::diagnostic::Diagnostic;
 use crate::case::resolve::Resolver;
 
-/// Column of [`COLUMNS`] with the kind of a particle.
+/// Index in [`COLUMNS`] of the species of a particle.
 pub const SPECIES: usize = 7;
-/// First of the columns of positions, of velocities, of spins and of momenta, in [`COLUMNS`].
+/// Index in [`COLUMNS`] of the x component of the position; the next three lines give those of velocity, spin and
+/// momentum.
 const POSITION: usize = 0;
 const VELOCITY: usize = 3;
 const SPIN: usize = 9;
 const MOMENTUM: usize = 15;
-/// Column of masses in [`COLUMNS`].
+/// Index in [`COLUMNS`] of the mass.
 const MASS: usize = 14;
-/// Columns that count periodic images of the box; they are ignored, because positions within the box are enough.
+/// Names of columns that count periodic images of the box. These columns are ignored, because positions within the box
+/// are enough.
 const IMAGES: [&str; 4] = ["ix", "iy", "iz", "image"];
 
-/// Layout of a line: index of each known property of a particle.
+/// Layout of a line: index of the word that holds each property of a particle.
 #[derive(Clone, Debug, Default)]
 pub struct Layout {
-    /// Index in the line for each of [`COLUMNS`].
+    /// Index of the word in the line for each of [`COLUMNS`]; `None` if the file has no such column.
     pub at: [Option<usize>; COLUMNS.len()],
-    /// True if kinds are numbers from 1 on rather than names.
+    /// True if species are given by numbers from 1 on instead of names.
     pub counted: bool,
-    /// True for positions given as shares of the box, along x, y and z.
+    /// True, for each axis, if positions are given as fractions of the box size.
     pub scaled: [bool; 3],
-    /// Names of the columns that are ignored.
+    /// Names of the columns that are ignored and reported.
     left: Vec<String>,
     /// Number of words in a line.
     pub width: usize,
 }
 
-/// The meaning of a column.
+/// Meaning of a column.
 enum Meaning {
-    /// One of [`COLUMNS`]; a wide column also fills the following ones.
+    /// Property with this index in [`COLUMNS`]; a column of several words also fills the following indices.
     Known(usize),
-    /// Position along an axis as a share of the box.
+    /// Position along an axis as a fraction of the box size.
     Scaled(usize),
-    /// Number of a kind, counted from 1.
+    /// Number of a species, counted from 1.
     Type,
-    /// A column without use.
+    /// Column that is ignored, such as the number of the periodic image.
     Image,
 }
 
-/// The meaning of a column with the given name and width; `None` if it is unknown.
+/// Meaning of a column with the given name and number of words; `None` if the name is unknown.
 fn meaning(name: &str, width: usize) -> Option<Meaning> {
     let lower = name.to_ascii_lowercase();
     let plain: String = lower.chars().filter(char::is_ascii_alphanumeric).collect();
@@ -77,7 +79,7 @@ fn meaning(name: &str, width: usize) -> Option<Meaning> {
     if plain == "type" || plain == "particletype" {
         return Some(Meaning::Type);
     }
-    // x, xu, xs, xsu; vx, v_x, vel_x, velocity.x, v_vx of a LAMMPS variable called vx
+    // x, xu, xs, xsu; vx, v_x, vel_x, velocity.x; v_vx for a LAMMPS variable called vx
     for (axis, letter) in ["x", "y", "z"].into_iter().enumerate() {
         let is = |first: &[&str], last: &[&str]| {
             first.iter().any(|first| {
@@ -107,10 +109,10 @@ fn meaning(name: &str, width: usize) -> Option<Meaning> {
 }
 
 impl Layout {
-    /// Adds the next column or columns, which share the name.
+    /// Adds the next column to the layout; `width` is the number of words that share this name.
     ///
     /// # Errors
-    /// In words: the column repeats another one.
+    /// In words: the column repeats another column.
     pub fn push(&mut self, name: &str, width: usize) -> Result<(), String> {
         let first = self.width;
         self.width += width;
@@ -120,7 +122,7 @@ impl Layout {
             Some(Meaning::Image) => {}
             Some(Meaning::Type | Meaning::Known(SPECIES)) => {
                 let is_type = !matches!(meaning(name, width), Some(Meaning::Known(_)));
-                // numbers of kinds are preferred: they do not depend on the names in the case
+                // numbers of species are preferred, because they do not depend on the names in the case
                 if self.at[SPECIES].is_none() || is_type && !self.counted {
                     (self.at[SPECIES], self.counted) = (Some(first), is_type);
                 } else if is_type == self.counted {
@@ -130,7 +132,7 @@ impl Layout {
             Some(Meaning::Scaled(axis)) if self.at[axis].is_none() => {
                 (self.at[axis], self.scaled[axis]) = (Some(first), true);
             }
-            // the position again in another form
+            // a further column with the same position in another form
             Some(Meaning::Scaled(_)) => {}
             Some(Meaning::Known(column)) => {
                 for k in 0..width {
@@ -147,14 +149,14 @@ impl Layout {
         Ok(())
     }
 
-    /// The text of a column of [`COLUMNS`] in a line of these words; empty without such a column.
+    /// Word of a line that belongs to a column of [`COLUMNS`]; empty if the file has no such column.
     pub fn text<'a>(&self, words: &[&'a str], column: usize) -> &'a str {
         self.at[column].and_then(|at| words.get(at)).copied().unwrap_or("")
     }
 }
 
 impl Resolver {
-    /// Refuses a layout without positions or with only some of the velocities, and reports the columns that are
+    /// Refuses a layout that lacks a component of the position, velocity or momentum. Warns about columns that are
     /// ignored.
     pub(super) fn check_layout(&mut self, lines: &Lines, number: usize, layout: &mut Layout) -> Result<(), Diagnostic> {
         if layout.at[VELOCITY].is_some() && layout.at[MOMENTUM].is_some() {
@@ -181,7 +183,7 @@ impl Resolver {
         Ok(())
     }
 
-    /// The words of a line; their number must be that of the layout.
+    /// Splits a line into words, and checks that their number is that of the layout.
     pub(super) fn words_of<'a>(
         &self,
         lines: &Lines<'a>,

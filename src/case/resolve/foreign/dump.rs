@@ -1,5 +1,5 @@
-//! Text dumps of LAMMPS and LIGGGHTS. They consist of items, each begun by a line `ITEM:`; every instant repeats the
-//! items.
+//! Reads text dumps of LAMMPS and LIGGGHTS. A dump consists of items that begin with a line `ITEM:`, and repeats these
+//! items for every instant.
 //!
 //! Format: LAMMPS documentation, command `dump`, <https://docs.lammps.org/dump.html>.
 
@@ -11,23 +11,23 @@ use nalgebra::Vector3;
 
 const HELP: &str = "a dump of atoms in text has the items TIMESTEP, NUMBER OF ATOMS, BOX BOUNDS and ATOMS";
 
-/// The items of an instant.
+/// Items of one instant in a dump.
 #[derive(Clone, Default)]
 struct DumpFrame {
-    /// Index of the first line.
+    /// Index of the first line of the instant.
     first: usize,
-    /// Announced number of atoms, and its line.
+    /// Number of atoms that the dump announces, and index of the line with this number.
     count: Option<(usize, usize)>,
-    /// [m] corners of the box.
+    /// [m] lower and upper corner of the box.
     bounds: Option<[Vector3<f64>; 2]>,
     /// Axes along which the box is periodic.
     periodic: String,
-    /// Line of the column names, before the lines of the atoms.
+    /// Index of the line with the names of the columns; the lines of the atoms follow.
     atoms: Option<usize>,
 }
 
 impl Resolver {
-    /// Reads the last instant of a dump.
+    /// Reads the particles of the last instant in a dump.
     pub(super) fn dump(&mut self, lines: &Lines) -> Result<ForeignStart, Diagnostic> {
         let instant = self.last_instant_of_dump(lines)?;
         let (Some((count, _)), Some(header)) = (instant.count, instant.atoms) else {
@@ -62,7 +62,7 @@ impl Resolver {
         Ok(ForeignStart { rows, edges, periodic: instant.bounds.map(|_| instant.periodic), counted: layout.counted })
     }
 
-    /// Goes through all items and returns those of the last instant.
+    /// Reads the items of all instants, and returns those of the last instant.
     fn last_instant_of_dump(&mut self, lines: &Lines) -> Result<DumpFrame, Diagnostic> {
         let (mut instant, mut instants, mut units, mut number) = (DumpFrame::default(), 0, false, 0);
         while number < lines.count() {
@@ -123,7 +123,8 @@ impl Resolver {
         Ok(instant)
     }
 
-    /// Number of the following lines of atoms, as announced; an error if the file was cut short.
+    /// Number of lines with atoms after the header. If fewer lines follow than were announced, the file was cut short,
+    /// which is an error.
     fn atoms_of_dump(&self, lines: &Lines, header: usize, count: Option<(usize, usize)>) -> Result<usize, Diagnostic> {
         let Some((count, announced)) = count else {
             return Err(self.wrong(lines, header, "atoms without a number of them before", HELP));
@@ -139,7 +140,7 @@ impl Resolver {
         Ok(count)
     }
 
-    /// The corners of a box [m], and the axes along which it is periodic.
+    /// Lower and upper corner of the box [m], and the axes along which the box is periodic.
     fn bounds(&self, lines: &Lines, header: usize, item: &str) -> Result<([Vector3<f64>; 2], String), Diagnostic> {
         let words: Vec<&str> = item.split_whitespace().skip(2).collect();
         if words.contains(&"abc") {

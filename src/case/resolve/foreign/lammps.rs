@@ -1,4 +1,4 @@
-//! LAMMPS data files: the box, a section `Atoms` in style sphere or atomic, and `Velocities`.
+//! Reads data files of LAMMPS: the box, the section `Atoms` in style sphere or atomic, and the section `Velocities`.
 //!
 //! Format: LAMMPS documentation, command `read_data`, <https://docs.lammps.org/read_data.html>.
 
@@ -10,46 +10,46 @@ use nalgebra::Vector3;
 use rustc_hash::FxHashMap;
 use std::ops::Range;
 
-/// Columns of a start, among those that a file is read into.
+/// Indices in [`COLUMNS`](super::COLUMNS) of properties that a data file gives.
 const DIAMETER: usize = 6;
 const SPIN: usize = 9;
 const DENSITY: usize = 13;
 const MASS: usize = 14;
 
-/// Columns of a section `Atoms`, and the range of its lines.
+/// Columns of a section `Atoms`, and the lines of the section.
 #[derive(Clone)]
 struct Atoms {
-    /// Column of the diameter; the density follows it.
+    /// Column of the diameter, if there is one; the density is in the next column.
     diameter: Option<usize>,
     place: usize,
     header: usize,
     lines: Range<usize>,
 }
 
-/// Contents of a file besides the atoms themselves.
+/// Contents of a data file, except the lines of the atoms.
 #[derive(Default)]
 struct Outline<'a> {
-    /// [m] corners of the box.
+    /// [m] lower corner of the box; the upper corner follows.
     low: Vector3<f64>,
     high: Vector3<f64>,
     boxed: bool,
-    /// Announced number of atoms, and its line.
+    /// Number of atoms that the file announces, and index of the line with this number.
     announced: Option<(usize, usize)>,
     atoms: Option<Atoms>,
-    /// Line of the header of the velocities.
+    /// Index of the header line of the section `Velocities`.
     moving: Option<usize>,
-    /// Line and velocity of each atom, by its id.
+    /// Line, velocity and angular velocity of each atom, by the id of the atom.
     velocities: FxHashMap<&'a str, (usize, [&'a str; 3], [&'a str; 3])>,
-    /// Mass of each type.
+    /// Mass of each atom type, by the number of the type.
     masses: FxHashMap<&'a str, &'a str>,
-    /// True if an angular velocity is not 0.
+    /// True if any atom has an angular velocity other than 0.
     spins: bool,
-    /// Headers of the sections that are ignored.
+    /// Header lines of sections that are ignored.
     left: Vec<&'a str>,
 }
 
 impl Resolver {
-    /// Reads a file.
+    /// Reads the particles of a data file.
     pub(super) fn lammps(&mut self, lines: &Lines) -> Result<ForeignStart, Diagnostic> {
         match lines.get(0).split_once("units = ").map(|(_, units)| units.trim()) {
             Some("si") => {}
@@ -84,7 +84,7 @@ impl Resolver {
         Ok(ForeignStart { rows, edges, periodic: None, counted: true })
     }
 
-    /// Reports the sections that are not read.
+    /// Warns about sections that are ignored.
     fn warn_of_left_sections(&mut self, lines: &Lines, outline: &Outline) {
         if !outline.left.is_empty() {
             let message = format!("sections that are left aside: {}", outline.left.join(", "));
@@ -92,7 +92,7 @@ impl Resolver {
         }
     }
 
-    /// Finds the box and the sections.
+    /// Reads the box, the velocities and the masses, and finds the section `Atoms`.
     fn outline<'a>(&self, lines: &Lines<'a>) -> Result<Outline<'a>, Diagnostic> {
         let mut found = Outline::default();
         let mut number = 1;
@@ -136,7 +136,7 @@ impl Resolver {
         Ok(found)
     }
 
-    /// Reads a section with its header in line `header`.
+    /// Reads the section whose header is line `header` and whose lines are `body`.
     fn section<'a>(
         &self,
         lines: &Lines<'a>,
@@ -172,7 +172,7 @@ impl Resolver {
         Ok(())
     }
 
-    /// The columns of a section `Atoms`, by the style that its header names.
+    /// Columns of a section `Atoms`, which depend on the style that its header names.
     fn atoms(&self, lines: &Lines, header: usize, body: Range<usize>) -> Result<Atoms, Diagnostic> {
         let help = "write `Atoms # sphere` or `Atoms # atomic`";
         match lines.get(header).split_once('#').map(|(_, style)| style.trim()) {
@@ -183,7 +183,7 @@ impl Resolver {
         }
     }
 
-    /// Reads the line of an atom.
+    /// Reads the line of one atom.
     fn atom(
         &self,
         lines: &Lines,
@@ -230,12 +230,12 @@ impl Resolver {
     }
 }
 
-/// The words of a line up to a comment.
+/// Words of a line, without its comment.
 fn words(line: &str) -> Vec<&str> {
     line.split('#').next().unwrap_or("").split_whitespace().collect()
 }
 
-/// The lines from `from` on, up to one that begins with a letter and so starts the next section.
+/// Lines of a section that begins at line `from`. A line that begins with a letter starts the next section.
 fn section(lines: &Lines, from: usize) -> Range<usize> {
     let begins = |line: &str| line.trim_start().starts_with(|c: char| c.is_ascii_alphabetic());
     let end = (from..lines.count()).find(|&number| begins(lines.get(number))).unwrap_or(lines.count());

@@ -1,5 +1,5 @@
-//! Starts written by other programs: extended XYZ (OVITO, ASE), and data files and dumps of LAMMPS and LIGGGHTS. They
-//! are read into the table that a CSV file would give.
+//! Reads initial states written by other programs: extended XYZ (OVITO, ASE), and data files and dumps of LAMMPS and
+//! LIGGGHTS. The result is a table with the columns of a CSV file.
 
 mod columns;
 mod dump;
@@ -15,31 +15,31 @@ use columns::SPECIES;
 use csv::StringRecord;
 use nalgebra::Vector3;
 
-/// Columns of a start; every foreign file is read into columns of this order.
+/// Properties of a particle in an initial state. Every file is read into columns of this order.
 pub(super) const COLUMNS: [&str; 18] = [
     "x", "y", "z", "vx", "vy", "vz", "diameter", "species", "id", "wx", "wy", "wz", "radius", "density", "mass", "px",
     "py", "pz",
 ];
-/// Number of columns that a CSV table may have: the first ones of [`COLUMNS`].
+/// Number of the first [`COLUMNS`] that a CSV table may have.
 pub(super) const OF_CSV: usize = 12;
-/// The column of ids.
+/// Index of the column with the ids of particles.
 const ID: usize = 8;
-/// Number of lines at the beginning of a LAMMPS data file that may state the number of atoms.
+/// Number of lines at the beginning of a LAMMPS data file among which the number of atoms is searched for.
 const HEAD_OF_DATA: usize = 40;
 
-/// A file of another program.
+/// Format of a file from another program.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Foreign {
-    /// Extended XYZ.
+    /// Extended XYZ, as written by OVITO and ASE.
     Xyz,
-    /// A LAMMPS data file.
+    /// Data file of LAMMPS.
     Lammps,
-    /// A dump of LAMMPS or LIGGGHTS in text.
+    /// Text dump of LAMMPS or LIGGGHTS.
     Dump,
 }
 
 impl Foreign {
-    /// Recognizes a format by the content of a file, or else by its name; `None`: a CSV table.
+    /// Recognizes the format from the content of a file, or else from its name. `None` means a CSV table.
     pub(super) fn of(name: &str, text: &str) -> Option<Self> {
         let mut lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
         let first = lines.next().unwrap_or("");
@@ -66,7 +66,7 @@ impl Foreign {
     }
 }
 
-/// A text split into lines, with their positions for messages.
+/// Text split into lines, with the position of each line for messages.
 struct Lines<'a> {
     source: usize,
     lines: Vec<(usize, &'a str)>,
@@ -82,7 +82,7 @@ impl<'a> Lines<'a> {
         self.lines.len()
     }
 
-    /// A line, counted from 0; empty after the last.
+    /// Line with index `number`, counted from 0; empty beyond the last line.
     fn get(&self, number: usize) -> &'a str {
         self.lines.get(number).map_or("", |(_, line)| line)
     }
@@ -93,22 +93,22 @@ impl<'a> Lines<'a> {
     }
 }
 
-/// The data of one particle: the texts of [`COLUMNS`], empty for columns that the file does not have.
+/// Texts of the [`COLUMNS`] for one particle; empty for columns that the file lacks.
 type Cells = [String; COLUMNS.len()];
 
-/// The rows of a file and what it says of its box.
+/// Particles in a file of another program, and the box that the file gives.
 struct ForeignStart {
     rows: Vec<(Cells, Origin)>,
     /// [m] edges of the box.
     edges: Option<Vector3<f64>>,
     /// Axes along which the box is periodic.
     periodic: Option<String>,
-    /// True if kinds are numbers from 1 on, in the order of the case, rather than names.
+    /// True if species are given by numbers, counted from 1 in the order of the case, instead of names.
     counted: bool,
 }
 
 impl Resolver {
-    /// Reads a start of another program, for a case with kinds of the given names.
+    /// Reads an initial state of another program. `kinds` are the names of the species in the case.
     pub(super) fn foreign_table(
         &mut self,
         format: Foreign,
@@ -131,7 +131,7 @@ impl Resolver {
         Ok(DataTable { saved: false, foreign: true, head, columns, units: vec![None; COLUMNS.len()], rows })
     }
 
-    /// Puts the name of its kind to each row. All rows are of the one kind of a case that has no other.
+    /// Writes the name of its species into each row. If the case has one species, all rows belong to that species.
     fn name_kinds(&self, read: &mut ForeignStart, kinds: &[&str]) -> Result<(), Diagnostic> {
         let what = if read.counted { "type" } else { "species" };
         let first = read.rows.first().map(|(cells, _)| cells[SPECIES].clone()).unwrap_or_default();
@@ -161,7 +161,7 @@ impl Resolver {
         Ok(())
     }
 
-    /// Brings rows into the order of their ids, and says that results count anew where those are not 0, 1, 2 ...
+    /// Sorts rows by their ids. Warns if the ids are not 0, 1, 2 …, because results then contain new numbers.
     fn sort_by_ids(&mut self, read: &mut ForeignStart) -> Result<(), Diagnostic> {
         let mut numbered = Vec::with_capacity(read.rows.len());
         for (place, (cells, origin)) in read.rows.iter().enumerate() {
@@ -197,12 +197,12 @@ impl Resolver {
         Ok(())
     }
 
-    /// An error about a line.
+    /// Creates an error about a line of the file.
     fn wrong(&self, lines: &Lines, number: usize, message: impl Into<String>, help: &str) -> Diagnostic {
         self.sources.error(&lines.origin(number), message).help(help)
     }
 
-    /// Parses a number in a line.
+    /// Parses a number that was found in a line.
     fn cell<T: std::str::FromStr>(
         &self,
         lines: &Lines,
@@ -215,7 +215,7 @@ impl Resolver {
         text.parse().map_err(|_| error())
     }
 
-    /// A coordinate [m] minus `origin` [m]; the unchanged text if `origin` is 0.
+    /// Text of a coordinate [m] minus `origin` [m]; unchanged if `origin` is 0.
     fn shifted(&self, lines: &Lines, number: usize, text: &str, origin: f64) -> Result<String, Diagnostic> {
         if origin == 0.0 {
             return Ok(text.to_owned());
@@ -223,7 +223,7 @@ impl Resolver {
         Ok(format!("{:?}", self.cell::<f64>(lines, number, text, "a coordinate")? - origin))
     }
 
-    /// Warns that a file does not state its units.
+    /// Warns that a file does not contain its units.
     fn warn_of_units(&mut self, lines: &Lines, number: usize, help: &str) {
         self.warn(&lines.origin(number), "the file does not say its units: they are taken as m and m/s", help);
     }

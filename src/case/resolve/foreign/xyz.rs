@@ -1,4 +1,5 @@
-//! Extended XYZ: a count, a line of `key=value`, a line per particle; every instant repeats this.
+//! Reads extended XYZ: the number of particles, a line of `key=value` pairs, and a line per particle, repeated for
+//! every instant.
 
 use super::columns::Layout;
 use super::{Cells, ForeignStart, Lines};
@@ -9,9 +10,9 @@ use nalgebra::Vector3;
 const HELP: &str = "an extended XYZ file begins with the number of particles, then a line such as \
     `Lattice=\"0.1 0 0 0 0.1 0 0 0 0.1\" Properties=pos:R:3:velo:R:3`";
 
-/// Data in the second line of an instant.
+/// Data in the second line of an instant: the box and the columns.
 struct Header {
-    /// [m] corner of the box.
+    /// [m] lower corner of the box.
     origin: [f64; 3],
     /// [m] edges of the box.
     edges: Option<Vector3<f64>>,
@@ -21,7 +22,7 @@ struct Header {
 }
 
 impl Resolver {
-    /// Reads the last instant of a file.
+    /// Reads the particles of the last instant in a file.
     pub(super) fn xyz(&mut self, lines: &Lines) -> Result<ForeignStart, Diagnostic> {
         let (first, count) = self.last_instant(lines)?;
         let header = self.header(lines, first + 1)?;
@@ -30,7 +31,7 @@ impl Resolver {
         Ok(ForeignStart { rows, edges: header.edges, periodic: header.periodic, counted: header.layout.counted })
     }
 
-    /// First line of the last instant, and its number of particles.
+    /// Index of the first line of the last instant, and its number of particles.
     fn last_instant(&mut self, lines: &Lines) -> Result<(usize, usize), Diagnostic> {
         let (mut first, mut instants) = (0, 1);
         loop {
@@ -53,7 +54,7 @@ impl Resolver {
         }
     }
 
-    /// Reads the line of `key=value`.
+    /// Reads the line of `key=value` pairs, which describes an instant.
     fn header(&mut self, lines: &Lines, number: usize) -> Result<Header, Diagnostic> {
         let keys = keys(lines.get(number));
         let key = |name: &str| keys.iter().find(|(key, _)| key.eq_ignore_ascii_case(name)).map(|(_, value)| *value);
@@ -88,9 +89,9 @@ impl Resolver {
         Ok(Header { origin: corner.unwrap_or_default(), edges, periodic, layout })
     }
 
-    /// Layout of the properties of a particle: `name:type:columns` for each.
+    /// Layout of the lines of particles, from the entry `Properties`: `name:type:columns` for each property.
     fn layout(&self, lines: &Lines, number: usize, properties: &str) -> Result<Layout, Diagnostic> {
-        /// Largest number of columns of one property; no program writes as many.
+        /// Largest number of columns of one property; programs write far fewer.
         const MOST: usize = 1000;
         let parts: Vec<&str> = properties.split(':').collect();
         let mut layout = Layout::default();
@@ -108,7 +109,7 @@ impl Resolver {
         Ok(layout)
     }
 
-    /// Reads the line of a particle.
+    /// Reads the line of one particle.
     fn particle(&self, lines: &Lines, number: usize, header: &Header) -> Result<Cells, Diagnostic> {
         let words = self.words_of(lines, number, &header.layout)?;
         let mut row: Cells = std::array::from_fn(|column| header.layout.text(&words, column).to_owned());
@@ -119,7 +120,7 @@ impl Resolver {
     }
 }
 
-/// `key=value` pairs of a line; values with blanks stand in quotes.
+/// `key=value` pairs of a line. Values that contain blanks are in quotes.
 fn keys(line: &str) -> Vec<(&str, &str)> {
     let mut found = Vec::new();
     let mut rest = line;

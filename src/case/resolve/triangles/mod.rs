@@ -1,4 +1,4 @@
-//! Files of triangles: STL, in text or binary, and OBJ.
+//! Reads files of triangles: STL, as text or binary, and OBJ.
 
 mod obj;
 mod polygon;
@@ -12,37 +12,37 @@ pub(super) use words::digits;
 
 use nalgebra::Vector3;
 
-/// Largest number of triangles of a mesh: they take about 15 GB of memory.
+/// Largest number of triangles of a mesh; so many take about 15 GB of memory.
 const MOST_TRIANGLES: usize = 20_000_000;
 
-/// Triangles given by their corners, in the unit of the file.
+/// Triangles given by their corners, in units of the file.
 pub(super) type Heap = Vec<[Vector3<f64>; 3]>;
 
-/// A file of triangles that has been read.
+/// Triangles read from a file, with remarks about the file.
 #[derive(Debug, Default)]
 pub(super) struct TriangleFile {
     /// Triangles, in the order of the file.
     pub heap: Heap,
-    /// Number of corners that differed by the rounding of the file and were merged.
+    /// Number of corners that differed from others only by rounding, and were merged.
     pub welded: usize,
-    /// Other remarks about the file, in words.
+    /// Remarks about other properties of the file, in words.
     pub notes: Vec<String>,
 }
 
 impl TriangleFile {
-    /// Welds triangles whose coordinates have at most `digits` [-] significant digits.
+    /// Merges corners that differ only by rounding. The coordinates have at most `digits` [-] significant digits.
     fn new(mut heap: Heap, digits: usize, notes: Vec<String>) -> Self {
         let welded = weld::weld(&mut heap, digits);
         Self { heap, welded, notes }
     }
 }
 
-/// The error about a line, counted from 1, of a file read in the given format.
+/// Message about a line of a file, counted from 1, that cannot be read in the given format.
 fn wrong(format: &str, line: usize, what: impl std::fmt::Display) -> String {
     format!("is no {format} that can be read: line {line}: {what}")
 }
 
-/// The error about a file with too many triangles.
+/// Message about a file with too many triangles.
 fn too_many(given: usize) -> String {
     format!("has {given} triangles or more; allowed: up to {MOST_TRIANGLES}")
 }

@@ -1,4 +1,5 @@
-//! Wavefront OBJ: corners (`v`) and polygons (`f`). Normals, textures, materials, groups, points and lines make no surface.
+//! Reads Wavefront OBJ files: corners (`v`) and polygons (`f`). Normals, textures, materials, groups, points and lines
+//! are ignored.
 //!
 //! Format: Wavefront, Advanced Visualizer Manual, appendix B1, "Object files".
 
@@ -9,7 +10,7 @@ use nalgebra::Vector3;
 use std::ops::Range;
 
 const FORMAT: &str = "OBJ file";
-/// Statements that do not describe the surface.
+/// Names of statements that do not affect the surface.
 const LEFT_ASIDE: [&str; 20] = [
     "vt",
     "vn",
@@ -32,31 +33,32 @@ const LEFT_ASIDE: [&str; 20] = [
     "trace_obj",
     "vc",
 ];
-/// [-] distance of a corner from the plane of its polygon, over the length of the polygon, above which it is reported.
+/// [-] distance of a corner from the plane of its polygon, over the length of the polygon, above which the user is
+/// warned.
 const FLAT: f64 = 0.01;
 
-/// A polygon: its line, and the range of its corners in the list of all named corners.
+/// Polygon of the file: its line, and the range of its corners in `Reading::named`.
 struct Polygon {
     line: usize,
     corners: Range<usize>,
 }
 
-/// The part of a file that has been read so far.
+/// Contents of a file read so far.
 #[derive(Default)]
 struct Reading {
     places: Vec<Vector3<f64>>,
     digits: usize,
     polygons: Vec<Polygon>,
-    /// The corners that polygons name, counted from 0.
+    /// Corners of all polygons, one polygon after the other, as indices into `places`.
     named: Vec<usize>,
-    /// The first unknown statement, and the number of unknown statements.
+    /// First unknown statement, and the number of all unknown statements.
     unknown: Option<(String, usize)>,
 }
 
-/// Reads the triangles of an OBJ file; polygons are cut into triangles.
+/// Reads the triangles of an OBJ file. Polygons are divided into triangles.
 ///
 /// # Errors
-/// In words, with the line.
+/// In words, with the number of the line.
 pub fn obj(bytes: &[u8]) -> Result<TriangleFile, String> {
     let mut reading = Reading::default();
     let mut words = Words::of(bytes);
@@ -78,8 +80,8 @@ pub fn obj(bytes: &[u8]) -> Result<TriangleFile, String> {
     Ok(TriangleFile::new(heap, reading.digits, notes))
 }
 
-/// The words of a statement after the first: up to a comment or the end of its line. A backslash at the end continues
-/// the statement in the next line.
+/// Words of a statement after the first, up to a comment or the end of the line. A backslash at the end of a line
+/// continues the statement on the next line.
 fn statement<'a>(words: &mut Words<'a>) -> Vec<Word<'a>> {
     let mut rest = Vec::new();
     while let Some(mut word) = words.next_in_line() {
@@ -102,7 +104,7 @@ fn statement<'a>(words: &mut Words<'a>) -> Vec<Word<'a>> {
 }
 
 impl Reading {
-    /// Reads one statement.
+    /// Reads one statement; `first` is its first word.
     fn statement(&mut self, first: Word, rest: &[Word]) -> Result<(), String> {
         if first.is("v") {
             let [x, y, z, ..] = rest else {
@@ -125,7 +127,7 @@ impl Reading {
                 let what = format!("a face has three corners or more, {} are there", corners.len());
                 return Err(wrong(FORMAT, first.line, what));
             }
-            // a corner named twice in a row counts once
+            // repeated corners in a row count once
             corners.dedup();
             while corners.len() > 3 && corners.first() == corners.last() {
                 corners.pop();
@@ -144,8 +146,8 @@ impl Reading {
         Ok(())
     }
 
-    /// The corner that a word of a face names, counted from 0. The word counts from the first corner of the file, or
-    /// backwards from the last one so far.
+    /// Index of the corner that a word of a face names. A positive number counts from the first corner of the file, a
+    /// negative one backwards from the last corner so far.
     fn corner(&self, word: &Word) -> Result<usize, String> {
         let text = std::str::from_utf8(word.bytes).unwrap_or("");
         let number = text.split('/').next().and_then(|number| number.parse::<i64>().ok());
@@ -162,7 +164,7 @@ impl Reading {
         }
     }
 
-    /// Cuts the polygons into triangles.
+    /// Divides all polygons into triangles.
     fn triangles(&self, notes: &mut Vec<String>) -> Result<Heap, String> {
         let mut heap = Heap::new();
         let (mut bent, mut farthest) = (Vec::new(), 0.0f64);
@@ -178,7 +180,7 @@ impl Reading {
             let mut corners: Vec<Vector3<f64>> =
                 self.named[polygon.corners.clone()].iter().map(place).collect::<Result<_, _>>()?;
             if corners.len() < 3 {
-                // becomes a triangle without area, which the surface counts as such
+                // this gives a triangle without area, which is reported and ignored later
                 corners.resize(3, corners[0]);
             }
             let cut = cut(&corners).map_err(|why| wrong(FORMAT, polygon.line, why))?;

@@ -1,44 +1,44 @@
-//! Polygons with more than three corners, cut into triangles.
+//! Divides polygons with more than three corners into triangles.
 
 use nalgebra::Vector3;
 use rustc_hash::{FxHashMap, FxHashSet};
 use spade::handles::FixedVertexHandle;
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
 
-/// [-] sine of the least turn at a corner of a polygon that is cut as a fan. Flatter corners would give slivers, which
-/// the surface ignores.
+/// [-] smallest sine of the angle by which a polygon turns at a corner, if it is divided as a fan. Smaller angles would
+/// give very thin triangles, which the surface ignores.
 const TURN: f64 = 1e-6;
-/// [-] share of the area that may be missing by rounding.
+/// [-] relative error of an area that counts as rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// The triangles of a polygon.
+/// Triangles into which a polygon was divided.
 #[derive(Debug)]
 pub struct Cut {
-    /// Triangles as indices of the corners of the polygon, in its sense of rotation.
+    /// Triangles as indices of corners of the polygon, in the sense of rotation of the polygon.
     pub triangles: Vec<[usize; 3]>,
-    /// [-] distance of a corner from the plane of the polygon, over the length of the polygon.
+    /// [-] largest distance of a corner from the plane of the polygon, over the length of the polygon.
     pub off: f64,
 }
 
-/// Cuts a polygon along lines between its corners. All corners remain, even those on a straight edge, so that
-/// neighbouring triangles fit together.
+/// Divides a polygon along lines between its corners. All corners remain, even those on a straight edge, so that the
+/// triangles fit those of neighbouring polygons.
 ///
 /// # Errors
-/// In words: the polygon crosses itself.
+/// In words: edges of the polygon cross each other.
 pub fn cut(corners: &[Vector3<f64>]) -> Result<Cut, &'static str> {
     let fan = || (1..corners.len() - 1).map(|k| [0, k, k + 1]).collect();
     let length = corners.iter().map(|corner| (corner - corners[0]).norm()).fold(0.0, f64::max);
     if corners.len() == 3 || length == 0.0 {
         return Ok(Cut { triangles: fan(), off: 0.0 });
     }
-    // lengths are divided by that of the polygon, so that squares of very small and very large numbers stay finite
+    // division by the length keeps squares of very small and very large numbers finite
     let places: Vec<Vector3<f64>> = corners.iter().map(|corner| (corner - corners[0]) / length).collect();
     let twice_area: Vector3<f64> = (1..places.len() - 1).map(|k| places[k].cross(&places[k + 1])).sum();
     let Some(normal) = twice_area.try_normalize(ROUNDING) else {
         let line =
             places.iter().max_by(|a, b| a.norm_squared().total_cmp(&b.norm_squared())).copied().unwrap_or_default();
         let flat = places.iter().all(|place| place.cross(&line).norm() <= ROUNDING);
-        // becomes triangles without area, which the surface counts as such
+        // this gives triangles without area, which are reported and ignored later
         return if flat { Ok(Cut { triangles: fan(), off: 0.0 }) } else { Err(CROSSES) };
     };
     let off = places.iter().map(|place| place.dot(&normal).abs()).fold(0.0, f64::max);
@@ -59,12 +59,12 @@ pub fn cut(corners: &[Vector3<f64>]) -> Result<Cut, &'static str> {
 
 const CROSSES: &str = "the polygon crosses itself";
 
-/// Twice the area of a triangle, positive if its corners turn to the left.
+/// Twice the area of a triangle, positive if its corners run anticlockwise.
 fn twice([a, b, c]: [[f64; 2]; 3]) -> f64 {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }
 
-/// True if a polygon turns to the left at each corner, makes one full turn in total, and its fan has no slivers.
+/// True if a polygon turns left at each corner, and its division as a fan gives no very thin triangles.
 fn is_convex(flat: &[[f64; 2]]) -> bool {
     let (count, away) = (flat.len(), |a: [f64; 2], b: [f64; 2]| (b[0] - a[0]).hypot(b[1] - a[1]));
     let turns = |a: [f64; 2], b: [f64; 2], c: [f64; 2]| twice([a, b, c]) > TURN * away(a, b) * away(b, c);
@@ -72,19 +72,20 @@ fn is_convex(flat: &[[f64; 2]]) -> bool {
         && (1..count - 1).all(|k| turns(flat[0], flat[k], flat[k + 1]) && turns(flat[k], flat[k + 1], flat[0]))
 }
 
-/// The triangles between the corners of a polygon that lie inside it: a way out crosses an odd number of its edges.
+/// Triangles between the corners of a polygon that are inside the polygon. A path from a point inside to the outside
+/// crosses an odd number of edges.
 fn inside(flat: &[[f64; 2]]) -> Result<Vec<[usize; 3]>, &'static str> {
     let no_place = |_| "a corner of the polygon is no place";
     let mut plane = ConstrainedDelaunayTriangulation::<Point2<f64>>::new();
     let mut corners: Vec<FixedVertexHandle> = Vec::with_capacity(flat.len());
     for &place in flat {
-        // smaller values are rounding errors, and too small for the predicates of the library
+        // smaller values are rounding errors, and too small for the geometric predicates of the library
         let [x, y] = place.map(|value| if value.abs() < f64::EPSILON * f64::EPSILON { 0.0 } else { value });
         corners.push(plane.insert(Point2::new(x, y)).map_err(no_place)?);
     }
     let number: FxHashMap<FixedVertexHandle, usize> = corners.iter().copied().zip(0..).collect();
     let pair = |a: FixedVertexHandle, b: FixedVertexHandle| [a.index().min(b.index()), a.index().max(b.index())];
-    // an edge that is passed twice, to a hole and back, is not a border
+    // an edge that the polygon follows twice, to a hole and back, is not a border
     let mut borders = FxHashSet::default();
     for k in 0..corners.len() {
         let (from, to) = (corners[k], corners[(k + 1) % corners.len()]);
@@ -103,7 +104,7 @@ fn inside(flat: &[[f64; 2]]) -> Result<Vec<[usize; 3]>, &'static str> {
             }
         }
     }
-    // for each face: the faces beside it, and true if a border is between
+    // for each face: its neighbour faces, each with true if a border separates the two
     let mut beside = vec![Vec::new(); plane.num_all_faces()];
     for edge in plane.directed_edges() {
         let border = borders.contains(&pair(edge.from().fix(), edge.to().fix()));

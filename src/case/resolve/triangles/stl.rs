@@ -1,24 +1,24 @@
-//! STL, in text and binary. Normals are not used: the corners give them.
+//! Reads STL files, as text or binary. Normals in the file are ignored, because the corners determine them.
 //!
-//! Format: M. Burns, Automated Fabrication (1993), section 6.5. Text files of real programs deviate from it: several
-//! solids, no names or names in any encoding, blanks before the first word, capitals, any line ends, no `endsolid`. A
-//! file is binary if its length agrees with the count in its head, whatever the first words of the head are.
+//! Format: M. Burns, Automated Fabrication (1993), section 6.5. Text files of real programs deviate from this format.
+//! They contain several solids, missing names, any encoding, leading blanks, capitals, any line ends, or no `endsolid`.
+//! A file is binary if its length agrees with the number of triangles in its head, whatever the first words are.
 
 use super::words::Words;
 use super::{Heap, MOST_TRIANGLES, TriangleFile, too_many, wrong};
 use nalgebra::Vector3;
 
-/// [byte] length of the head of a binary file, with the count of triangles at its end; and of each triangle.
+/// [byte] length of the head of a binary file, which ends with the number of triangles; then length of one triangle.
 const HEAD: usize = 84;
 const TRIANGLE: usize = 50;
-/// [-] significant digits that determine a number in single precision.
+/// [-] number of significant digits that determine a number in single precision.
 const SINGLE: usize = 9;
 const TEXT: &str = "text STL file";
 
-/// Reads the triangles of an STL file.
+/// Reads the triangles of an STL file, text or binary.
 ///
 /// # Errors
-/// In words: the recognized format, and the line or triangle with the fault.
+/// In words: the recognized format, and the faulty line or triangle.
 pub fn stl(bytes: &[u8]) -> Result<TriangleFile, String> {
     let announced = bytes.get(HEAD - 4..HEAD).and_then(|count| count.try_into().ok()).map(u32::from_le_bytes);
     let length = |count: u32| HEAD as u64 + u64::from(count) * TRIANGLE as u64;
@@ -30,19 +30,19 @@ pub fn stl(bytes: &[u8]) -> Result<TriangleFile, String> {
     }
 }
 
-/// True if the first word is one that a text begins with. The count in a binary head has a byte of 0 up to 2^24
-/// triangles.
+/// True if a file begins with a word of the text format and has no zero byte in its head. The head of a binary file has
+/// a zero byte if it announces fewer than 2^24 triangles.
 fn begins_as_text(bytes: &[u8]) -> bool {
     let first = Words::of(bytes).next();
     first.is_some_and(|word| word.is("solid") || word.is("facet")) && !has_nul(bytes)
 }
 
-/// True if there is a byte of 0 within the length of a binary head.
+/// True if the first bytes, as many as in a binary head, contain a zero byte.
 fn has_nul(bytes: &[u8]) -> bool {
     bytes[..bytes.len().min(HEAD)].contains(&0)
 }
 
-/// Reads a binary file with `count` triangles according to its head.
+/// Reads a binary file whose head announces `count` triangles.
 fn binary(bytes: &[u8], count: u32) -> Result<TriangleFile, String> {
     let (body, count) = (&bytes[HEAD..], count as usize);
     let (there, rest) = (body.len() / TRIANGLE, body.len() % TRIANGLE);
@@ -73,7 +73,7 @@ fn binary(bytes: &[u8], count: u32) -> Result<TriangleFile, String> {
     Ok(TriangleFile::new(heap, SINGLE, left.into_iter().collect()))
 }
 
-/// Reads a text file.
+/// Reads a file in the text format.
 fn text(bytes: &[u8]) -> Result<TriangleFile, String> {
     let mut words = Words::of(bytes);
     let (mut heap, mut digits) = (Heap::new(), 0);
@@ -94,7 +94,7 @@ fn text(bytes: &[u8]) -> Result<TriangleFile, String> {
     Ok(TriangleFile::new(heap, digits, Vec::new()))
 }
 
-/// Skips the name of a solid: to the end of the line, or to a facet in it.
+/// Skips the name of a solid, up to the end of the line or a facet in the same line.
 fn skip_name(words: &mut Words) {
     loop {
         let before = words.clone();
@@ -108,11 +108,11 @@ fn skip_name(words: &mut Words) {
     }
 }
 
-/// The corners of a facet, after the word `facet`. `line` is the line of that word and `number` the number of the
-/// triangle.
+/// Corners of a facet whose first word `facet` has been read. `line` is the line of that word, and `number` the number
+/// of the triangle.
 fn facet(words: &mut Words, (line, number): (usize, usize), digits: &mut usize) -> Result<[Vector3<f64>; 3], String> {
     let ended = || wrong(TEXT, line, format!("the file ends in triangle {number}, in the facet that begins here"));
-    // the normal is not used: it may be anything, and may be left out
+    // the normal is ignored, so that its words may be anything or absent
     if !words.by_ref().take(5).any(|word| word.is("outer")) {
         let none = || wrong(TEXT, line, format!("no `outer loop` in the facet of triangle {number}"));
         return Err(words.next().map_or_else(ended, |_| none()));

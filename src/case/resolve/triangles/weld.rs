@@ -1,24 +1,25 @@
-//! Merges corners that differ only by the rounding of the file that they were read from.
+//! Merges corners of triangles that differ only by the rounding in their file.
 
 use super::Heap;
 use nalgebra::Vector3;
 use rustc_hash::{FxHashMap, FxHashSet};
 
-/// [-] possible error of a corner, in roundings of single precision of the largest coordinate: programs reach it by a
-/// few operations.
+/// [-] possible error of a corner, in units of the rounding of the largest coordinate in single precision. A few
+/// arithmetic operations of a program cause such an error.
 const ROUNDINGS: f64 = 4.0;
-/// Smallest number of significant digits that programs write of single precision (`%g`); numbers with fewer digits are
-/// exact.
+/// Smallest number of significant digits with which programs write single precision (`%g`). Numbers with fewer digits
+/// are exact.
 const FEWEST: usize = 6;
-/// [-] factor on the allowed distance of two corners: their difference is rounded too.
+/// [-] factor on the largest distance of merged corners, because the computed distance is rounded too.
 const SLACK: f64 = 1.01;
-/// [-] edge of the cells of the neighbour search, over the allowed distance: for most points one cell is enough.
+/// [-] edge of the cells of the neighbour search, over the largest distance of merged corners. For most points a search
+/// in one cell is enough.
 const CELL: f64 = 8.0;
 
-/// Replaces each corner by an earlier one if the file cannot tell them apart; returns the number of merged corners.
+/// Replaces each corner by an earlier one that differs only by rounding, and returns the number of merged corners.
 ///
-/// The coordinates have at most `digits` [-] significant digits. Distances are those of the file, before the part is
-/// scaled and moved.
+/// The coordinates have at most `digits` [-] significant digits. They are those of the file, before scaling and
+/// translation.
 pub fn weld(heap: &mut Heap, digits: usize) -> usize {
     let within = apart(heap, digits);
     if within <= 0.0 {
@@ -29,7 +30,7 @@ pub fn weld(heap: &mut Heap, digits: usize) -> usize {
     let cell = |value: f64| (value / (CELL * within)).floor() as i64;
     let mut welded = FxHashSet::default();
     for corner in heap.iter_mut().flatten() {
-        // 0 and -0 are one position
+        // adding 0 turns -0 into 0, which is the same position
         let bits = [corner.x, corner.y, corner.z].map(|value| (value + 0.0).to_bits());
         if let Some(place) = known.get(&bits) {
             *corner = *place;
@@ -52,14 +53,14 @@ pub fn weld(heap: &mut Heap, digits: usize) -> usize {
     welded.len()
 }
 
-/// Distance up to which two corners are merged, along each axis, in the unit of the file.
+/// Largest distance along each axis, in units of the file, between two corners that are merged.
 fn apart(heap: &Heap, digits: usize) -> f64 {
     let largest = heap.iter().flatten().map(|corner| corner.amax()).fold(0.0, f64::max);
     if largest == 0.0 {
         return 0.0;
     }
     let single = ROUNDINGS * f64::from(f32::EPSILON) * largest;
-    // the last digit of the largest coordinate
+    // unit of the last digit of the largest coordinate
     let last = 10f64.powi(largest.log10().floor() as i32 - digits as i32 + 1);
     let written = if digits < FEWEST { 0.0 } else { last };
     SLACK * single.max(written)

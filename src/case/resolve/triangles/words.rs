@@ -1,21 +1,21 @@
-//! The words of a text with their lines. The text may hold any bytes: names in it may have any encoding.
+//! Splits a text into words with their line numbers. The text may have any encoding, because names in mesh files do.
 
-/// A word and its line, counted from 1.
+/// Word of a text, with its line.
 #[derive(Clone, Copy, Debug)]
 pub struct Word<'a> {
     /// Bytes of the word.
     pub bytes: &'a [u8],
-    /// Line of the word.
+    /// Number of the line of the word, counted from 1.
     pub line: usize,
 }
 
 impl Word<'_> {
-    /// True if the word is `word`, in small letters or capitals.
+    /// True if the word equals `word`, regardless of capitals.
     pub fn is(&self, word: &str) -> bool {
         self.bytes.eq_ignore_ascii_case(word.as_bytes())
     }
 
-    /// The word in a message: 40 characters at most.
+    /// Word in quotes for a message, cut after 40 characters.
     pub fn shown(&self) -> String {
         let text = String::from_utf8_lossy(self.bytes);
         let mut short: String = text.chars().take(40).map(|c| if c.is_control() { ' ' } else { c }).collect();
@@ -25,7 +25,7 @@ impl Word<'_> {
         format!("\"{short}\"")
     }
 
-    /// The word as a finite number, and its number of significant digits [-].
+    /// Value of the word as a finite number, and its number of significant digits [-].
     ///
     /// # Errors
     /// In words: the word is not a finite number.
@@ -37,14 +37,14 @@ impl Word<'_> {
     }
 }
 
-/// [-] significant digits of a number, with zeros at its end included.
+/// [-] number of significant digits of a typed number, including zeros at its end.
 pub fn digits(number: &str) -> usize {
     let mantissa = number.split(['e', 'E']).next().unwrap_or("");
     let digits = mantissa.bytes().filter(u8::is_ascii_digit).skip_while(|digit| *digit == b'0');
     digits.count()
 }
 
-/// The words of a text one after the other. Lines end with LF, CR LF or CR.
+/// Iterator over the words of a text. Lines end with LF, CR LF or CR.
 #[derive(Clone, Debug)]
 pub struct Words<'a> {
     bytes: &'a [u8],
@@ -53,13 +53,13 @@ pub struct Words<'a> {
 }
 
 impl<'a> Words<'a> {
-    /// Begins with the first word of a text; a byte order mark is dropped.
+    /// Starts before the first word of a text; a byte order mark is skipped.
     pub fn of(bytes: &'a [u8]) -> Self {
         let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
         Self { bytes, at: 0, line: 1 }
     }
 
-    /// Moves to the next word; stays on the line unless `across_lines`.
+    /// Skips blanks up to the next word, and line ends too if `across_lines` is true.
     fn skip_blanks(&mut self, across_lines: bool) {
         while let Some(&byte) = self.bytes.get(self.at) {
             match byte {
@@ -74,7 +74,7 @@ impl<'a> Words<'a> {
         }
     }
 
-    /// The word at the current position.
+    /// Reads the word at the current position; `None` if there is none.
     fn here(&mut self) -> Option<Word<'a>> {
         let rest = &self.bytes[self.at..];
         let blank = |byte: &u8| matches!(byte, b' ' | b'\t' | 0x0b | 0x0c | b'\n' | b'\r');
@@ -83,7 +83,7 @@ impl<'a> Words<'a> {
         (length > 0).then_some(Word { bytes: &rest[..length], line: self.line })
     }
 
-    /// Moves to the beginning of the next line, after the last word of the current one.
+    /// Moves from the end of the last word of a line to the beginning of the next line.
     pub fn next_line(&mut self) {
         self.skip_blanks(false);
         let rest = &self.bytes[self.at..];
@@ -92,7 +92,7 @@ impl<'a> Words<'a> {
         self.line += 1;
     }
 
-    /// The next word of the current line.
+    /// Reads the next word of the current line; `None` at its end.
     pub fn next_in_line(&mut self) -> Option<Word<'a>> {
         self.skip_blanks(false);
         self.here()
