@@ -14,7 +14,7 @@ const FEWEST: usize = 100;
 /// A cooling gas of equal spheres. Inelastic collisions remove its energy, and nothing replaces it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cooling {
-    /// [m²/s²] granular temperature at the start.
+    /// [m²/s²] granular temperature T at the start.
     temperature: f64,
     /// [1/s] collisions of a particle per time at the start, by Enskog's theory.
     rate: f64,

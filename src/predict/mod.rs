@@ -42,9 +42,9 @@ pub struct Calibration {
     pub simulated: f64,
     /// True if the state was steady during the averaging time.
     pub steady: bool,
-    /// [1/s] collisions of a particle per time, and standard error; each `None` if unknown.
+    /// [1/s] collisions of a particle with others per time, and the standard error; each is `None` if unknown.
     pub collision_rate: [Option<f64>; 2],
-    /// [1/s] wall impacts of a particle per time, and standard error; each `None` if unknown.
+    /// [1/s] wall impacts of a particle per time, and the standard error; each is `None` if unknown.
     pub wall_rate: [Option<f64>; 2],
     /// [-] relative standard error of the granular temperature of a slice (median over slices).
     pub temperature_error: Option<f64>,

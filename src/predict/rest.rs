@@ -7,9 +7,9 @@ use crate::scene::{Kind, Scene};
 use nalgebra::Vector3;
 use serde::Serialize;
 
-/// Start gaps, in overlaps of the impact, below which contacts of neighbours overlap in time. Three spheres in a row
-/// with a gap of twice u sqrt(m/k) agree with a sequence of two impacts to 1e-6; with half of that gap they do not
-/// agree to 1e-2 (solutions of the three-sphere equations).
+/// Gap between neighbours at the start, in overlaps of the impact, below which their contacts overlap in time. The
+/// number is from solutions of the three-sphere equations. Three spheres in a row with a gap of twice u sqrt(m/k) agree
+/// with a sequence of two impacts to 1e-6. With half of that gap they do not agree to 1e-2.
 const SEPARATE: f64 = 2.0;
 
 /// Largest number of particles for which all pairs are examined at the start.

@@ -44,7 +44,7 @@ pub struct Loss {
 struct Decay {
     /// [1/s] rate 1/τ of drag.
     drag: f64,
-    /// [1/s] rate by impacts at the start, of the root of T.
+    /// [1/s] rate at which impacts reduce the root of T at the start.
     impacts: f64,
 }
 

@@ -9,7 +9,7 @@ use crate::neighbours::overlapping;
 /// Summary of all contacts in progress; both numbers are 0 if contacts are instantaneous.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ContactSummary {
-    /// Particles in contact, each counted once for each of its contacts: two for a pair, one at a wall.
+    /// Number of particles in contact, each counted once for each of its contacts: two for a pair, one at a wall.
     pub ends: u64,
     /// [-] largest overlap over the diameter of the smaller particle.
     pub largest_overlap: f64,

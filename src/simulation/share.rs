@@ -177,8 +177,8 @@ impl Simulation {
         self.share.as_ref().is_none_or(|share| place < share.informed.len())
     }
 
-    /// Lets all processes show their parts of the particles to the observers at these indices. The lead calls this,
-    /// and then does so too. `kept` gives the data that an observer keeps.
+    /// Makes the other processes call the observers at these indices with their parts of the particles. The lead calls
+    /// this method, and then its own observers. `kept` returns the data of an observer.
     pub(crate) fn show_parts(&mut self, places: &[usize], kept: impl Fn(usize) -> Stored) {
         if self.shown.as_ref().is_some_and(|shown| shown.every > 1) {
             self.hide();
