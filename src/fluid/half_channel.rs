@@ -70,7 +70,7 @@ impl HalfChannel {
         };
         channel.stretch(reynolds_tau);
         // Any positive start converges. This start has the right size: the mixing length of the logarithmic layer with
-        // van Driest's damping (1956, A+ = 26), k+ = 1/sqrt(C_mu), and the mirror image of the layer at the centre.
+        // van Driest's damping (1956, A+ = 26), k+ = 1/sqrt(C_mu), and both reduced towards the centre.
         for &y in &channel.y {
             let damping = 1.0 - (-y / 26.0).exp();
             let nu_t = wall_functions::KAPPA * y * damping * damping * (1.0 - 0.5 * y / reynolds_tau);

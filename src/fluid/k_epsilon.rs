@@ -31,7 +31,7 @@ const SWEEP_TOLERANCE: f64 = 1e-11;
 const SWEEPS: usize = 20_000;
 /// Largest number of corrections of the friction Reynolds number; about ten are usual.
 const CORRECTIONS: usize = 60;
-/// [-] exponent of Re_τ ~ Re^0.875 in Dean's correlation (1978), by which a correction of Re_τ is computed from Re.
+/// [-] exponent of Re_τ ~ Re^0.875 in Dean's correlation (1978), with which Re_τ is corrected by the bulk velocity.
 const DEAN_EXPONENT: f64 = 0.875;
 
 /// Cross-section of the gas flow.

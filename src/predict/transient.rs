@@ -36,8 +36,8 @@ pub struct Loss {
 
 /// Decay of the agitation of the particles: dT/dt = -2 drag T - 2 impacts sqrt(T/T_0) T, T_0 the value at the start.
 ///
-/// An impact of a pair removes (1-e²)/4 m u_n², whose mean over impacts is 4 T (1-e²)/4 m (flux-weighted). So N (3/2) m
-/// dT/dt = -(1-e²) m T Ṅ. An impact on a wall removes (1-e²)/2 m u_n², where the mean of u_n² is 2 T; the rate is
+/// An impact of a pair removes (1-e²)/4 m u_n², where the mean of u_n² over impacts is 4 T (flux-weighted). So N (3/2)
+/// m dT/dt = -(1-e²) m T Ṅ. An impact on a wall removes (1-e²)/2 m u_n², where the mean of u_n² is 2 T; the rate is
 /// equal. Impact rates are proportional to sqrt(T): Haff 1983, J. Fluid Mech. 134, 401. Drag removes 2/τ of T per time.
 /// Friction, which makes the decay faster, is left out.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -301,8 +301,8 @@ impl Board {
         (simulated / count as f64, text)
     }
 
-    /// [s] wall time left of all runs: the sum of their times over the number of runs that go on at once. Waiting runs
-    /// are taken to be as fast as earlier ones of their model, or else as all earlier runs.
+    /// [s] wall time left for all runs: the sum of their times over the number of concurrent runs. Waiting runs are
+    /// assumed to be as fast as earlier runs of their model or, if there are none, as all earlier runs.
     fn left(&self, rates: &[(f64, Option<f64>)]) -> Option<f64> {
         let mean = |model: Option<Model>| {
             let known = self.runs.iter().zip(rates).filter(|(run, _)| model.is_none_or(|model| run.model == model));

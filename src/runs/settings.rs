@@ -83,7 +83,7 @@ impl CommandSettings {
     /// Opens the folder for the results.
     ///
     /// # Errors
-    /// The folder is in use, cannot be written to, or, for a command that begins, holds results.
+    /// The folder is in use, cannot be written to, or contains results although the command begins.
     pub fn open_folder(&self) -> Result<Folder, StudyError> {
         match &self.origin {
             CommandOrigin::Typed => make(self.folder.clone(), self.overwrite),

@@ -19,9 +19,9 @@ pub const FEWEST_RUNS: usize = 3;
 pub struct Batches {
     /// The averages, one per component, in the unit of the component.
     pub values: Vec<f64>,
-    /// For each component one number per block, in the order of time, replica after replica. For an average of samples
-    /// it is the average over the block. For other quantities it is the jackknife pseudo-value; the mean of these is
-    /// the value up to terms of second order.
+    /// For each component one number per block, in the order of time, replica after replica. For an average over
+    /// samples it is the average over the block. For other quantities it is the jackknife pseudo-value; the mean of the
+    /// pseudo-values equals the average up to terms of second order.
     pub blocks: Vec<Vec<f64>>,
     /// Number of successive blocks of one run: all blocks, or the blocks of one replica. Blocks of different runs are
     /// independent.

@@ -76,7 +76,7 @@ pub struct Judged {
     /// [-] interval that contains the differences at all positions, over the scale. If both its ends are within the
     /// margin, the observable is equivalent.
     pub interval: [f64; 2],
-    /// True if the headline difference is shown to be larger than the margin, by a one-sided test.
+    /// True if the difference that is named first is shown to exceed the margin, by a one-sided test.
     pub beyond: bool,
     /// [-] smallest smooth difference that would be found in 80 % of cases, over the scale.
     pub detectable: f64,
@@ -142,7 +142,7 @@ struct EquivalenceTest {
     level: f64,
     /// [-] level of each one-sided test.
     equivalence: f64,
-    /// Number of positions of all observables that have to be shown equivalent.
+    /// Number of positions, over all observables, that have to be shown equivalent.
     places: usize,
 }
 

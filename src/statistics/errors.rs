@@ -94,8 +94,9 @@ pub(super) enum Removed {
     Parabola,
 }
 
-/// Standard error of the mean of a time-ordered series, merged into blocks first if it is long. With [`Removed::Parabola`]
-/// the values must be residuals of that fit. `None` for fewer than 8 values, or if one is not finite.
+/// Standard error of the mean of a series in the order of time, which is merged into blocks first if it is long. With
+/// [`Removed::Parabola`] the values must be the residuals of that fit. `None` for fewer than 8 values, or if a value is
+/// not finite.
 pub(super) fn standard_error(values: &[f64], removed: Removed) -> Option<f64> {
     if values.len() < FEWEST_BLOCKS || values.iter().any(|v| !v.is_finite()) {
         return None;
@@ -124,8 +125,8 @@ fn corrected_variance(blocks: &[f64], removed: Removed) -> f64 {
         return 0.0;
     }
     let neighbours: f64 = blocks.windows(2).map(|pair| (pair[0] - centre) * (pair[1] - centre)).sum();
-    // In a short series the correlation comes out low by about (1 + 4 rho)/count, because the mean was taken from the
-    // same series (Marriott and Pope 1954). With three fitted coefficients the bias is three times as large.
+    // In a short series the measured correlation is too low by about (1 + 4 rho)/count, because the mean was computed
+    // from this series too (Marriott and Pope 1954). With three fitted coefficients the bias is three times as large.
     let bias = if removed == Removed::Parabola { 3.0 } else { 1.0 };
     let correlation =
         ((count * neighbours / scatter + bias) / (count - 4.0 * bias).max(1.0)).clamp(0.0, LARGEST_CORRELATION);

@@ -9,8 +9,8 @@ use crate::schedule::Schedule;
 use crate::statistics::Estimate;
 use std::convert::Infallible;
 
-/// Divisor of the length of the run that gives a stretch. A stretch is run once as set and once at half the step, which
-/// costs twice as much where all is stepped. That makes three fifteenths, a fifth of the run.
+/// Divisor of the length of the run that gives the length of the test. The test is run once as set and once at half the
+/// step, which costs twice as much if all particles are stepped. That makes three fifteenths, a fifth of the run.
 const PARTS: f64 = 15.0;
 
 /// Number of samples in the test, enough blocks for a standard error.

@@ -61,9 +61,9 @@ pub enum Message {
 /// Result of reading the command and the case in one process.
 #[derive(Clone, PartialEq, Serialize, Deserialize)]
 enum Found {
-    /// Something to do, with a checksum of it.
+    /// The process has work to do, with this checksum.
     Work(u32),
-    /// An error, and true if the input is at fault.
+    /// The process has this error; true if the input is wrong.
     Error(String, bool),
 }
 

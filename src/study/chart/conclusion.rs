@@ -117,7 +117,7 @@ fn within(
     let Some((model, first)) = cheapest_of(methods, points, index, target, &all) else {
         return format!("nothing stays within {words} for certain");
     };
-    // hard spheres need no steps for some quantities; the cheapest soft method is then named too
+    // hard spheres may give a quantity exactly by construction; the cheapest soft method is then named too
     let soft = match (model, cheapest_of(methods, points, index, target, &[Model::Soft])) {
         (Model::Soft, _) => String::new(),
         (Model::Hard | Model::Hybrid, Some((_, text))) => format!("; of soft methods {text}"),

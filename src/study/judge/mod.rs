@@ -27,8 +27,8 @@ use words::{pair, percent};
 /// search of neighbours and the start of threads, takes milliseconds.
 const TELLING: f64 = 0.1;
 
-/// [-] largest ratio of the sample interval of a longer run to that of this run for which a recommended length is
-/// given. Up to this ratio the averages of the longer run improve in proportion to its length.
+/// [-] largest ratio of the sample interval of a longer run to that of this run. Up to this ratio the averages of the
+/// longer run improve in proportion to its length. Beyond it, the recommendation also names a sample interval.
 const CLOSE: f64 = 1.1;
 
 /// [-] volume fraction up to which soft spheres collide as often as hard ones, except for about 5 % of their softness

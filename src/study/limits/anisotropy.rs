@@ -18,8 +18,8 @@ use std::f64::consts::{FRAC_2_PI, PI};
 const FRACTION: f64 = 0.01;
 /// Number of collisions per particle before the decay is measured. After these, as many lasting contacts begin as end.
 const BEFORE: f64 = 0.1;
-/// Collisions per particle while the decay is measured. The anisotropy falls by a third. A longer time would add more
-/// scatter than it removes, since later collisions of soft and hard spheres differ by chance.
+/// Number of collisions per particle while the decay is measured. The anisotropy falls by a third. A longer time would
+/// add more scatter than it removes, since later collisions of soft and hard spheres differ by chance.
 const DURING: f64 = 0.5;
 
 /// [m²/s²] anisotropy T_z - (T_x + T_y)/2 of all particles, about their common mean velocity.

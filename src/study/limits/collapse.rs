@@ -86,7 +86,8 @@ pub fn one_dimension(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     Ok(vec![MapSweep::new(rows, lesson, picture)])
 }
 
-/// Map of cooling gases in three dimensions: time and place of a collapse, over the restitution.
+/// Map of cooling gases in three dimensions: collisions per sphere until a collapse, over volume fraction and
+/// restitution.
 pub fn cooling(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let (e, fraction, count, collisions) = grid.choose(
         (even(0.1, 0.9, 5), vec![0.05, 0.2, 0.4], 200, 30.0),

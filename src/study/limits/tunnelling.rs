@@ -66,8 +66,8 @@ pub fn pair(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     Ok(vec![MapSweep::new(rows, lesson, picture)])
 }
 
-/// Numbers of spheres that were stopped, with their first failure, and that passed the plate unseen. The `phases`
-/// spheres start at equally spaced phases of a step. `reduced` is the speed over d ω₀.
+/// Numbers of spheres that were stopped and that passed the plate undetected, and first failure. The `phases` spheres
+/// start at equally spaced phases of a step. `reduced` is the speed over d ω₀.
 fn through_plate(grid: &Points, reduced: f64, steps: f64, phases: i32) -> Result<KnownPoint, StudyError> {
     let frequency = (STIFFNESS / mass()).sqrt();
     let speed = reduced * DIAMETER * frequency;

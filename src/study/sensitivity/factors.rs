@@ -13,7 +13,8 @@ use crate::scene::{Kind, Surface};
 
 /// [-] restitution of the paper's inelastic walls (section 4), which is set if a case is elastic.
 const PAPER_RESTITUTION: f64 = 0.94;
-/// [-] standard error of a measured restitution: cellulose acetate 0.87 ± 0.02 (Foerster, Louge, Chang and Allia 1994, Phys. Fluids 6, 1108).
+/// [-] standard error of a measured restitution: cellulose acetate 0.87 ± 0.02 (Foerster, Louge, Chang and Allia 1994,
+/// Phys. Fluids 6, 1108).
 const RESTITUTION_ERROR: f64 = 0.02;
 /// [-] friction of glass on glass (Foerster et al. 1994), which is set if particles have no friction.
 const GLASS_FRICTION: f64 = 0.092;
