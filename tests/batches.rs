@@ -188,8 +188,8 @@ fn independent_runs_are_tested_as_the_textbooks_say() {
         ]),
     );
     let found = compare(&[a], &[b], 0.01, ErrorLevels::default()).judged.remove(0).tested;
-    // Welch's t of the mean and of the middle place, and Hotelling's T² of the three places with the degrees of freedom of
-    // Yao (1965), computed with scipy 1.16 (ttest_ind, cov, f.sf)
+    // Welch's t of the mean and of the middle position, and Hotelling's T² of the three positions with the degrees of
+    // freedom of Yao (1965), computed with scipy 1.16 (ttest_ind, cov, f.sf)
     same_chance(found.mean.unwrap().chance(), 0.217_170_278_009_472_48);
     assert!((found.mean.unwrap().freedom - 15.665_942_542_828_102).abs() < 1e-9);
     assert_eq!(found.largest.unwrap().place, Some(0.0));

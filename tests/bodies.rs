@@ -166,7 +166,7 @@ fn the_middle_of_a_body_is_as_deep_as_it_gets() {
         (Obstacle::cylinder(centre, 2, 1.5, 2.5), 1.5),
     ];
     for (body, depth) in bodies {
-        // positions exactly on the axis, and so near it that squares vanish
+        // the middle of the body exactly, and points so near it that squares vanish
         for off in [0.0, 1e-300, 1e-170, 1e-9] {
             let nearest = body.nearest(&(centre + Vector3::new(0.0, off, 0.0)));
             close(&format!("{body:?}"), nearest.distance, -depth, 2e-9);

@@ -273,7 +273,7 @@ fn hard_spheres_with_a_contact_time_start_at_rest_on_one_another() {
             assert_eq!(result, Ok(()), "{count} spheres, e = {e}, {windows} windows");
             let ledger = &done.record.ledger;
             // each sphere keeps moving by the height to which a sphere rises that leaves the wall at g t_c/4, times the
-            // number of spheres below
+            // number of such speeds that may add up
             let rise = g * contact_time * contact_time / 32.0;
             for (x, y) in done.particles.position.iter().zip(&start.position) {
                 assert!(x.y - y.y > -1e-13 && x.y - y.y < 20.0 * count as f64 * rise, "{:e} {rise:e}", x.y - y.y);

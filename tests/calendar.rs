@@ -70,8 +70,8 @@ fn equal_times_go_by_id() {
     assert_eq!(runs[0], runs[1]);
 }
 
-/// Oracle D1 at volume fraction 0.3 (Kolafa, Labik and Malijevsky 2004): collisions per particle and time, times diameter over
-/// thermal speed; and what a long run must keep.
+/// Compares with oracle D1 at the volume fraction 0.3 (Kolafa, Labik and Malijevsky 2004): collisions per particle and
+/// time, times diameter over thermal speed. Also checks that a long run conserves energy and momentum.
 fn keep_energy_momentum_and_order(collisions: u64) {
     let (scene, start) = gas(1000, 0.3, 5);
     let mut simulation = calendar(&scene, &start);

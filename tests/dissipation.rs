@@ -245,8 +245,8 @@ fn cooling(mut simulation: Simulation, taus: &[f64]) -> Vec<f64> {
 
 #[test]
 fn homogeneous_cooling() {
-    // oracle E1: ln(T/T0) at 10, 20, 30 collisions per particle, 3 % (an independent event-driven code, N = 1000); at 50
-    // Haff's law, -(1 - e²) 50/3, which that code is 1 % below at 30
+    // oracle E1: ln(T/T0) at 10, 20, 30 collisions per particle, 3 % (an independent event-driven code, N = 1000). At
+    // 50 collisions Haff's law, -(1 - e²) 50/3; at 30 that code is 1 % below the law
     for (e, want) in [(0.9, [-0.6227, -1.2514, -1.8808, -3.1667]), (0.8, [-1.1889, -2.3673, -3.5597, -6.0])] {
         let mut mean = [0.0; 4];
         for seed in 1..=4 {

@@ -145,8 +145,8 @@ fn held_in_balance(shapes: u32) {
     }
 }
 
-/// Press fits: only the ends of the tube hold the sphere along its axis. So a sphere on the axis of an open tube falls
-/// freely.
+/// Press fits. Only the ends of a tube could hold a sphere along its axis, so within the tube a sphere that is slightly
+/// wider falls freely, near the axis.
 #[test]
 fn a_sphere_wider_than_its_tube_falls_through_it() {
     let (diameter, gravity) = (0.005, Vector3::new(0.3, 0.0, -9.81));
