@@ -1,8 +1,8 @@
 //! Impacts of two bodies, and of a sphere on a wall, against closed forms.
 //!
 //! The tolerances allow for the truncation errors of the soft engine, with x = ω_0 Δt = π sqrt(1-ζ²)/N_c. The schemes
-//! are of second order (x²). A contact that is detected at the end of a step misses up to one step of the dashpot,
-//! whose force jumps to 2 γ M u at first touch (2 ζ x of the impulse).
+//! are of second order (x²). A contact that is detected at the end of a step misses up to one step of the dashpot. The
+//! dashpot's force jumps to 2 γ M u at first touch (2 ζ x of the impulse).
 
 use crate::support::*;
 use diptych::engine::hard::impulse;

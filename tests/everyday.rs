@@ -190,6 +190,8 @@ fn more_spheres_than_any_arrangement_holds_are_refused_before_they_are_tried() {
     assert!(told(0.70).given_up);
 }
 
+/// The effort of a placement limits the number of distance computations of a wall, plus a few per particle. The test
+/// counts them, so that it does not depend on the machine.
 #[test]
 fn a_start_that_is_not_found_is_given_up_after_its_effort() {
     let mut experiment = read(TEXT).experiment(None, None).unwrap().0;

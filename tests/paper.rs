@@ -148,7 +148,8 @@ fn digits(found: f64, wanted: f64, decimals: i32) {
 /// Every column of Table 1 and its consequences.
 #[test]
 fn table_1() {
-    // T_c pair and wall [s], N_c pair and wall at the corrected step, overlap at u_r and 2 u_r, at a wall at 2 u_r, CFL_col at u_r
+    // T_c pair and wall [s], N_c pair and wall at the corrected step, overlap at u_r and 2 u_r, at a wall at 2 u_r, and
+    // CFL_col at u_r
     let contacts = [
         ([7.735, 10.939], [7.73, 10.94], [0.00637, 0.01274, 0.01801], 0.00259),
         ([7.735, 10.939], [7.73, 10.94], [0.00528, 0.01055, 0.01492], 0.00214),
