@@ -281,7 +281,7 @@ pub fn costs(experiment: &Experiment, start: &Particles, law: Option<ContactLaw>
 }
 
 /// Times the share `most` [-] of a run from `start`. At least two windows after the first one are timed, or as many as
-/// [`PATIENCE`] allows. If other programs use the machine too, this share is slowed down as the whole run would be.
+/// `PATIENCE` allows. If other programs use the machine too, this share is slowed down as the whole run would be.
 pub fn timed(experiment: &Experiment, start: &Particles, most: f64) -> Timed {
     let schedule = Schedule::new(experiment);
     let windows = schedule.windows_per_sample as f64 * schedule.samples as f64;
