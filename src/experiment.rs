@@ -1,4 +1,4 @@
-//! One variant of a case, checked and converted to SI units: all data that a simulation needs.
+//! One variant of a case, checked and converted to SI units: all data on which a simulation depends.
 
 use crate::contact_law::ContactLaw;
 use crate::particles::Particles;
@@ -15,7 +15,7 @@ pub enum Model {
     Soft,
     /// Instantaneous collisions.
     Hard,
-    /// Instantaneous collisions where two meet alone, spring-dashpot contacts elsewhere.
+    /// Instantaneous collisions where two particles meet alone, spring-dashpot contacts elsewhere.
     Hybrid,
 }
 
@@ -46,18 +46,18 @@ pub enum Spheres {
     Soft(ContactLaw),
     /// Hard spheres.
     Hard,
-    /// Hard spheres where two meet alone, soft spheres with this contact law elsewhere.
+    /// Hard spheres where two particles meet alone, soft spheres with this contact law elsewhere.
     Hybrid(ContactLaw),
 }
 
-/// All data that a simulation needs, in SI units.
+/// All data on which a simulation depends, in SI units.
 #[derive(Clone, Debug, Serialize)]
 pub struct Experiment {
     /// Name of the variant.
     pub name: String,
-    /// Name of the variant it is compared with, if the case says so.
+    /// Name of the variant with which this one is compared, if the case names one.
     pub against: Option<String>,
-    /// The scene, which both engines read.
+    /// The scene, which every engine reads.
     pub scene: Scene,
     /// Initial state of the particles.
     pub start: Vec<Population>,
@@ -65,16 +65,16 @@ pub struct Experiment {
     pub soft: SoftSettings,
     /// Settings of the hard engine.
     pub hard: HardSettings,
-    /// Settings of the hybrid engine, besides those of the soft one.
+    /// Additional settings of the hybrid engine, which also uses those of the soft engine.
     pub hybrid: HybridSettings,
-    /// Length, window, seed, model.
+    /// Length, window, seed and collision model of the run.
     pub run: RunSettings,
     /// Settings of the averages.
     pub statistics: StatisticsSettings,
 }
 
 impl Experiment {
-    /// The collision model that runs.
+    /// Collision model of the run.
     pub fn model(&self) -> Model {
         match self.run.spheres {
             Spheres::Soft(_) => Model::Soft,
@@ -83,7 +83,7 @@ impl Experiment {
         }
     }
 
-    /// The contact law that runs; `None` for hard spheres.
+    /// Contact law of the run; `None` for hard spheres.
     pub fn law(&self) -> Option<ContactLaw> {
         match self.run.spheres {
             Spheres::Soft(law) | Spheres::Hybrid(law) => Some(law),
@@ -113,13 +113,13 @@ pub struct Population {
     pub species: u16,
     /// Number of particles, or their positions.
     pub amount: Amount,
-    /// The part of the domain that a random start fills; `None`: all of it.
+    /// Part of the domain that a random start fills; `None` for the whole domain.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub region: Option<StartRegion>,
-    /// [m/s] mean velocity of a random start, met exactly by two spheres and more.
+    /// [m/s] mean velocity of a random start. Two or more spheres have exactly this mean.
     pub velocity_mean: Vector3<f64>,
-    /// [m/s] standard deviation of each velocity component of a random start, met exactly by two spheres and more. A
-    /// single sphere draws from a normal law of this width about the mean.
+    /// [m/s] standard deviation of each velocity component of a random start. Two or more spheres have exactly this
+    /// deviation. The velocity of a single sphere is drawn from a normal distribution of this width about the mean.
     pub velocity_fluctuation: Vector3<f64>,
     /// [rad/s] mean spin of a random start.
     #[serde(skip_serializing_if = "is_zero")]
@@ -129,18 +129,18 @@ pub struct Population {
     pub spin_fluctuation: f64,
 }
 
-/// True for the spin of spheres that do not rotate at the start, which a stored experiment does not need.
+/// True if the spin is zero, so that a stored experiment need not contain it.
 fn is_zero(spin: &Vector3<f64>) -> bool {
     *spin == Vector3::zeros()
 }
 
-/// True for a deviation of 0, as in [`is_zero`].
+/// True if the deviation is zero, so that a stored experiment need not contain it.
 fn is_none(deviation: &f64) -> bool {
     *deviation == 0.0
 }
 
 impl Population {
-    /// [m/s] root mean square over the components of the fluctuation of a random start.
+    /// [m/s] root mean square, over the three components, of the velocity fluctuation of a random start.
     pub fn mean_fluctuation(&self) -> f64 {
         let v = self.velocity_fluctuation;
         // equal components are returned without the rounding of a root
@@ -152,7 +152,7 @@ impl Population {
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Amount {
-    /// This number, at random positions without overlap.
+    /// This number of particles, at random positions without overlap.
     Count(usize),
     /// These particles, as read from a file.
     Placed(Particles),
@@ -168,7 +168,7 @@ impl Amount {
     }
 }
 
-/// Soft-sphere settings.
+/// Settings of the soft engine.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SoftSettings {
     /// The contact law that the case names, for pairs and walls; a case that runs only with hard spheres may name
@@ -176,11 +176,11 @@ pub struct SoftSettings {
     pub law: Option<ContactLaw>,
     /// Choice of the time step.
     pub time_step: TimeStep,
-    /// Particles that are stepped.
+    /// Particles that a time step moves.
     pub stepping: SoftStepping,
     /// The time integrator.
     pub integrator: Integrator,
-    /// True if a step beyond the scheme's stability may run, where energy may grow without limit.
+    /// True if a run with an unstable time step is allowed; energy may then grow without limit.
     pub allow_unstable: bool,
 }
 
@@ -194,16 +194,16 @@ pub enum TimeStep {
     Fixed(f64),
 }
 
-/// Particles that a soft step moves.
+/// Particles that a time step of the soft engine moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "case", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum SoftStepping {
-    /// Every particle at every step.
+    /// Every particle at every time step.
     Uniform,
-    /// Only particles that touch; the rest fly.
+    /// Particles in contact only; all others fly straight.
     Local,
-    /// Whichever costs less.
+    /// Uniform or local stepping, whichever costs less.
     Auto,
 }
 
@@ -212,27 +212,27 @@ pub enum SoftStepping {
 #[cfg_attr(feature = "case", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Integrator {
-    /// Kick-drift-kick; the dashpot sees the half-step velocity.
+    /// Velocity Verlet, kick-drift-kick; the dashpot force depends on the velocity at half a step.
     VelocityVerlet,
-    /// Heun's second-order Runge-Kutta. The paper has a scheme of this order for its fluid step and names none for
-    /// contacts.
+    /// Heun's second-order Runge-Kutta method. The paper uses a scheme of this order for its fluid step, and names none
+    /// for contacts.
     Rk2,
 }
 
-/// Hard-sphere settings.
+/// Settings of the hard engine.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct HardSettings {
     /// Method of finding collisions.
     pub stepping: HardStepping,
-    /// [s] t_c of the TC model: a collision sooner than this after another of either particle is elastic; `None`: no
-    /// collision is.
+    /// [s] t_c of the TC model: a collision less than t_c after another collision of either particle is elastic. `None`
+    /// if no collision is made elastic.
     pub contact_time: Option<f64>,
 }
 
-/// Hybrid settings.
+/// Settings of the hybrid engine.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct HybridSettings {
-    /// [-] θ: a touch is treated as an instant if no other particle can come within θ contact times.
+    /// [-] clearance θ: a touch is treated as an instant if no other particle can come near within θ contact times.
     pub clearance: f64,
 }
 
@@ -240,11 +240,11 @@ pub struct HybridSettings {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum HardStepping {
-    /// At the exact instants of touch, from an event queue.
+    /// At the exact instants of touch, with an event queue.
     Events,
-    /// At the ends of steps Δt < θ d/u_r, as overlaps (the paper's section 3.4).
+    /// At the ends of time steps Δt < θ d/u_r, where particles overlap (the paper's section 3.4).
     Steps {
-        /// [-] θ.
+        /// [-] step criterion θ.
         theta: f64,
     },
 }
@@ -252,22 +252,23 @@ pub enum HardStepping {
 /// Length, window and seed of a run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RunSettings {
-    /// [s] interval of instants at which windows must also end, so that all particles can be written there.
+    /// [s] time between instants at which windows must also end, so that all particles can be written at these
+    /// instants.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub instants: Option<f64>,
     /// Collision model of the run.
     pub spheres: Spheres,
     /// [s] simulated time.
     pub duration: f64,
-    /// Start of averaging.
+    /// Beginning of the averaging period.
     pub average_from: AverageFrom,
-    /// [s] window h; `None`: chosen from the scene.
+    /// [s] window h; `None` if it is to be chosen from the scene.
     pub window: Option<f64>,
     /// Seed of the initial state.
     pub seed: u64,
 }
 
-/// The particles written out over time.
+/// Settings of the files with all particles at several instants.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Trajectories {
     /// [s] time between two instants, counted from the start.
@@ -290,24 +291,24 @@ pub enum TrajectoryFormat {
 }
 
 impl TrajectoryFormat {
-    /// True if VTK files are asked for.
+    /// True if VTK files are to be written.
     pub fn is_vtp(self) -> bool {
         matches!(self, Self::Vtp | Self::Both)
     }
 
-    /// True if extended XYZ files are asked for.
+    /// True if extended XYZ files are to be written.
     pub fn is_xyz(self) -> bool {
         matches!(self, Self::Xyz | Self::Both)
     }
 }
 
-/// Start of averaging.
+/// Beginning of the averaging period.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum AverageFrom {
-    /// [s] at this simulated time.
+    /// [s] averaging begins at this simulated time.
     Time(f64),
-    /// At the time from which the run itself finds its state steady.
+    /// Averaging begins when the state is found to be steady, which is detected after the run.
     Steady,
 }
 
@@ -316,6 +317,6 @@ pub enum AverageFrom {
 pub struct StatisticsSettings {
     /// Number of slices normal to y.
     pub slices: usize,
-    /// [s] time between samples; `None`: chosen from the scene.
+    /// [s] time between samples; `None` if it is to be chosen from the scene.
     pub sample_interval: Option<f64>,
 }

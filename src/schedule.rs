@@ -1,8 +1,9 @@
-//! Schedule of a run: the lengths of windows and the times of samples.
+//! Schedule of a run: the lengths of windows and the times of samples. A window is the time between two exchanges of
+//! momentum with the gas (drag kicks). At a sample, measurements are taken.
 //!
-//! The schedule depends on the scene alone, not on the model: both engines have the same drag splitting and are
-//! sampled at the same times. Windows may grow during a run if drag is certain to slow the particles down. The
-//! slowing is computed from drag alone, which is equal in every model, and not from the particles.
+//! The schedule depends on the scene, not on the model. So all engines have equal drag splitting and are sampled at
+//! equal times. Windows may become longer during a run if drag is certain to slow the particles down. The slowing is
+//! computed from drag alone, which is equal in every model, and not from the particles.
 
 use crate::experiment::{Amount, Experiment, Population};
 use crate::fluid::Profile;
@@ -17,65 +18,66 @@ use std::f64::consts::PI;
 /// Standard errors of long runs are ten times as large.
 pub const SPLITTING: f64 = 1e-4;
 
-/// [-] relative change that the splitting may cause in the response of a single particle to the gas, which no noise
-/// hides.
+/// [-] relative change that the splitting may cause in the response of a single particle to the gas. It is smaller than
+/// `SPLITTING`, because no scatter hides the change.
 pub const SPLITTING_ALONE: f64 = 1e-5;
 
 /// Number of windows in a run without drag, with one sample each.
 const PIECES: f64 = 200.0;
 
-/// Collisions of each particle between two samples of an elastic gas without drag: velocities are forgotten by then,
-/// and samples cost little compared with the collisions.
+/// Number of collisions of each particle between two samples of an elastic gas without drag. After these collisions the
+/// velocities are independent, and a sample costs little compared with them.
 const COLLISIONS: f64 = 5.0;
 
-/// Largest number of samples of such a gas: more would fill the memory with little information.
+/// Largest number of samples of an elastic gas without drag. More samples would fill the memory with little
+/// information.
 const MOST_SAMPLES: f64 = 1e5;
 
-/// Largest number of particles whose paths are kept: so many can be followed by eye.
+/// Largest number of particles whose paths are stored, since a reader can follow so many in a picture.
 pub const MOST_FOLLOWED: usize = 50;
 
-/// Number of rows of a curve over time that variants with different windows have in common, and of paths of few
-/// bodies.
+/// Number of rows of a curve over time at instants that all variants share, and the same for paths of few bodies.
 const ROWS: f64 = 200.0;
 const ROWS_OF_FEW: f64 = 1000.0;
 
-/// Samples per response time of drag: well below the time in which velocities change.
+/// Number of samples per response time of drag, well below the time in which velocities change.
 const SAMPLES_PER_RESPONSE: f64 = 20.0;
 
 /// Number of times that windows may be doubled.
 const DOUBLINGS: usize = 4;
 
-/// [-] largest window as a share of the run: longer windows would show in the time series.
+/// [-] longest window as a share of the run; longer windows would be visible in time series.
 const SHARE: f64 = 1e-3;
 
-/// [-] share of the windows of a run that growing windows must save.
+/// [-] smallest share of the windows of a run that growing windows must save to be used.
 const WORTH: f64 = 0.1;
 
-/// Equal windows, grouped between samples; from some sample on, several of the shortest windows may be merged into
-/// one.
+/// Windows of a run and samples between them. Windows are equal, or several of the shortest windows are merged into one
+/// from some sample on.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Schedule {
-    /// [s] window h; if windows grow, the window of the start, which is the shortest.
+    /// [s] window h. If windows grow, it is the first and shortest window.
     pub window: f64,
     /// Number of windows between two samples, counted in the shortest windows.
     pub windows_per_sample: u64,
-    /// Number of samples after the one at the start.
+    /// Number of samples, without the one at the start.
     pub samples: u64,
-    /// Samples from which on two, four, eight and sixteen of the shortest windows are merged into one.
+    /// Number of the sample from which on two, four, eight and sixteen of the shortest windows are merged into one;
+    /// `None` if they never are.
     pub longer: [Option<u64>; DOUBLINGS],
     /// [s] interval of instants, counted from the start, at which windows must also end because all particles are
     /// written.
     pub instants: Option<f64>,
 }
 
-/// The next piece of a run.
+/// Next piece of a run, which an engine can advance without interruption.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ScheduleStep {
-    /// A number of whole windows, until the next sample or until an instant falls within a window.
+    /// A number of whole windows, up to the next sample or up to the window that contains an instant.
     Windows(u64),
     /// A part of a window until an instant [s] within it.
     ToInstant(f64),
-    /// The rest of a window until its end [s].
+    /// The rest of a window, up to its end at this time [s].
     ToEnd(f64),
 }
 
@@ -85,8 +87,8 @@ impl Schedule {
         Self { window, windows_per_sample, samples, ..Self::default() }
     }
 
-    /// The schedule of an experiment. No window is longer than the window of the experiment or, without one, than the
-    /// splitting of drag allows. A whole number of the shortest windows makes the duration.
+    /// Schedule of an experiment. No window is longer than that given by the experiment or, if none is given, than the
+    /// splitting of drag allows. The duration is a whole number of the shortest windows.
     pub fn new(experiment: &Experiment) -> Self {
         let duration = experiment.run.duration;
         if duration <= 0.0 {
@@ -103,32 +105,33 @@ impl Schedule {
             (least(&mut drag.iter().map(DragScales::longest_window)), response / SAMPLES_PER_RESPONSE)
         };
         let longest = experiment.run.window.unwrap_or(allowed).min(duration);
-        // if samples are asked for more often than windows end, windows are shortened
+        // windows are shortened if samples are requested more often than windows end
         let interval = experiment.statistics.sample_interval.unwrap_or(often.max(longest)).min(duration);
-        // rounding of the quotients must not add a window
+        // the term 1e-9 keeps rounding of the quotient from adding a window
         let samples = (duration / interval - 1e-9).ceil().max(1.0);
         let windows_per_sample = (duration / samples / longest - 1e-9).ceil().max(1.0);
         let window = duration / (samples * windows_per_sample);
         let instants = experiment.run.instants;
         let even = Self { instants, ..Self::even(window, windows_per_sample as u64, samples as u64) };
-        // a case that may run for ever can have more windows than can be counted here
+        // a run without end can have more windows than an integer counts exactly
         let countless = samples * windows_per_sample > 1e15;
         if experiment.run.window.is_some() || countless { even } else { even.growing(experiment) }
     }
 
-    /// This schedule with windows that grow while drag slows the particles down, if that saves windows.
+    /// This schedule with windows that grow while drag slows the particles down, if this saves windows.
     fn growing(self, experiment: &Experiment) -> Self {
         let Some(slowing) = Slowing::of(experiment) else { return self };
         let most = SHARE * experiment.run.duration;
         let grown = |doublings: usize| {
-            // a whole number of the longest windows between two samples
+            // between two samples there is a whole number of the longest windows
             let windows_per_sample = self.windows_per_sample.next_multiple_of(1 << doublings);
             let window = self.interval() / windows_per_sample as f64;
             let mut grown = Self { window, windows_per_sample, ..self };
             for (k, longer) in grown.longer.iter_mut().enumerate().take(doublings) {
                 let wanted = window * (2_u64 << k) as f64;
                 let allowed = |sample: u64| slowing.longest_window(sample as f64 * self.interval()) >= wanted;
-                // the first sample from which such windows are allowed: the allowed length grows
+                // bisection for the first sample from which longer windows are allowed, since the allowed length grows
+                // with time
                 let (mut early, mut late) = (0, self.samples);
                 while early < late {
                     let middle = early + (late - early) / 2;
@@ -142,7 +145,7 @@ impl Schedule {
         best.filter(|best| (best.windows() as f64) < (1.0 - WORTH) * self.windows() as f64).unwrap_or(self)
     }
 
-    /// Number of the shortest windows that are merged into one after `done` of them.
+    /// Number of the shortest windows that are merged into the next window, after `done` shortest windows.
     pub fn together(&self, done: u64) -> u64 {
         let sample = done / self.windows_per_sample.max(1);
         1 << self.longer.iter().flatten().filter(|first| **first <= sample).count()
@@ -158,12 +161,12 @@ impl Schedule {
         self.windows_per_sample as f64 * self.window
     }
 
-    /// Length of the whole run, in the shortest windows.
+    /// Length of the whole run, as a number of the shortest windows.
     pub fn length(&self) -> u64 {
         self.samples * self.windows_per_sample
     }
 
-    /// Windows of the whole run.
+    /// Number of windows of the whole run, where merged windows count as one.
     pub fn windows(&self) -> u64 {
         let (mut windows, mut from, mut each) = (0, 0, self.windows_per_sample);
         for first in self.longer.iter().flatten() {
@@ -173,20 +176,20 @@ impl Schedule {
         windows + (self.samples - from) * each
     }
 
-    /// [s] rounding of a time: a millionth of a window. The product of 1e9 windows and their length is off by 1e-7 of
-    /// a window.
+    /// [s] allowance for the rounding of a time: a millionth of a window. The product of 1e9 windows and their length
+    /// is off by 1e-7 of a window.
     pub fn rounding(&self) -> f64 {
         1e-6 * self.window
     }
 
-    /// The next piece of a run that is at `now` [s], in a window that begins after `done` of the shortest ones.
+    /// Next piece of a run at the time `now` [s], in a window that begins after `done` of the shortest windows.
     pub fn piece(&self, done: u64, now: f64) -> ScheduleStep {
         let together = self.together(done);
         let to_sample = (self.windows_per_sample - done % self.windows_per_sample) / together;
         let Some(every) = self.instants else { return ScheduleStep::Windows(to_sample) };
         let (window, end) = (self.window * together as f64, (done + together) as f64 * self.window);
         let number = ((now + self.rounding()) / every).floor() + 1.0;
-        // the quotient rounds too
+        // the quotient may have been rounded down to the present instant
         let mut number = if number * every <= now + self.rounding() { number + 1.0 } else { number };
         if now > done as f64 * self.window + self.rounding() {
             let instant = number * every;
@@ -202,7 +205,7 @@ impl Schedule {
             if windows > to_sample as f64 - 1e-6 {
                 return ScheduleStep::Windows(to_sample);
             }
-            // an instant at the end of a window needs no cut
+            // an instant at the end of a window does not divide a window
             if (windows - windows.round()).abs() * window > self.rounding() {
                 return if windows < 1.0 {
                     ScheduleStep::ToInstant(instant)
@@ -214,7 +217,7 @@ impl Schedule {
         }
     }
 
-    /// True if instants fall within windows, which are then cut there.
+    /// True if instants fall within windows, which are then divided.
     pub fn is_cut(&self) -> bool {
         let windows = self.instants.map_or(1.0, |every| every / self.longest());
         (windows - windows.round()).abs() > 1e-6 * windows.max(1.0) || windows.round() < 1.0
@@ -223,45 +226,45 @@ impl Schedule {
 
 /// Time scales that determine the splitting error of drag.
 ///
-/// Kicks at the ends of a window replace the drag along it. Four quantities change meanwhile, and the error of each
-/// is of second order in the window h (Strang 1968, SIAM J. Numer. Anal. 5, 506; the factors are those of the
+/// The drag along a window is replaced by kicks at its ends. Four quantities change within the window, and the error of
+/// each is of second order in the window h (Strang 1968, SIAM J. Numer. Anal. 5, 506; the factors are those of the
 /// trapezoidal rule):
-/// * the slip, by drag itself: (h/τ)²/24 of a velocity. The time is the response time τ of the start or the
-///   relaxation time τ_l of the later slip, whichever is shorter;
-/// * the speed of a fall from rest, from gravity and drag together: h² (1/τ_l - 1/τ_0)/(12 t) of the speed reached
-///   after the time t. τ_l is the relaxation time at that speed and τ_0 the one at rest;
-/// * the velocity, by collisions at a rate ν: their instants within the window are random, which adds ν τ (h/τ)²/24
-///   to the agitation, relative to it;
-/// * the gas velocity, by motion across its profile: σ² h² u'/(6 L_y) of the mean velocity, with u' the gradient at
-///   the walls.
+/// * the slip velocity, by drag itself: (h/τ)²/24 of a velocity. The time τ is the response time at the start or the
+/// relaxation time τ_l of the later slip, whichever is shorter;
+/// * the speed of a fall from rest, by gravity and drag together: h² (1/τ_l - 1/τ_0)/(12 t) of the speed reached after
+/// the time t. τ_l is the relaxation time at that speed and τ_0 the one at rest;
+/// * the velocity, by collisions at a rate ν: their instants within the window are random, which adds the share ν τ
+/// (h/τ)²/24 to the agitation;
+/// * the gas velocity at the particle, by motion across the profile: σ² h² u'/(6 L_y) of the mean velocity, with u' the
+/// gradient at the walls.
 ///
-/// For the fall the rate of change of the speed is g - D(w). The error is at most h² g ((D'² - D D'')/24 + g D''/12),
-/// from the double commutators of Strang's splitting. Where drag carries the weight, the relative error of the speed
-/// is then less than (h D')²/24. Before, the last term dominates. Its integral over the fall, with D = 0 and w = g t,
-/// is the second error.
+/// For the fall the rate of change of the speed is g - D(w), with D the deceleration by drag. The error is at most h² g
+/// ((D'² - D D'')/24 + g D''/12), from the double commutators of Strang's splitting. Once drag carries the weight, the
+/// relative error of the speed is less than (h D')²/24. Before that, the last term dominates. Its integral over the
+/// fall, with D = 0 and w = g t, is the second error.
 #[derive(Clone, Copy, Debug)]
 struct DragScales {
-    /// [s] response time τ at the initial slip or at the slip that gravity brings, whichever is greater.
+    /// [s] response time τ at the initial slip speed or at the slip speed that gravity causes, whichever is greater.
     response: f64,
-    /// [s] relaxation time τ_l at the slip that gravity brings.
+    /// [s] relaxation time τ_l at the slip speed that gravity causes.
     relaxation: f64,
     /// [s²] t/(1/τ_l - 1/τ_0) of the fall; infinite without a fall, or where drag is linear.
     fall: f64,
-    /// [1/s] collisions of a particle per time, ν.
+    /// [1/s] collision rate ν of a particle.
     rate: f64,
-    /// [1/s²] σ² u'/(L_y U): agitation times gradient over the height and the velocity of the gas.
+    /// [1/s²] σ² u'/(L_y U): agitation times gradient, over the height and over the velocity of the gas.
     crossing: f64,
 }
 
 impl DragScales {
-    /// Time scales for the particles of a population; if they differ in size, for the smallest and for those of the
-    /// mean volume.
+    /// Time scales for the particles of a population. If these differ in size, the scales are those of the smallest
+    /// particles and of particles of the mean volume.
     fn of(experiment: &Experiment, population: &Population) -> Vec<Self> {
         let (velocity, fluctuation) = motion(population);
         let scene = &experiment.scene;
         let Some(fluid) = &scene.fluid else { return Vec::new() };
         let gas = fluid.profile.velocity(0.5 * scene.domain.size.y);
-        // slip of the mean velocity, or of one particle if the particles fly in all directions
+        // slip speed of the mean velocity, or of one particle if particles fly in all directions
         let slip = (velocity - Vector3::new(0.0, 0.0, gas)).norm().max(3.0_f64.sqrt() * fluctuation);
         let species = &scene.species[population.species as usize];
         let smallest = species.sizes.is_some().then(|| species.of_one_size(species.smallest()));
@@ -269,7 +272,7 @@ impl DragScales {
         sizes.filter_map(|species| Self::at(experiment, species, [slip, fluctuation])).collect()
     }
 
-    /// Time scales for spheres of a species, at a slip and with a fluctuation of each component [m/s].
+    /// Time scales for spheres of a species at a slip speed [m/s] and a fluctuation of each velocity component [m/s].
     fn at(experiment: &Experiment, species: &Species, [slip, fluctuation]: [f64; 2]) -> Option<Self> {
         let scene = &experiment.scene;
         let fluid = scene.fluid.as_ref()?;
@@ -285,8 +288,8 @@ impl DragScales {
         let fall = if falling > 0.0 && steeper > 0.0 { falling / gravity / steeper } else { f64::INFINITY };
         let count: usize = experiment.count();
         let density = count as f64 / scene.domain.volume();
-        // agitation that a start without agitation is expected to reach; for falling bodies an equal share of their
-        // speed
+        // agitation that is expected to develop from a start without agitation; for falling bodies, an equal share of
+        // their speed
         let kept_up = if count < 2 { 0.0 } else { AGITATION * gas.abs().max(falling) };
         let agitation = fluctuation.max(kept_up);
         // Chapman & Cowling 1970, 5.21: 4 n d² sqrt(π T), T the variance of a component
@@ -296,24 +299,25 @@ impl DragScales {
         Some(Self { response: law.response_time(&sphere, slip.max(falling)), relaxation, fall, rate, crossing })
     }
 
-    /// [s] longest window with all four errors within their limits.
+    /// [s] longest window for which all four errors are within their limits.
     fn longest_window(&self) -> f64 {
         let alone = (24.0 * SPLITTING_ALONE).sqrt() * self.response.min(self.relaxation);
         let fall = (12.0 * SPLITTING_ALONE * self.fall).sqrt();
         let agitation = (24.0 * SPLITTING / (1.0 + self.rate * self.response)).sqrt() * self.response;
         let crossing = (6.0 * SPLITTING / self.crossing).sqrt();
-        // 0/0 for a gas at rest sets no limit
+        // 0/0, which occurs in a gas at rest, sets no limit
         [fall, agitation, crossing].into_iter().fold(alone, f64::min)
     }
 }
 
-/// Upper limit of the speed of particles of one species in still air, from drag alone.
+/// Upper limit of the speed of particles of one species in still gas, by drag alone. It determines how windows may
+/// grow.
 ///
-/// The root mean square speed R falls by drag at least as fast as the speed of one sphere that starts with R. The
+/// By drag, the root mean square speed R falls at least as fast as the speed of one sphere that starts with R. The
 /// reason is that the power of drag, m w²/τ(w), is a convex function of w² for any law whose 1/τ grows with w. So its
-/// mean is at least the value at R (Jensen's inequality). Collisions and walls at rest give no energy. Gravity adds
-/// at most the speed of a fall from rest. Drag grows at least as fast as w, so the sum of a decay and of a fall grows
-/// at least as fast as dR/dt <= g - R/τ(R) allows.
+/// mean is at least the value at R (Jensen's inequality). Collisions and walls at rest add no energy. Gravity adds at
+/// most the speed of a fall from rest. Drag grows at least as fast as w. So the sum of a decay and of a fall is an
+/// upper limit: it grows at least as fast as dR/dt <= g - R/τ(R) allows.
 struct Slowing<'a> {
     experiment: &'a Experiment,
     /// [m/s] root mean square speed R at the start.
@@ -321,7 +325,7 @@ struct Slowing<'a> {
 }
 
 impl<'a> Slowing<'a> {
-    /// `None` where another gas, several species or a start without speed make the limit useless.
+    /// Limit for an experiment; `None` if a moving gas, several species or a start without speed make it useless.
     fn of(experiment: &'a Experiment) -> Option<Self> {
         let fluid = experiment.scene.fluid.as_ref().filter(|fluid| fluid.drag.is_some())?;
         let still = matches!(fluid.profile, Profile::Uniform(0.0));
@@ -335,7 +339,7 @@ impl<'a> Slowing<'a> {
         (still && of_one_kind && speed > 0.0).then_some(Self { experiment, speed })
     }
 
-    /// [s] longest window allowed at a time [s]; it grows with the time.
+    /// [s] longest window allowed at a time [s] of the run; it grows with time.
     fn longest_window(&self, time: f64) -> f64 {
         let Self { experiment, speed } = self;
         let (scene, gravity) = (&experiment.scene, experiment.scene.gravity.norm());
@@ -350,7 +354,7 @@ impl<'a> Slowing<'a> {
     }
 }
 
-/// [1/s] collisions of each particle in an elastic gas without driving, at its constant agitation; 0 for all other
+/// [1/s] collision rate of each particle in an elastic gas without driving, at its constant agitation; 0 for all other
 /// scenes.
 fn steady_rate(experiment: &Experiment) -> f64 {
     let scene = &experiment.scene;
@@ -364,12 +368,12 @@ fn steady_rate(experiment: &Experiment) -> f64 {
         let agitation = motion(population).1;
         own as f64 / count * scene.species[usize::from(population.species)].diameter.powi(2) * agitation
     });
-    // Chapman & Cowling 1970, 5.21, as in `Drag::at`
+    // Chapman & Cowling 1970, 5.21, as in `DragScales::at`
     4.0 * count / scene.domain.volume() * PI.sqrt() * each.sum::<f64>()
 }
 
-/// Gives variants with different sample times common instants, at which their windows are cut: curves and paths are
-/// compared at these common instants.
+/// Sets common instants at which the windows of all variants are divided, if their sample times differ. Curves and
+/// paths are compared at these instants.
 pub fn align(experiments: &mut [&mut Experiment]) {
     let intervals: Vec<f64> = experiments.iter().map(|one| Schedule::new(one).interval()).collect();
     let durations = experiments.iter().map(|one| one.run.duration);
@@ -381,13 +385,13 @@ pub fn align(experiments: &mut [&mut Experiment]) {
     let few = experiments.iter().all(|one| one.count() <= MOST_FOLLOWED);
     let wanted = longest / if few { ROWS_OF_FEW } else { ROWS };
     for one in experiments {
-        // if instants are asked for already, a whole number of the common ones makes their interval
+        // if instants are requested already, their interval becomes a whole number of the common intervals
         let parts = one.run.instants.map(|every| every / (every / wanted - 1e-9).ceil().max(1.0));
         one.run.instants = Some(parts.unwrap_or(wanted));
     }
 }
 
-/// [m/s] mean velocity and rms fluctuation of a component.
+/// [m/s] mean velocity of a population, and root mean square fluctuation of a velocity component.
 fn motion(population: &Population) -> (Vector3<f64>, f64) {
     let Amount::Placed(placed) = &population.amount else {
         return (population.velocity_mean, population.mean_fluctuation());
@@ -398,8 +402,7 @@ fn motion(population: &Population) -> (Vector3<f64>, f64) {
     (mean, (square / 3.0).sqrt())
 }
 
-/// [1/s] gradient of the gas profile where a sphere with this radius [m] touches the lower or the upper side of the
-/// box.
+/// [1/s] gradient of the gas profile where a sphere with this radius [m] touches the lower or upper side of the box.
 fn wall_gradient(profile: &Profile, radius: f64, height: f64) -> f64 {
     let [low, high] = profile.between(height);
     let steep = |near: f64, far: f64| (profile.velocity(far) - profile.velocity(near)).abs() / radius;

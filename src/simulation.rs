@@ -1,7 +1,8 @@
-//! The loop over windows: drag half-kick, engine, drag half-kick, samples.
+//! The loop over windows: drag half-kick, engine, drag half-kick, samples. A window is the time between two exchanges
+//! of momentum with the gas.
 //!
-//! Drag is a slow, smooth force, so it is split off (Strang): second order in the window. Each kick is the exact flow
-//! of the drag law with constant gas velocity, so the two half-kicks between two samples are one whole kick.
+//! Drag is a slow, smooth force, so it is split off (Strang); the error is of second order in the window. Each kick is
+//! the exact solution of the drag law for constant gas velocity. So two successive half-kicks equal one whole kick.
 
 mod contacts;
 mod engines;
@@ -34,11 +35,11 @@ use share::{GatheredParticles, Order, SharedSimulation};
 use std::time::Duration;
 use totals::SimulationTotals;
 
-/// Number of particles from which a table of the drag law pays. It takes the time of some dozen kicks of so many
-/// particles, and a run makes hundreds.
+/// Smallest number of particles for which the drag law is tabulated. Making the table takes as long as some dozen kicks
+/// of that many particles, and a run makes hundreds of kicks.
 const TABULATE: usize = 1000;
 
-/// A simulation of one variant.
+/// A simulation of one variant: the particles, the engine that moves them, and the records of the run.
 ///
 /// ```
 /// # use diptych::{Domain, Hard, Particles, Scene, Simulation, Species, Surface, Vector3};
@@ -77,28 +78,28 @@ pub struct Simulation {
     scene: Scene,
     engine: SimulationEngine,
     spheres: Vec<Sphere>,
-    /// The kicks used last: half a window and a whole one.
+    /// The kicks used last: for half a window and for a whole window.
     kicks: Vec<Kick>,
-    /// Sums over all particles.
+    /// Sums over all particles of all processes.
     totals: SimulationTotals,
-    /// [kg m/s] momentum that walls have given to all particles since the start.
+    /// [kg m/s] momentum that walls have given to the particles of all processes since the start.
     by_walls: Vector3<f64>,
-    /// Connection to the processes that share the run, if any do.
+    /// Connection to the processes that share the run; `None` if there are none.
     share: Option<SharedSimulation>,
-    /// The gathered particles of all processes, which the lead process sees.
+    /// Description of the particles gathered from all processes, which replace those of the lead process.
     shown: Option<GatheredParticles>,
-    /// True if the drag of the last window has been applied completely, so that velocities and positions are at one
+    /// True if the drag of the last window has been applied completely, so that velocities and positions belong to one
     /// time.
     half_kicked: bool,
-    /// Failure for a soft time step that must not run.
+    /// Failure to be returned because the soft time step is not allowed.
     refused: Option<Failure>,
-    /// Limit of the energy growth by the scheme itself (soft).
+    /// Limit of the energy growth that the soft scheme itself may cause.
     bound: Option<Bound>,
-    /// [J] elastic energy of the start, as long as the engine has not processed it (soft).
+    /// [J] elastic energy at the start, until the engine has processed the start (soft).
     unseen: Option<f64>,
 }
 
-/// Time spent in each part, by the given clock; zero without a clock.
+/// Wall time spent in each part of a simulation, by the given clock; zero without a clock.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SimulationTimes {
     /// Time spent in the engine.
@@ -107,7 +108,7 @@ pub struct SimulationTimes {
     pub drag: Duration,
     /// Time spent in observers.
     pub observers: Duration,
-    /// Time from the start to the end of a run, everything included.
+    /// Time from the start to the end of a run, all parts included.
     pub whole: Duration,
 }
 
@@ -124,13 +125,13 @@ impl Simulation {
         Self::of(experiment, particles, None)
     }
 
-    /// A simulation of particles of which other processes may have a part.
+    /// A simulation of particles, of which other processes may hold a part.
     fn of(experiment: &Experiment, particles: Particles, others: Option<&dyn Communicator>) -> Self {
         let sample = Sample::part(&particles, others);
         let totals = SimulationTotals::of(&sample);
         let (engine, step) = (engine(experiment, totals.count), soft_step(experiment, totals.count));
         let soft = experiment.model().has_contacts() && may_touch(experiment, totals.count);
-        // a contact that does not end by itself gives no step: then a step is at most the whole run
+        // a contact that does not end gives no limit: the step is then at most the whole run
         let step = step.min(experiment.run.duration);
         let may_run = experiment.soft.allow_unstable || experiment.soft.integrator == Integrator::Rk2;
         let broken = if soft { broken_contract(experiment, totals.count) } else { None };
@@ -140,8 +141,8 @@ impl Simulation {
         Self { refused, bound, unseen, ..Self::with_totals(experiment.scene.clone(), particles, totals, engine) }
     }
 
-    /// A simulation as in [`new`](Self::new), with an engine of the calling program. If processes share it, the lead moves
-    /// all particles.
+    /// A simulation as in [`new`](Self::new), with an engine of the calling program. If processes share it, the lead
+    /// process moves all particles.
     pub fn with_engine(scene: Scene, particles: Particles, engine: Box<dyn Engine>) -> Self {
         let totals = SimulationTotals::of(&Sample::from(&particles));
         Self::with_totals(scene, particles, totals, SimulationEngine::Single(engine))
@@ -195,24 +196,24 @@ impl Simulation {
         self.clock.clone()
     }
 
-    /// Runs `windows` windows of `window` [s] each; at the end velocities and positions are at one time.
+    /// Runs `windows` windows of `window` [s] each. At the end, velocities and positions belong to one time.
     ///
     /// # Errors
-    /// The engine's failure, an escape, a soft step beyond its scheme's stability, or an energy that grew beyond what
-    /// the scheme explains. The state is then the one at which the failure was detected.
+    /// The engine's failure, an escape, an unstable soft time step, or an energy that grew beyond what the scheme
+    /// explains. The state is then the one at which the failure was detected.
     pub fn run(&mut self, windows: u64, window: f64) -> Result<(), Failure> {
         let result = self.run_while(windows, window, &mut |_, _| true).map(drop);
         self.show(1);
         result
     }
 
-    /// Runs windows as [`run`](Self::run) for as long as `go_on` returns true, and returns the number of windows
-    /// done. `go_on` is called at the end of every window but the last, with the number of windows that this call has
-    /// done. A run that was stopped can be continued for the remaining windows, here or from a
-    /// [`snapshot`](Self::snapshot), with identical bits.
+    /// Runs windows as [`run`](Self::run) for as long as `go_on` returns true, and returns the number of windows done.
+    /// `go_on` is called at the end of every window but the last, with the number of windows done in this call. A
+    /// stopped run can be continued for the remaining windows, here or from a [`snapshot`](Self::snapshot), with
+    /// identical bits.
     ///
-    /// If processes share the run, each has its own part of the particles when `go_on` is called and after the run.
-    /// [`show`](Self::show) brings the parts together, and [`sample`](Self::sample) makes sums over all.
+    /// If processes share the run, each may hold only its part of the particles when `go_on` is called and after the
+    /// run. [`show`](Self::show) brings the parts together, and [`sample`](Self::sample) makes sums over all particles.
     ///
     /// When `go_on` is called, and after a run that was stopped, velocities lack a half-kick of drag.
     /// [`look`](Self::look) and [`settle`](Self::settle) apply it.
@@ -231,7 +232,7 @@ impl Simulation {
         if let Some(failure) = &self.refused {
             return Err(failure.clone());
         }
-        // half-kicks in a row are one kick: the flow of drag alone is exact
+        // successive half-kicks are one kick, because the solution for drag alone is exact
         self.hide();
         self.kick(if self.half_kicked { 0.5 * window } else { window });
         self.half_kicked = true;
@@ -249,8 +250,8 @@ impl Simulation {
         Ok(windows)
     }
 
-    /// Applies the half-kick of drag that velocities lack after a run of windows of `window` [s] was stopped, if the
-    /// run is not to be continued.
+    /// Applies the half-kick of drag that velocities lack after a run of windows of `window` [s] was stopped. It is for
+    /// a run that is not to be continued.
     pub fn settle(&mut self, window: f64) {
         if !self.half_kicked {
             self.hide();
@@ -269,15 +270,15 @@ impl Simulation {
         in_order(self.particles.clone(), &self.scene)
     }
 
-    /// Replaces the particles by the [`state`](Self::state) without a copy. For a simulation that is over, because
-    /// the engine keeps particles in an order of its own.
+    /// Replaces the particles by the [`state`](Self::state) without a copy. It is for a simulation that is over,
+    /// because the engine requires its own order of the particles.
     pub fn end(&mut self) {
-        // free the engine's memory before the particles are copied
+        // the engine's memory is freed before the particles are copied
         self.engine.forget();
         self.particles = in_order(std::mem::take(&mut self.particles), &self.scene);
     }
 
-    /// [m/s] momentum over mass of all particles, from their sums since the start; 0 without particles.
+    /// [m/s] momentum of all particles over their mass, from sums kept since the start; 0 without particles.
     pub fn mean_velocity(&self) -> Vector3<f64> {
         if self.totals.mass > 0.0 { self.totals.momentum / self.totals.mass } else { Vector3::zeros() }
     }
@@ -297,7 +298,8 @@ impl Simulation {
         self.totals.mean_radius
     }
 
-    /// Indices of the particles that islands moved last; `None` if all were moved at once.
+    /// Indices of the particles that islands (groups of particles that may meet) moved last; `None` if all particles
+    /// were moved at once.
     pub fn in_islands(&self) -> Option<&[u32]> {
         self.engine.in_islands()
     }
@@ -324,10 +326,10 @@ impl Simulation {
         );
         self.spent.engine += self.clock.now() - began;
         self.unseen = None;
-        // a failure leaves the state of its instant: the ledger ends there too
+        // after a failure the state is that of its instant, so the ledger also ends at this instant
         let reached = result.as_ref().map_or_else(|why| (why.time() - self.time).clamp(0.0, window), |()| window);
-        // Gravity works on the momentum. The momentum that particles exchange cancels; the engine books what walls
-        // give to the window's end.
+        // The work of gravity is computed from the momentum of all particles. Momentum exchanged between particles
+        // cancels; momentum from walls is recorded as if given at the end of the window.
         let given = self.given_by_walls();
         let by_walls = given - std::mem::replace(&mut self.by_walls, given);
         self.time += reached;
@@ -347,9 +349,9 @@ impl Simulation {
         result
     }
 
-    /// Shows the state during a run, with the missing half-kick of drag, `kick` [s], applied to the velocities.
-    /// Afterwards it restores the velocities, so that the next kick is a whole one and rounding does not depend on
-    /// the look. If each process has a part of the particles, all do so.
+    /// Calls `show` during a run, with the missing half-kick of drag, `kick` [s], applied to the velocities. Afterwards
+    /// the velocities are restored, so that the next kick is a whole one and rounding does not depend on this call. If
+    /// each process has a part of the particles, all processes do so.
     pub fn look<T>(&mut self, kick: f64, show: impl FnOnce(&mut Self) -> T) -> T {
         let dragged = self.scene.fluid.as_ref().is_some_and(|fluid| fluid.drag.is_some());
         let kept = dragged.then(|| {
@@ -408,16 +410,16 @@ impl Simulation {
         self.spent.drag += self.clock.now() - began;
     }
 
-    /// Checks that all particles are inside the domain and have no more energy than they may.
+    /// Checks that all particles are inside the domain and that their energy is within its limit.
     fn check(&mut self) -> Result<(), Failure> {
-        // also for a part of a window before all particles were moved at once
+        // this also checks part of a window, before all particles are moved at once
         self.order(&Order::Check);
         self.collect_records();
         if let Some(bound) = &self.bound {
-            // energy comes first: it is the cause if particles were thrown out
+            // energy is checked first, since excess energy is the cause if particles left the domain
             let uniform = self.counters().uniform_steps > 0;
             let (energy, elastic) = (self.energy(), self.engine.elastic_energy());
-            // the lead process has the records of all
+            // only the lead process has the records of all processes
             if !self.is_follower() {
                 bound.check(self.time, uniform, energy, elastic, &self.record)?;
             }
@@ -454,7 +456,7 @@ pub fn kick(particles: &mut Particles, profile: &Profile, kick: &Kick) -> [Exact
 type Dragged<'a> = (&'a [Vector3<f64>], (&'a [f64], (&'a [u16], &'a [f64])));
 
 /// Applies [`kick`] on one thread, in three short loops over some particles at a time. Each loop does little per
-/// particle, so that the processor works on several at once instead of waiting for one long chain of results.
+/// particle, so that the processor works on several particles at once instead of waiting for one long chain of results.
 fn kick_chunk(
     velocity: &mut [Vector3<f64>],
     (position, (mass, (species, radius))): Dragged,

@@ -1,14 +1,14 @@
-//! Averages from blocks of time, and what a comparison makes of them where the answer is known.
+//! Averages over blocks of time, and comparisons of such averages for which the right answer is known.
 
 use diptych::statistics::{Answer, Batches, Comparison, ErrorLevels, Observable, Parity, compare};
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-/// Slices of a profile.
+/// Number of slices of a profile.
 const SLICES: usize = 20;
 
-/// Samples of a series, and blocks that become of them.
+/// Number of samples of a series, from which blocks are made.
 const SAMPLES: usize = 480;
 const BLOCKS: usize = 20;
 
@@ -26,14 +26,14 @@ fn profile(name: &'static str, parity: Parity, parts: Vec<Option<Batches>>) -> O
     Observable { name: name.into(), unit: "", places, parity, fixed_mean: false, scale: 10.0, scale_is: "10", parts }
 }
 
-/// A profile about 10 of independent slices, each with a shift; every mean over the run has the error 0.046.
+/// A profile of independent slices about 10, each with a shift. Each mean over the run has the error 0.046.
 fn shifted(shift: impl Fn(usize) -> f64, random: &mut Xoshiro256PlusPlus) -> Observable {
     let part = |slice: usize| Batches::of_series(&white(10.0 + shift(slice), random), 1.0, 0.0);
     let parts = (0..SLICES).map(part).collect();
     profile("U", Parity::Even, parts)
 }
 
-/// A shifted profile against one that is not.
+/// Compares a shifted profile with one that is not shifted.
 fn against(shift: impl Fn(usize) -> f64, margin: f64, seed: u64) -> Comparison {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
     let a = shifted(shift, &mut random);
@@ -47,7 +47,8 @@ fn blocks_are_means_in_the_order_of_time_and_end_where_they_are_cut() {
     let batches = Batches::of_series(&samples, 0.5, 3.0).unwrap();
     assert_eq!((batches.count(), batches.per_run, batches.from, batches.length), (21, 21, 3.5, 1.0));
     assert_eq!((batches.values[0], batches.blocks[0][0], batches.blocks[0][20]), (21.0, 1.5, 41.5));
-    // the last samples of blocks are at 4 s, 5 s, ...: by 8.6 s five blocks are whole, and by 24 s, the time of the last sample, all
+    // the last samples of blocks are at 4 s, 5 s, ...: by 8.6 s five blocks are complete, and by 24 s, the time of the
+    // last sample, all
     let cut = batches.until(8.6);
     assert_eq!(batches.until(24.0), batches);
     assert_eq!(batches.until(9.0).count(), 6);
@@ -96,14 +97,15 @@ fn a_difference_within_the_margin_is_found_and_equivalent() {
         let one = &comparison.judged[0];
         assert!(one.detected && one.answer == Answer::Equivalent && comparison.answer == Answer::Equivalent, "{one:?}");
         assert!((0.03..0.06).contains(&one.reached), "{}", one.reached);
-        // the same is different within 2 %
+        // but within a margin of 2 % this difference is found
         assert_eq!(against(|_| 0.3, 0.02, seed).answer, Answer::Different);
     }
 }
 
 #[test]
 fn a_difference_at_the_walls_alone_must_be_within_the_margin_there() {
-    // three polynomials follow a step in the outermost slices to some nine tenths: their sum is within 1.95, the slice is not
+    // three polynomials reproduce about nine tenths of a step in the outermost slices: their sum is within 1.95, the
+    // slice is not
     for seed in 0..20 {
         let wall = |slice: usize| if slice == 0 || slice == SLICES - 1 { 2.0 } else { 0.0 };
         let comparison = against(wall, 0.195, seed);
@@ -122,7 +124,7 @@ fn what_has_no_errors_keeps_the_answer_open() {
     let [a, b] = [0, 1].map(|_| shifted(|_| 0.0, &mut random));
     let blind = |seed: u64| {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
-        // seven samples: no error
+        // seven samples are too few for an error
         let part = || Batches::of_series(&[normal(&mut random); 7], 1.0, 0.0);
         profile("uu", Parity::Even, std::iter::repeat_with(part).take(SLICES).collect())
     };
@@ -133,13 +135,15 @@ fn what_has_no_errors_keeps_the_answer_open() {
     assert_eq!(compare(&[], &[], 0.1, ErrorLevels::default()).answer, Answer::Unresolved);
 }
 
-/// What a report says that these runs could have found, and how much longer they should be, is so in 80 % of cases.
+/// The smallest difference that a report says would be found, and the recommended length of a run, are right in 80 % of
+/// cases.
 #[test]
 fn what_could_be_seen_and_what_would_do_is_said_rightly() {
     let pairs = 200;
     let usual = |seed: u64| against(|_| 0.0, 0.01, seed).judged[0].clone();
     let equal: Vec<_> = (0..pairs).map(usual).collect();
-    // two runs `stretch` times as long have errors that are smaller by its root: as if the margin were larger by it
+    // two runs `stretch` times as long have errors smaller by sqrt(stretch), which is equivalent to a margin larger by
+    // it
     let enough = (0..pairs).filter(|&seed| {
         let one = &equal[seed as usize];
         against(|_| 0.0, 0.01 * one.stretch.sqrt(), seed).answer == Answer::Equivalent
@@ -148,12 +152,13 @@ fn what_could_be_seen_and_what_would_do_is_said_rightly() {
     let seen = equal.iter().map(|one| one.detectable * 10.0).sum::<f64>() / equal.len() as f64;
     let found = (0..pairs).filter(|&seed| against(|_| seen, 0.01, seed).judged[0].detected).count();
     println!("{enough} of {pairs} are equivalent as foretold; a shift of {seen:.3} is found in {found}");
-    // 80 % of 200 is 160, with a scatter of 6; the widest place counts, so that the first is more often right
+    // 80 % of 200 is 160, with a scatter of 6; the position with the largest error counts, so the length is enough more
+    // often
     assert!((150..=196).contains(&enough), "{enough}");
     assert!((140..=185).contains(&found), "{found}");
 }
 
-/// Chance found by hand or another program, to the digits that it printed.
+/// Compares a probability with one found by hand or by another program, to its printed digits.
 #[track_caller]
 fn same_chance(found: f64, expected: f64) {
     assert!((found / expected - 1.0).abs() < 1e-9, "{found:e} {expected:e}");
@@ -183,8 +188,8 @@ fn independent_runs_are_tested_as_the_textbooks_say() {
         ]),
     );
     let found = compare(&[a], &[b], 0.01, ErrorLevels::default()).judged.remove(0).tested;
-    // Welch's t of the mean and of the middle place, and Hotelling's T² of the three places with the degrees of freedom of
-    // Yao (1965), computed with scipy 1.16 (ttest_ind, cov, f.sf)
+    // Welch's t of the mean and of the middle position, and Hotelling's T² of the three positions with the degrees of
+    // freedom of Yao (1965), computed with scipy 1.16 (ttest_ind, cov, f.sf)
     same_chance(found.mean.unwrap().chance(), 0.217_170_278_009_472_48);
     assert!((found.mean.unwrap().freedom - 15.665_942_542_828_102).abs() < 1e-9);
     assert_eq!(found.largest.unwrap().place, Some(0.0));

@@ -1,4 +1,4 @@
-//! Walls that are not planes along an axis: bodies through parry, tilted planes.
+//! Walls that are not planes along an axis: bodies of the library parry, and tilted planes.
 
 use crate::support::*;
 use diptych::case::Case;
@@ -16,7 +16,7 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 use std::f64::consts::PI;
 use std::path::Path;
 
-/// An obstacle in a wide box, its surface perfectly smooth and of restitution e.
+/// A scene with an obstacle in a wide box. Its surface is frictionless and has the restitution e.
 fn obstacle(obstacle: Obstacle, e: f64) -> Scene {
     let mut scene = empty([20.0; 3], [false; 3], unit(), surface(1.0, 0.0));
     scene.walls = vec![Wall::new(WallGeometry::Obstacle(obstacle), surface(e, 0.0))];
@@ -25,13 +25,13 @@ fn obstacle(obstacle: Obstacle, e: f64) -> Scene {
 
 #[test]
 fn bounces_off_bodies() {
-    // v' = v - (1+e)(v.n) n at the point of touch, with v of one across and 0.2 along the surface
+    // v' = v - (1+e)(v.n) n at the point of touch, with v made of 1 against the normal and 0.2 along the surface
     let e = 0.8;
     for (body, touch, n, curvature) in touches() {
         let scene = obstacle(body, e);
         let across = if n.x.abs() < 0.9 { Vector3::x() } else { Vector3::z() };
         let across = (across - n * n.dot(&across)).normalize();
-        // the sphere of radius 1/2 touches at that point at t = 1
+        // the sphere of radius 1/2 touches the body at this point at t = 1
         let v = -1.0 * n + 0.2 * across;
         let start = touch + 0.5 * n - v;
         let want = v - (1.0 + e) * v.dot(&n) * n;
@@ -46,15 +46,16 @@ fn bounces_off_bodies() {
             end.particles.position[0]
         };
         for windows in [1, 7] {
-            // Places of some 10 are known to 10 ε, a normal to that over the radius of curvature, the speed to (1+e) times the normal; ten
-            // operations or so.
+            // Positions of about 10 are known to 10 ε, a normal to that over the radius of curvature, the speed to
+            // (1+e) times the error of the normal; about ten operations.
             let rounding = 10.0 * 10.0 * f64::EPSILON * (1.0 + (1.0 + e) * curvature);
             let place = check("hard", hard(), windows, rounding);
             assert!((place - (touch + 0.5 * n + want)).norm() < 2.0 * rounding);
         }
-        // Soft: the normal turns by the way along the surface during a contact over the radius of curvature, and with it at most the whole
-        // change of velocity; turning adds as much to the way. With ω_0 Δt = x, uniform stepping sees the beginning late by up to a step,
-        // which adds x² to the energy, and the end, until which the dashpot pulls at a rate of 2 γ. Local stepping misses x⁴/120 π.
+        // Soft spheres: during a contact the normal turns by the path along the surface over the radius of curvature,
+        // and the change of velocity turns at most with it; this turning adds as much to the path. With ω_0 Δt = x,
+        // uniform stepping detects the beginning late by up to a step, which adds x² to the energy. It also detects the
+        // end late, and until then the dashpot pulls at a rate of 2 γ. Local stepping has the error x⁴/120 π.
         let (law, steps) = (LinearSpring { stiffness: 1e4 }, 200.0);
         let (contact, verlet) = (law.contact_time(1.0, e), Integrator::VelocityVerlet);
         let dt = contact / steps;
@@ -65,8 +66,9 @@ fn bounces_off_bodies() {
     }
 }
 
-/// Bodies with a point at which a sphere of radius 1/2 may touch them, the normal there, and the largest curvature [1/m] of the surface
-/// on which the middle of the sphere is then: the face, edge and corner of a box, the side and cap of a cylinder along each axis.
+/// Bodies with a point at which a sphere of radius 1/2 may touch them, the normal at this point, and the largest
+/// curvature [1/m] of the surface on which the sphere's centre then lies. The points are on the face, edge and corner
+/// of a box, and on the side and cap of a cylinder along each axis.
 fn touches() -> Vec<(Obstacle, Vector3<f64>, Vector3<f64>, f64)> {
     let centre = Vector3::new(10.0, 10.0, 10.0);
     let unit_of = |x: f64, y: f64, z: f64| Vector3::new(x, y, z).normalize();
@@ -116,7 +118,7 @@ fn a_gas_around_a_body_stays_outside_and_keeps_its_energy() {
 
 #[test]
 fn a_tilted_plane_is_a_plane() {
-    // the closed form in the plane's own frame, with gravity; both engines, and both steppings of the soft one
+    // the closed form in the frame of the plane, with gravity; for both engines, and for both steppings of the soft one
     let n = Vector3::new(0.3, 1.0, -0.2).normalize();
     let point = Vector3::new(10.0, 5.0, 10.0);
     let (e, mu) = (0.7, 0.1);
@@ -135,8 +137,9 @@ fn a_tilted_plane_is_a_plane() {
     let (law, verlet) = (LinearSpring { stiffness: 1e6 }, Integrator::VelocityVerlet);
     let contact = law.contact_time(1.0, e);
     let dt = contact / 400.0;
-    // Of the normal impulse (1+e) u: gravity acts on for the time of contact; the beginning and the end are seen late as in `bounces_off_bodies`.
-    // Friction follows the normal force at every instant, and adds the fraction mu of all that.
+    // Errors of the normal impulse (1+e) u: gravity acts during the contact; the beginning and the end are detected
+    // late as in `bounces_off_bodies`. Friction is proportional to the normal force at every instant, and adds the
+    // fraction mu of these errors.
     let (u, x) = (along.abs(), law.angular_frequency(1.0) * dt);
     let local_error = 2.0 * contact + PI * x.powi(4) / 120.0 * u;
     let uniform_error = local_error + (x * x + 2.0 * law.damping(1.0, e) * dt) * u;
@@ -163,7 +166,7 @@ fn the_middle_of_a_body_is_as_deep_as_it_gets() {
         (Obstacle::cylinder(centre, 2, 1.5, 2.5), 1.5),
     ];
     for (body, depth) in bodies {
-        // exactly there, and so near that squares vanish
+        // the middle of the body exactly, and points so near it that squares vanish
         for off in [0.0, 1e-300, 1e-170, 1e-9] {
             let nearest = body.nearest(&(centre + Vector3::new(0.0, off, 0.0)));
             close(&format!("{body:?}"), nearest.distance, -depth, 2e-9);
@@ -191,8 +194,8 @@ fn spheres_in_the_middle_of_a_body_are_refused() {
     }
 }
 
-/// A sphere flies to and fro between a body and its own image, across the periodic side: the windows are longer and shorter than the way to the body, and the parts
-/// that a solver makes of them begin on either side.
+/// A sphere flies to and fro between a body and its periodic image. The windows are longer or shorter than its way to
+/// the body, and the parts into which a solver divides them begin on either side.
 #[test]
 fn bodies_stand_again_across_periodic_sides() {
     let ball = Species { name: "ball".into(), diameter: 0.2, ..unit() };
@@ -215,7 +218,7 @@ fn bodies_stand_again_across_periodic_sides() {
             for (name, engine) in
                 [("hard", hard()), ("islands", islands()), ("uniform", soft_uniform), ("local", soft_local)]
             {
-                // 1.9 to the image at the left, then 8.8 from side to side: the fourth touch after 28.3
+                // first 1.9 to the image on the left, then 8.8 from side to side: the fourth touch is after 28.3
                 let start = placed(&scene, &[([1.0, 2.0, 2.0], [-10.0, 0.0, 0.0])]);
                 let what = format!("{:?}, {name}, {windows} windows", scene.walls[0].geometry);
                 let (simulation, result) = try_run(&scene, start, engine, 3.0, windows);
@@ -228,7 +231,8 @@ fn bodies_stand_again_across_periodic_sides() {
     }
 }
 
-/// A body may stand in a periodic side and in a corner of the box: what happens is what happens in the middle, moved.
+/// A body may lie across a periodic side or a corner of the box. Motion around it is then the shifted motion around a
+/// body in the middle.
 #[test]
 fn a_body_in_a_periodic_side_is_a_body_in_the_middle() {
     let size = 6.0;
@@ -237,7 +241,8 @@ fn a_body_in_a_periodic_side_is_a_body_in_the_middle() {
             0 => WallGeometry::Obstacle(Obstacle::sphere(centre, 1.5)),
             1 => WallGeometry::Obstacle(Obstacle::cuboid(centre, Vector3::new(1.0, 1.5, 2.2))),
             _ => {
-                // wide at one end: of two images that are as far away the wider end is nearer
+                // wide at one end: of two images at equal distance of their centres, the surface of the wider end is
+                // nearer
                 let axle = RoundAxis { center: centre, axis: 0 };
                 WallGeometry::Frustum(Frustum { axle, radii: [1.8, 0.3], half_height: 2.2, solid: true })
             }
@@ -250,7 +255,7 @@ fn a_body_in_a_periodic_side_is_a_body_in_the_middle() {
     for body in 0..3 {
         for centre in [Vector3::new(0.0, 2.0, 3.0), Vector3::new(0.4, 5.9, 0.0)] {
             let (there, here) = (scene_with(centre, body), scene_with(middle, body));
-            // a start that knows of the images
+            // a random start that must avoid the images of the body too
             let start = random(&there, 24, 1.0, 3);
             let seen = Repeated::all(&there.walls, &there.domain);
             for x in &start.position {
@@ -275,7 +280,7 @@ fn a_body_in_a_periodic_side_is_a_body_in_the_middle() {
                 assert_eq!(counts(&found), counts(&want), "{body}, {number}");
                 for (x, y) in found.particles.position.iter().zip(&want.particles.position) {
                     let off = here.domain.separation(&here.domain.wrap(&(x - centre + middle)), &here.domain.wrap(y));
-                    // rounding, which some ten impacts of each make grow
+                    // rounding, which about ten impacts of each sphere amplify
                     assert!(off.norm() < 1e-6, "{body}, {number}: {:e}", off.norm());
                 }
             }
@@ -283,7 +288,7 @@ fn a_body_in_a_periodic_side_is_a_body_in_the_middle() {
     }
 }
 
-/// As [`Obstacle`], of a kind that has no bounds, so that it is asked always.
+/// An [`Obstacle`] of a kind without bounds, so that engines always compute its distance.
 #[derive(Debug)]
 struct Unbound(Obstacle);
 
@@ -297,7 +302,8 @@ impl Geometry for Unbound {
     }
 }
 
-/// Spheres that fall among pins: which pins are asked changes no bit, neither of the start nor of a run.
+/// Spheres that fall among pins. A tree of bounds selects the pins whose distance is computed; start and run must have
+/// the bits of a computation with all pins.
 #[test]
 fn what_is_found_in_a_tree_of_walls_is_what_all_walls_say() {
     let scene_of = |pin: fn(Obstacle) -> WallGeometry| {
@@ -306,7 +312,7 @@ fn what_is_found_in_a_tree_of_walls_is_what_all_walls_say() {
         for k in 0..48u32 {
             let at = |k: u32| 1.5 + 3.0 * f64::from(k);
             let centre = Vector3::new(at(k % 4), at(k / 4 % 4), at(k / 16) + 1.0);
-            // a block fills the box that the tree knows
+            // a block fills the whole box of bounds in the tree
             let body = if k % 2 == 0 {
                 Obstacle::sphere(centre, 0.6)
             } else {
@@ -331,7 +337,7 @@ fn what_is_found_in_a_tree_of_walls_is_what_all_walls_say() {
         || soft(1e4, 1e-3, Integrator::Rk2),
     ];
     for count in [120, 700] {
-        // drawn again and again, and pushed apart
+        // few spheres are drawn again and again, many are pushed apart
         let starts = [&boxed, &asked].map(|scene| random(scene, count, 1.0, 5));
         assert!(starts[0].position == starts[1].position, "{count}");
         let [start, _] = starts;
@@ -341,7 +347,8 @@ fn what_is_found_in_a_tree_of_walls_is_what_all_walls_say() {
             assert_eq!(found.record.walls.count, want.record.walls.count, "{number}");
             assert!(found.particles.position == want.particles.position, "{number}");
         }
-        // what both would miss: the calendar asks no wall that is out of reach, and no hard sphere is ever in a wall; without gravity, in which walls are in reach from afar
+        // A wall that both computations miss would show as an overlap: the calendar tests no wall that is out of reach,
+        // and no hard sphere may ever overlap a wall. Without gravity, walls are in reach from farther away
         for gravity in [boxed.gravity, Vector3::zeros()] {
             let scene = Scene { gravity, ..boxed.clone() };
             let mut simulation = Simulation::with_engine(scene, start.clone(), Box::new(Hard::with_one_calendar()));
@@ -358,7 +365,7 @@ fn what_is_found_in_a_tree_of_walls_is_what_all_walls_say() {
     }
 }
 
-/// Hundreds of pins: those near a place are found in a tree, all that are near and few others, in periodic boxes too.
+/// Among hundreds of pins, the tree finds all that are near a position and few others, in periodic boxes too.
 #[test]
 fn of_many_bodies_only_those_near_by_are_asked() {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(5);

@@ -8,7 +8,7 @@ use diptych::scene::{Scene, Species};
 use diptych::simulation::Simulation;
 use nalgebra::Vector3;
 
-/// A ball of oracle C on a floor, at rest with its centre at `height` [m].
+/// A ball of oracle C above a floor, at rest with its centre at `height` [m].
 fn dropped(species: Species, restitution: f64, height: f64) -> (Scene, Particles) {
     let edge = 4.0 * height;
     let mut scene = empty([edge; 3], [false; 3], species, surface(1.0, 0.0));
@@ -30,8 +30,8 @@ fn apex(simulation: &Simulation) -> f64 {
 
 #[test]
 fn ball_dropped_on_a_soft_floor() {
-    // oracle C1: k, e, end of contact, speed there, deepest overlap, apex; the step divides the time of the fall, so
-    // that the contact begins on a step
+    // oracle C1: k, e, end of contact, speed then, deepest overlap, apex; the step divides the time of the fall, so
+    // that the contact begins at the end of a step
     let fall: f64 = 0.2856173962;
     for (k, e, end, speed, overlap, height) in [
         (1e4, 1.0, 0.39688654, 2.80094984, 0.10373022, 0.5),
@@ -135,10 +135,10 @@ fn a_hard_ball_that_comes_to_rest_is_reported() {
         match result {
             Err(Failure::InelasticCollapse { time, y, .. }) => {
                 println!("window {window}: {time} s, {} bounces", simulation.record.walls.count);
-                // the clock and positions resolve 1e-16: flights below some 1e-8 s are not told apart
+                // times and positions resolve 1e-16: flights shorter than about 1e-8 s cannot be distinguished
                 close("end", time, 5.426730529, 1e-5);
                 close("place", y, 0.1, 1e-12);
-                // the store holds the state of that instant
+                // the particle store contains the state at that instant
                 close("stored place", simulation.particles.position[0].y, 0.1, 1e-12);
                 assert!(simulation.record.walls.count < 2000, "{}", simulation.record.walls.count);
             }
@@ -149,7 +149,7 @@ fn a_hard_ball_that_comes_to_rest_is_reported() {
 
 #[test]
 fn two_stacked_particles_squeezed_between_walls() {
-    // oracle C3: starts in contact everywhere; (y1, v1, y2, v2)
+    // oracle C3: all contacts exist at the start; (y1, v1, y2, v2)
     let build = |e: f64| {
         let species = [20000.0, 10000.0].map(|density| Species {
             name: "C3".into(),
@@ -203,8 +203,8 @@ fn two_stacked_particles_squeezed_between_walls() {
 
 #[test]
 fn stepped_spheres_that_fall_alone_or_side_by_side_have_a_step_limit() {
-    // nothing moves relative to the rest, yet a floor comes nearer: the sphere is deeper than the floor by what it goes in a
-    // step at most, v Δt <= θ d sqrt(3π/4), and its apex is off by no more
+    // Only the floor moves relative to the mean velocity. The sphere overlaps the floor by at most its motion in a
+    // step, v Δt <= θ d sqrt(3π/4), and its apex is off by no more
     let (theta, e, height, d) = (0.01, 0.9, 0.5, 0.2);
     let (scene, alone) = dropped(mfix_ball(), e, height);
     let row = [0.5, 1.0, 1.5].map(|x| ([x, height, 1.0], [0.0; 3]));
@@ -234,19 +234,19 @@ fn stepped_spheres_that_fall_alone_or_side_by_side_have_a_step_limit() {
 
 #[test]
 fn books_of_a_run_that_stops_end_where_it_stops() {
-    // a Zeno series in the middle of a window, and a soft floor that gives way too far
+    // an infinite series of bounces in the middle of a window, and a soft floor with too deep an overlap
     let (scene, ball) = dropped(mfix_ball(), 0.5, 0.5);
     for windows in [1, 7, 300] {
         let (done, result) = try_run(&scene, ball.clone(), hard(), 2.0, windows);
         let Err(why @ Failure::InelasticCollapse { .. }) = result else { panic!("{result:?}") };
-        // falls for t_0, then bounces for 2 t_0 e/(1-e)
+        // the sphere falls for t_0, then bounces for 2 t_0 e/(1-e)
         let fall = (2.0f64 * 0.4 / 9.80665).sqrt();
         close("time", done.time, 3.0 * fall, 1e-6);
         assert_eq!(done.time, why.time());
         let ledger = &done.record.ledger;
         close("work of gravity", ledger.gravity_work, ball.mass[0] * 9.80665 * 0.4, 1e-12);
         assert!(ledger.residual(0.0, done.energy()).abs() < 1e-12 * ledger.gravity_work, "{ledger:?}");
-        // what the wall gives is the weight's impulse, as in the end hardly anything moves
+        // the impulse of the wall equals that of the weight, because at the end hardly anything moves
         close("impulse of gravity", ledger.gravity_impulse.y, -ledger.wall_impulse.y, 1e-6 * ball.mass[0]);
     }
     let dt = 1e-4;
@@ -254,7 +254,7 @@ fn books_of_a_run_that_stops_end_where_it_stops() {
     let Err(why @ Failure::OverlapTooLarge { .. }) = result else { panic!("{result:?}") };
     assert_eq!(done.time, why.time());
     let fallen = 0.5 - done.particles.position[0].y;
-    // the books follow the momentum, whose last step the contact's force is short of
+    // the ledger is computed from the momentum; the last step of the contact force is missing in it
     let force = 100.0 * 0.2 * dt * 9.80665 * done.time;
     close("work of gravity", done.record.ledger.gravity_work, ball.mass[0] * 9.80665 * fallen, 2.0 * force);
 }
@@ -272,15 +272,16 @@ fn hard_spheres_with_a_contact_time_start_at_rest_on_one_another() {
             let (done, result) = try_run(&scene, start.clone(), engine, 3e-3, windows);
             assert_eq!(result, Ok(()), "{count} spheres, e = {e}, {windows} windows");
             let ledger = &done.record.ledger;
-            // each keeps moving by what a sphere rises that leaves the wall at g t_c/4, times the number of those it may add up
+            // each sphere keeps moving by the height to which a sphere rises that leaves the wall at g t_c/4, times the
+            // number of such speeds that may add up
             let rise = g * contact_time * contact_time / 32.0;
             for (x, y) in done.particles.position.iter().zip(&start.position) {
                 assert!(x.y - y.y > -1e-13 && x.y - y.y < 20.0 * count as f64 * rise, "{:e} {rise:e}", x.y - y.y);
             }
-            // the floor carries them: to the momentum that they may have
+            // the floor carries the spheres, to within the momentum that they may have
             let weight = start.mass.iter().sum::<f64>() * g * 3e-3;
             close("impulse", ledger.wall_impulse.y, weight, 0.05 * weight);
-            // momenta are known to rounding of the weight's impulse, energies to that times the speed
+            // momenta are known to the rounding of the weight's impulse, energies to that times the speed
             let rounding = weight * g * contact_time * 1e-9;
             assert!(ledger.residual(0.0, done.energy()).abs() < rounding, "{ledger:?}");
         }

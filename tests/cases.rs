@@ -1,4 +1,4 @@
-//! Every case that comes with the project runs for a few windows, with each engine.
+//! Every case of the project runs for a few windows, with each engine.
 
 use diptych::case::Case;
 use diptych::contact_law::ContactLaw;
@@ -10,7 +10,7 @@ use diptych::schedule::Schedule;
 use diptych::simulation::Simulation;
 use std::path::{Path, PathBuf};
 
-/// As many particles as a run of these tests has, or fewer.
+/// Largest number of particles in a run of these tests.
 const FEW: usize = 500;
 
 fn cases() -> Vec<PathBuf> {
@@ -24,11 +24,12 @@ fn cases() -> Vec<PathBuf> {
     found
 }
 
-/// The same case in a smaller box: periodic sides are shortened, at most to eight diameters, until few particles are left.
+/// Puts the case in a smaller box: periodic sides are shortened, at most to eight diameters, until few particles are
+/// left.
 fn smaller(experiment: &mut Experiment) {
     let (all, scene) = (experiment.count(), &mut experiment.scene);
     let placed = |amount: &Amount| matches!(amount, Amount::Placed(_));
-    // a body stands at its place
+    // a body inside the box has a fixed position
     let bodies = scene.walls.iter().any(|wall| wall.geometry.law().bounds().is_some());
     if all <= FEW || bodies || experiment.start.iter().any(|population| placed(&population.amount)) {
         return;
@@ -49,7 +50,7 @@ fn smaller(experiment: &mut Experiment) {
     }
 }
 
-/// Three windows, none longer than some 20 contacts: soft spheres are stepped through all of it.
+/// Runs three windows, none longer than about 20 contacts, because soft spheres need time steps for all of it.
 fn few_windows(name: &str, experiment: &Experiment) {
     let start = initial_state(experiment).unwrap_or_else(|why| panic!("{name}: {why}"));
     let (count, mut simulation) = (start.len(), Simulation::new(experiment, start));
@@ -73,7 +74,7 @@ fn every_case_runs_with_each_engine() {
     for path in cases() {
         let case = Case::read(&path, &[]).unwrap_or_else(|why| panic!("{}: {why}", path.display()));
         let variants = case.variants(None).unwrap_or_else(|why| panic!("{}: {why}", path.display()));
-        // one variant of each model of its own, and the case itself with the other engines
+        // one variant of each model that the case defines, and the case itself with the other engines
         for model in [Model::Soft, Model::Hard, Model::Hybrid] {
             let own = variants.iter().map(|(experiment, _)| experiment).find(|one| one.model() == model);
             let Some(mut experiment) = own.cloned().or_else(|| other(&variants[0].0, model)) else { continue };
@@ -93,7 +94,7 @@ fn every_case_runs_with_each_engine() {
     assert_eq!(runs, 5 * cases().len());
 }
 
-/// The same with the other model; soft spheres need a contact law.
+/// The case with the other model; `None` if it has no contact law for soft spheres.
 fn other(experiment: &Experiment, model: Model) -> Option<Experiment> {
     let mut experiment = experiment.clone();
     experiment.run.spheres = match model {

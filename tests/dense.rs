@@ -1,4 +1,5 @@
-//! Dense soft scenes: uniform steps against the plainest program that does the same, and the same bits for any number of threads.
+//! Dense soft scenes: uniform steps against the simplest possible program, and identical bits for any number of
+//! threads.
 
 use crate::support::*;
 use diptych::experiment::Integrator;
@@ -9,14 +10,14 @@ use std::f64::consts::PI;
 
 const STIFFNESS: f64 = 1e4;
 
-/// Unit spheres of mass 1 in a periodic cube, e = 0.9 without friction.
+/// Spheres of unit diameter and mass in a periodic cube, e = 0.9, without friction.
 fn crowd(count: usize, fraction: f64) -> (Scene, Particles) {
     let scene = empty([edge(count, 1.0, fraction); 3], [true; 3], unit(), surface(0.9, 0.0));
     let start = random(&scene, count, 1.0, 5);
     (scene, start)
 }
 
-/// Velocity Verlet over all pairs, without lists: the dashpot sees the half-step velocity.
+/// Velocity Verlet over all pairs, without neighbour lists. The dashpot force depends on the half-step velocity.
 fn all_pairs(scene: &Scene, start: &Particles, dt: f64, steps: usize) -> Vec<Vector3<f64>> {
     let (mut x, mut v) = (start.position.clone(), start.velocity.clone());
     let mass = &start.mass;
@@ -78,14 +79,14 @@ fn dense_steps_of_spheres_that_differ_in_restitution_alone_are_those_of_all_pair
     compare_with_all_pairs(&scene, &start);
 }
 
-/// Takes a start through uniform steps, in few windows and in many.
+/// Runs a start in uniform steps, in few windows and in many, and compares with [`all_pairs`].
 fn compare_with_all_pairs(scene: &Scene, start: &Particles) {
-    // a contact that is found one step late changes a velocity by k δ dt, some 1e-3; rounding grows tenfold a collision, and there are two to
-    // three of each sphere
+    // a contact that is detected one step late changes a velocity by k δ dt, about 1e-3; rounding grows tenfold per
+    // collision, and each sphere has two to three collisions
     let dt = PI * (0.5 / STIFFNESS).sqrt() / 20.0;
     let steps = 600;
     let exact = all_pairs(scene, start, dt, steps);
-    // in many windows lists are built between them, while each contact still owes its particles half a kick
+    // with many windows, neighbour lists are built in between, while each contact still lacks half a kick
     for windows in [2, 60] {
         let engine = soft(STIFFNESS, dt, Integrator::VelocityVerlet);
         let mut end = run(scene, start.clone(), engine, steps as f64 * dt, windows);
@@ -104,7 +105,7 @@ fn compare_with_all_pairs(scene: &Scene, start: &Particles) {
 
 #[test]
 fn dense_steps_give_the_same_bits_on_any_number_of_threads() {
-    // so many contacts that lists, forces and kicks are shared out
+    // so many contacts that threads share the work on lists, forces and kicks
     let (scene, start) = crowd(16_000, 0.5);
     let dt = PI * (0.5 / STIFFNESS).sqrt() / 20.0;
     let once = |threads: usize| {

@@ -1,4 +1,4 @@
-//! Kinds of particles whose diameters are spread.
+//! Kinds of particles whose diameters have a distribution.
 
 use crate::support::*;
 use diptych::contact_law::Bodies;
@@ -7,7 +7,7 @@ use diptych::placement::initial_state;
 use diptych::scene::{Fraction, SizeDistribution, Species};
 use diptych::simulation::Simulation;
 
-/// A gas of one kind in a periodic box.
+/// Case of a gas of one kind in a periodic box.
 const GAS: &str = r#"
 [domain]
 size = ["4 mm", "4 mm", "4 mm"]
@@ -35,7 +35,7 @@ fn log_normal() -> SizeDistribution {
     SizeDistribution::LogNormal { median: 4e-4, geometric_deviation: 1.6, from: 1.5e-4, to: 1.2e-3 }
 }
 
-/// Simpson's rule over the density of ln d.
+/// Mean of the diameter to the power k, by Simpson's rule over the density of ln d.
 fn by_quadrature(k: i32) -> f64 {
     const STRIPS: usize = 2000;
     let (low, high, width) = (1.5e-4_f64.ln(), 1.2e-3_f64.ln(), 1.6_f64.ln());
@@ -65,7 +65,7 @@ fn moments_are_those_of_the_closed_forms() {
     }
 }
 
-/// Of many spheres the moments are those of the distribution, for every seed; of few as well as so few can have them.
+/// With many spheres the moments are those of the distribution, for every seed; with few they are as close as possible.
 #[test]
 fn starts_have_the_distribution_asked_for() {
     let of = |sizes: &str, count: usize, seed: u64| {
@@ -99,7 +99,7 @@ fn starts_have_the_distribution_asked_for() {
             close("mean mass", start.mass.iter().sum::<f64>() / count as f64 / species.mass(), 1.0, 3.0 * tolerance);
             let inside = |d: f64| d >= sizes.smallest() * (1.0 - 1e-12) && d <= sizes.largest() * (1.0 + 1e-12);
             assert!(start.radius.iter().all(|r| inside(2.0 * r)));
-            // the large are not all among the first
+            // the large spheres are not all among the first ones
             let half = |part: &[f64]| part.iter().sum::<f64>() / part.len() as f64;
             let (first, last) = start.radius.split_at(count / 2);
             close("order", half(first) / half(last), 1.0, 6.0 / (count as f64).sqrt());
@@ -108,7 +108,7 @@ fn starts_have_the_distribution_asked_for() {
         assert_eq!(one.fingerprint(), of(sizes, count, 1).1.fingerprint());
         assert!(sizes.contains("table") || one.radius != other.radius);
     }
-    // nine tenths of the volume in spheres that are three times as large: nine to twenty-seven by number
+    // nine tenths of the volume in spheres three times as large: nine to twenty-seven by number
     let (_, start) = of(sieves, 4000, 1);
     assert_eq!(start.radius.iter().filter(|r| **r > 1e-4).count(), 1000);
 }
@@ -121,7 +121,7 @@ const WAYS: [(Model, &str); 5] = [
     (Model::Hybrid, "soft.stepping=auto"),
 ];
 
-/// Dilute (islands) and dense (one calendar, crowds).
+/// Runs a dilute gas (islands) and a dense one (one calendar, crowds).
 #[test]
 fn every_engine_keeps_energy_and_momentum() {
     for (density, sizes) in [("dilute", "4 mm"), ("dense", "2.05 mm")] {
@@ -142,7 +142,8 @@ fn every_engine_keeps_energy_and_momentum() {
     }
 }
 
-/// Three spheres in a row, each of another size, meet three times: the same velocities as by the textbook, for all engines.
+/// Three spheres in a row, each of another size, collide three times. All engines give the velocities of the textbook
+/// formula.
 #[test]
 fn three_sizes_meet_alike_in_every_engine() {
     let text = GAS.replace(
@@ -182,7 +183,7 @@ fn three_sizes_meet_alike_in_every_engine() {
     }
 }
 
-/// Each sphere is dragged by its own diameter: a fall of many sizes is that of each size alone.
+/// Drag acts on each sphere by its own diameter: spheres of many sizes fall as spheres of each size do alone.
 #[test]
 fn drag_knows_every_diameter() {
     let gas = r#"
@@ -221,7 +222,8 @@ velocity = "0.3 m/s"
     }
 }
 
-/// A wanted contact time holds for every two of them; the time step resolves the smallest there can be.
+/// A requested contact time holds for every pair of particles. The time step resolves the contact of the smallest
+/// possible spheres.
 #[test]
 fn contacts_of_all_sizes_last_as_long_as_asked_for() {
     let pair = "[[contact.pairs]]\nbetween = [\"sand\", \"sand\"]\ncontact_time = \"2e-6 s\"\n";
@@ -234,7 +236,7 @@ fn contacts_of_all_sizes_last_as_long_as_asked_for() {
         close("contact time", law.contact_time(&spring, 0.1) / 2e-6, 1.0, 1e-9);
     }
     close("step", diptych::simulation::soft_step(&experiment, 200) / (2e-6 / 20.0), 1.0, 1e-9);
-    // without the rule: of two spheres of the smallest diameter
+    // without a given contact time, the shortest contact is that of two spheres of the smallest diameter
     let plain = case(GAS, Model::Soft, &[]).unwrap();
     let mass = 0.5 * plain.scene.species[0].of_one_size(1e-4).mass();
     let shortest = std::f64::consts::PI * (mass / 2e4).sqrt();
@@ -294,14 +296,14 @@ fn what_cannot_be_is_refused() {
     assert!(case(&at, Model::Hard, &[]).unwrap_err().contains("all of \"sand\" have the same"));
 }
 
-/// Beside a model that gives one size, `sizes` of the case rule.
+/// `sizes` of the case override the one size that a model gives.
 #[test]
 fn sizes_override_the_diameter_of_a_model() {
     let text = GAS.replace("density = \"2500 kg/m^3\"\n", "use = \"particles/polystyrene-406um\"\n");
     let experiment = case(&text, Model::Hard, &[]).unwrap();
     let species: &Species = &experiment.scene.species[0];
     assert_eq!((species.smallest(), species.largest(), species.density), (1e-4, 6e-4, 1038.0));
-    // what is typed last rules, as of every choice
+    // the option typed last overrides others, as for every choice
     let one = case(&text, Model::Hard, &["particles[0].diameter=0.3 mm"]).unwrap();
     assert_eq!((&one.scene.species[0].sizes, one.scene.species[0].diameter), (&None, 3e-4));
     let flat =

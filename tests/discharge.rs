@@ -1,4 +1,4 @@
-//! Beads that run out of a vessel, beside Beverloo's law.
+//! Beads that run out of a vessel, compared with Beverloo's law.
 
 use diptych::case::Case;
 use diptych::engine::Failure;
@@ -7,8 +7,8 @@ use diptych::placement::initial_state;
 use diptych::simulation::Simulation;
 use std::path::Path;
 
-/// [kg/s] Beverloo, Leniger and van de Velde 1961, Chem. Eng. Sci. 15, 260: W = C ρ_b sqrt(g) (D - k d)^2.5 with C = 0.58, k = 1.4, ρ_b = 0.6 of the density of the
-/// beads.
+/// Flow rate [kg/s] by Beverloo, Leniger and van de Velde 1961, Chem. Eng. Sci. 15, 260: W = C ρ_b sqrt(g) (D - k
+/// d)^2.5. Here C = 0.58, k = 1.4, and the bulk density ρ_b is 0.6 of the density of the beads.
 fn beverloo(hole: f64) -> f64 {
     0.58 * 0.6 * 2500.0 * 9.81_f64.sqrt() * (hole - 1.4 * 2e-3).powf(2.5)
 }
@@ -20,7 +20,7 @@ fn case(model: Model, sets: &[&str]) -> Simulation {
     Simulation::new(&experiment, initial_state(&experiment).unwrap())
 }
 
-/// [kg/s] the flow rate from 0.3 s to `until` [s]: momentum over the height of the box.
+/// [kg/s] measured flow rate from 0.3 s to `until` [s]: momentum over the height of the box.
 fn rate(model: Model, scale: f64, until: f64) -> f64 {
     let mut simulation = case(model, &[&format!("walls[1].mesh.scale={scale}")]);
     simulation.run(50, 6e-3).unwrap();
@@ -33,8 +33,8 @@ fn rate(model: Model, scale: f64, until: f64) -> f64 {
     sum / samples
 }
 
-/// Rates of beads that do not rotate are between half and all of Beverloo's, whose k they exceed; soft and hybrid spheres have the same. Hard spheres
-/// stop when beads come to rest.
+/// Flow rates of beads that do not rotate are between half and all of Beverloo's law, since they correspond to a larger
+/// k. Soft and hybrid spheres have equal rates. Hard spheres stop when beads come to rest.
 #[test]
 #[ignore = "minutes: 3000 beads for a second, four times"]
 fn flow_rates_follow_beverloo() {

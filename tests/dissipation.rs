@@ -1,4 +1,4 @@
-//! Restitution below one: cooling, inelastic collapse, coming to rest, and blows passed on through touching spheres.
+//! Restitution below one: cooling, inelastic collapse, coming to rest, and impulses passed on through touching spheres.
 
 use crate::support::*;
 use diptych::engine::Failure;
@@ -9,7 +9,7 @@ use diptych::scene::Scene;
 use diptych::simulation::Simulation;
 use nalgebra::Vector3;
 
-/// Unit spheres on a line with gaps instead of distances: a 1-D problem of points.
+/// Unit spheres on a line, with given gaps instead of distances of centres: a one-dimensional problem of points.
 fn line(restitution: f64, points: &[f64], speeds: &[f64]) -> (Scene, Particles) {
     let scene = empty([64.0; 3], [false; 3], unit(), surface(restitution, 0.0));
     let list: Vec<_> = points
@@ -43,11 +43,11 @@ fn three_particles_on_a_line() {
             let end = run(&scene, particles, hard(), 3.0, windows);
             assert_eq!(end.record.pairs.count, count, "e = {e}");
             for (got, want) in speeds(&end).iter().zip(want) {
-                // to the digits printed: nine decimals, or six figures
+                // to the printed digits: nine decimals, or six figures
                 close(&format!("e = {e}"), *got, want, 1e-9f64.max(1e-10 * want.abs()).min(1e-5 * want.abs() + 1e-14));
             }
         }
-        // the last collision happens at the printed instant; the nearer to collapse the worse rounding is amplified
+        // the last collision happens at the printed instant; near the collapse rounding is amplified more
         for (time, done) in [(last - 1e-8, count - 1), (last + 1e-8, count)] {
             let (scene, particles) = start();
             assert_eq!(run(&scene, particles, hard(), time, 1).record.pairs.count, done, "e = {e} at {time}");
@@ -57,8 +57,9 @@ fn three_particles_on_a_line() {
 
 #[test]
 fn collapse_of_three_particles_ends() {
-    // oracle E2: e < 7 - 4 sqrt 3 collides infinitely often before 1.35714 / 1.38254. The relative velocities fall below
-    // rounding within a few dozen collisions; then the three fly on as one cluster, which is the limit of the sequence
+    // oracle E2: e < 7 - 4 sqrt 3 gives infinitely many collisions before 1.35714 / 1.38254. The relative velocities
+    // fall below rounding within a few dozen collisions. Then the three move on as one cluster, which is the limit of
+    // the sequence
     for (e, limit) in [(0.05, 1.35714), (0.07, 1.38254)] {
         let (scene, particles) = line(e, &[0.0, 1.0, 2.5], &[1.0, 0.0, -1.0]);
         let before = run(&scene, particles.clone(), hard(), limit - 0.05, 1);
@@ -81,7 +82,7 @@ fn collapse_of_three_particles_ends() {
 
 #[test]
 fn simultaneous_touches_on_a_line_are_reproducible() {
-    // oracle E2, tie: either order of the two touches, but always the same
+    // oracle E2, simultaneous touches: either order is right, but the order must always be equal
     for (e, want) in [(1.0, [-1.0, 0.0, 1.0]), (0.9, [-0.854875, 0.002375, 0.8525])] {
         let go = || {
             let (scene, particles) = line(e, &[0.0, 1.0, 2.0], &[1.0, 0.0, -1.0]);
@@ -95,7 +96,7 @@ fn simultaneous_touches_on_a_line_are_reproducible() {
     }
 }
 
-/// S with its surface `height` above a floor.
+/// A small sphere of the paper with its surface `height` [m] above a floor.
 fn bouncing(restitution: f64, height: f64) -> (Scene, Particles) {
     let mut scene = empty([0.1; 3], [false; 3], small(), surface(1.0, 0.0));
     scene.gravity = Vector3::new(0.0, -9.81, 0.0);
@@ -106,10 +107,10 @@ fn bouncing(restitution: f64, height: f64) -> (Scene, Particles) {
 
 #[test]
 fn bouncing_to_rest() {
-    // oracle E3: total time (1+e)/(1-e) sqrt(2h/g), and impacts whose own speed would fly them for more than 1e-6 s
+    // oracle E3: total time (1+e)/(1-e) sqrt(2h/g), and number of impacts after which the flight lasts more than 1e-6 s
     for (e, total, count) in [(0.94_f64, 2.06464777, 191), (0.9, 1.21324663, 112), (0.5, 0.19156526, 17)] {
         let fall = (2.0f64 * 0.02 / 9.81).sqrt();
-        // after that many impacts, in the middle of the flight that follows
+        // in the middle of the flight after that many impacts
         let flights: f64 = (1..count).map(|k| 2.0 * fall * e.powi(k)).sum();
         let until = fall + flights + fall * e.powi(count);
         let (scene, ball) = bouncing(e, 0.02);
@@ -120,7 +121,8 @@ fn bouncing_to_rest() {
         let (end, result) = try_run(&scene, ball, hard(), 1.5 * total, 3000);
         let Err(Failure::InelasticCollapse { time, y, .. }) = result else { panic!("e = {e}: {result:?}") };
         println!("e = {e}: {time}, oracle {total}, {} bounces", end.record.walls.count);
-        // flights shorter than rounding (1e-17 m) takes to fall are decided by it: some 200 of 1e-9 to 1e-8 s
+        // rounding (1e-17 m) decides flights that are shorter than the time of a fall by it: about 200 flights of 1e-9
+        // to 1e-8 s
         close("comes to rest", time, total, 1e-5);
         close("on the floor", y, 0.5 * small().diameter, 1e-13);
         assert!(end.record.walls.count < 1000);
@@ -129,7 +131,8 @@ fn bouncing_to_rest() {
 
 #[test]
 fn a_hard_sphere_without_restitution_cannot_rest() {
-    // e = 0: the first touch ends it, with gravity as a typed failure, without as sliding along the wall
+    // e = 0: the first touch ends the bounces, with gravity by a typed failure, without gravity by sliding along the
+    // wall
     let (mut scene, ball) = bouncing(0.0, 0.02);
     let (end, result) = try_run(&scene, ball.clone(), hard(), 0.1, 10);
     let Err(Failure::InelasticCollapse { time, .. }) = result else { panic!("{result:?}") };
@@ -146,7 +149,7 @@ fn a_hard_sphere_without_restitution_cannot_rest() {
 
 #[test]
 fn a_sphere_resting_on_a_slope_is_reported_however_short_the_window() {
-    // a tangential speed large against the bounces, and friction, must not hide the collapse
+    // a tangential speed that is large compared with the bounces, and friction, must not hide the collapse
     let slope = Vector3::new(0.1f64.sin(), 0.1f64.cos(), 0.0);
     let mut scene = empty([0.1; 3], [false; 3], small(), surface(1.0, 0.0));
     scene.gravity = Vector3::new(0.0, -9.81, 0.0);
@@ -163,7 +166,7 @@ fn a_sphere_resting_on_a_slope_is_reported_however_short_the_window() {
 
 #[test]
 fn newtons_cradle_hard() {
-    // oracle E4: just touching, hit at 1; blows are passed on one after the other
+    // oracle E4: touching spheres, one hit at speed 1; impulses are passed on one after the other
     let cases: [(&[f64], f64, &[f64], u64, f64); 7] = [
         (&[1.0, 0.0, 0.0], 1.0, &[0.0, 0.0, 1.0], 2, 1e-15),
         (&[1.0, 0.0, 0.0], 0.94, &[0.029127, 0.029973, 0.940900], 3, 1e-14),
@@ -185,7 +188,7 @@ fn newtons_cradle_hard() {
 
 #[test]
 fn newtons_cradle_soft() {
-    // oracle E4: all in contact at once, so that the blow is not passed on whole; N_c = 200, 1e-3
+    // oracle E4: all spheres are in contact at once, so that the impulse is not passed on completely; N_c = 200, 1e-3
     let cases: [(&[f64], f64, f64, &[f64]); 8] = [
         (&[1.0, 0.0, 0.0], 1.0, 0.0, &[-0.13026170, 0.15022957, 0.98003213]),
         (&[1.0, 0.0, 0.0], 0.94, 0.0, &[-0.11112162, 0.17505818, 0.93606343]),
@@ -220,7 +223,7 @@ fn gas(restitution: f64, seed: u64) -> (Scene, Particles) {
     (scene, particles)
 }
 
-/// ln(T/T0) when each particle has suffered `tau` collisions, for each of `taus`.
+/// ln(T/T0) at the times at which each particle has suffered `tau` collisions, for each of `taus`.
 fn cooling(mut simulation: Simulation, taus: &[f64]) -> Vec<f64> {
     let start = temperature(&simulation.particles);
     taus.iter()
@@ -242,8 +245,8 @@ fn cooling(mut simulation: Simulation, taus: &[f64]) -> Vec<f64> {
 
 #[test]
 fn homogeneous_cooling() {
-    // oracle E1: ln(T/T0) at 10, 20, 30 collisions per particle, 3 % (an independent event-driven code, N = 1000); at 50
-    // Haff's law, -(1 - e²) 50/3, which that code is 1 % below at 30
+    // oracle E1: ln(T/T0) at 10, 20, 30 collisions per particle, 3 % (an independent event-driven code, N = 1000). At
+    // 50 collisions Haff's law, -(1 - e²) 50/3; at 30 that code is 1 % below the law
     for (e, want) in [(0.9, [-0.6227, -1.2514, -1.8808, -3.1667]), (0.8, [-1.1889, -2.3673, -3.5597, -6.0])] {
         let mut mean = [0.0; 4];
         for seed in 1..=4 {
@@ -260,8 +263,8 @@ fn homogeneous_cooling() {
 
 #[test]
 fn homogeneous_cooling_of_soft_spheres() {
-    // oracle E1: as hard within 3 % at N_c = 50, with sqrt(mT/k) = 0.004 d (d_eff within 0.5 %); a start alone
-    // scatters by 2 %, so that the mean over four is taken as for hard spheres
+    // oracle E1: as for hard spheres within 3 % at N_c = 50, with sqrt(mT/k) = 0.004 d (d_eff within 0.5 %). One start
+    // scatters by 2 %, so the mean over four is taken, as for hard spheres
     let k: f64 = 1.0 / (0.004 * 0.004);
     let dt = std::f64::consts::PI * (0.5 / k).sqrt() / 50.0;
     let ln = (1..=4).map(|seed| {
@@ -276,7 +279,7 @@ fn homogeneous_cooling_of_soft_spheres() {
 
 #[test]
 fn homogeneous_cooling_of_soft_spheres_for_long() {
-    // oracle E1 as for hard spheres, to 50 collisions per particle; only contacts are stepped, at N_c = 50
+    // oracle E1 as for hard spheres, to 50 collisions per particle; only particles in contact are stepped, at N_c = 50
     let k: f64 = 1.0 / (0.004 * 0.004);
     let dt = std::f64::consts::PI * (0.5 / k).sqrt() / 50.0;
     for (e, want) in [(0.9, [-0.6227, -1.2514, -1.8808, -3.1667]), (0.8, [-1.1889, -2.3673, -3.5597, -6.0])] {
@@ -296,8 +299,9 @@ fn homogeneous_cooling_of_soft_spheres_for_long() {
 
 #[test]
 fn ledger_explains_the_energy() {
-    // gravity, walls, friction, restitution, periodic sides; the residual is rounding for hard spheres and falls with Δt²
-    // for Verlet: an eighth of the step would leave 1/64 of it, were the runs not chaotic and contacts found on steps
+    // Gravity, walls, friction, restitution, periodic sides. The energy residual is rounding for hard spheres. For
+    // Verlet's method it is proportional to Δt²: an eighth of the step would leave 1/64 of it, if the runs were not
+    // chaotic and contacts not detected at the ends of steps
     let build = |e: f64, mu: f64| {
         let mut scene = empty([8.0, 6.0, 8.0], [true, false, true], unit(), surface(e, mu));
         scene.gravity = Vector3::new(0.3, -0.5, 0.2);
@@ -344,7 +348,7 @@ fn ledger_explains_the_energy() {
 
 #[test]
 fn ledger_of_an_elastic_gas_is_the_heating_of_rk2() {
-    // nothing dissipates, so the residual is E - E0 to rounding, and RK2's is positive
+    // nothing dissipates, so the residual is E - E0 to rounding, and that of RK2 is positive
     let (scene, particles) = gas(1.0, 2);
     let k: f64 = 1e4;
     let dt = std::f64::consts::PI * (0.5 / k).sqrt() / 8.0;
@@ -355,7 +359,7 @@ fn ledger_of_an_elastic_gas_is_the_heating_of_rk2() {
     close("residual", end.record.ledger.residual(start, end.energy()), gain, 1e-12 * start);
 }
 
-/// Two spheres and a sphere on a floor start at rest with overlaps: all the energy there is comes out of the springs.
+/// Two spheres, and a sphere on a floor, start at rest with overlaps. All energy comes from the springs.
 #[test]
 fn ledger_counts_the_elastic_energy_of_the_start() {
     const STEPS: f64 = 200.0;
@@ -378,7 +382,7 @@ fn ledger_counts_the_elastic_energy_of_the_start() {
             assert!(simulation.particles.kinetic_energy() > 0.5 * before, "the springs have let go");
             let residual = simulation.record.ledger.residual(before, now) / before;
             println!("{restitution} {stepping:?}: {residual:.1e}");
-            // what velocity Verlet may gain of an elastic contact is (ω_0 Δt)²/4; the dashpot's loss is of the same order
+            // velocity Verlet may gain (ω_0 Δt)²/4 in an elastic contact; the loss by the dashpot is of the same order
             let order = (std::f64::consts::PI / STEPS).powi(2);
             assert!(residual.abs() < order, "{restitution}, {stepping:?}: {residual}");
         }

@@ -1,4 +1,4 @@
-//! What documents and module heads promise.
+//! Rules for documents and comments, and the structure that they describe.
 
 use clap::CommandFactory;
 use diptych::case::Case;
@@ -6,7 +6,8 @@ use diptych::cli::Cli;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// `scene` is made of fluid and walls, and these name its `Species` and `Surface`: data that belong together.
+/// Exceptions from the order of modules. `scene` is made of fluid and walls, and these name its `Species` and
+/// `Surface`: data that belong together.
 const EXCEPTIONS: [(&str, &str); 2] = [("scene", "fluid"), ("scene", "walls")];
 
 fn root() -> PathBuf {
@@ -18,7 +19,7 @@ fn text(path: &str) -> String {
     std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
-/// Path relative to the crate and text of every source file.
+/// Path relative to the crate, and text, of every source file.
 fn sources() -> Vec<(String, String)> {
     fn collect(folder: &Path, found: &mut Vec<PathBuf>) {
         for entry in std::fs::read_dir(folder).unwrap() {
@@ -37,7 +38,7 @@ fn sources() -> Vec<(String, String)> {
     found.iter().map(|path| (name(path), std::fs::read_to_string(path).unwrap())).collect()
 }
 
-/// The lines that are code: without comments and without the tests at the foot of a file.
+/// Lines of a file that are code: without comments and without the tests at its end.
 fn code(text: &str) -> String {
     let body = text.split("#[cfg(test)]").next().unwrap_or_default();
     body.lines().map(|line| line.split("//").next().unwrap_or_default()).collect::<Vec<_>>().join("\n")
@@ -81,7 +82,7 @@ fn imports_point_up_the_list_of_modules() {
     assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
-/// Lines of the doc comments of a file, in blocks: number of the first line, and the text without its marks.
+/// Blocks of the doc comments of a file: number of the first line, and the text without comment marks.
 fn doc_comments(text: &str) -> Vec<(usize, String)> {
     let mut blocks: Vec<(usize, String)> = Vec::new();
     let mut is_open = false;
@@ -103,7 +104,7 @@ fn doc_comments(text: &str) -> Vec<(usize, String)> {
     blocks
 }
 
-/// A first line names the thing or says what it does; particles and processes are things; a sentence is short.
+/// A first line names the item or says what it does; words for persons are not used for things; sentences are short.
 #[test]
 fn doc_comments_are_plain() {
     const OPENINGS: [&str; 12] = [
@@ -167,7 +168,7 @@ fn one_name_stands_for_one_type() {
     assert!(known.len() > 500 && several.is_empty(), "{several:#?}");
 }
 
-/// `println!` and its kin end the program where a pipe has been closed or a disk is full.
+/// `println!` and similar macros end the program if a pipe has been closed or a disk is full.
 #[test]
 fn one_file_writes_to_the_terminal() {
     for (path, text) in sources().into_iter().filter(|(path, _)| path != "src/runs/terminal.rs") {
@@ -200,7 +201,7 @@ fn engines_do_not_know_each_other_and_one_file_knows_each_foreign_library() {
     }
 }
 
-/// Engines, islands and uniform steps are written as if a process were alone.
+/// Engines, islands and uniform steps are written as if there were one process.
 #[test]
 fn one_folder_of_the_engines_knows_other_processes() {
     let is_elsewhere = |path: &str| path.starts_with("src/engine/") && !path.starts_with("src/engine/distributed/");
@@ -209,7 +210,8 @@ fn one_folder_of_the_engines_knows_other_processes() {
     }
 }
 
-/// Results cannot depend on a clock that is not read: physics is lent one, for the times that reports show.
+/// Results cannot depend on a clock that physics does not read. Engines only measure times with a clock that they are
+/// given, for reports.
 #[test]
 fn only_studies_and_the_clock_read_the_time() {
     let reads = |path: &str| ["src/runs/", "src/study/"].iter().any(|floor| path.starts_with(floor));
@@ -224,7 +226,7 @@ fn blocks<'a>(markdown: &'a str, language: &str) -> Vec<&'a str> {
     markdown.split(fence.as_str()).skip(1).filter_map(|rest| rest.split("\n```").next()).collect()
 }
 
-/// Path relative to the crate and text of the pages for readers, those of `docs/` with its folders.
+/// Path relative to the crate, and text, of the pages for readers; those of `docs/` include its folders.
 fn documents() -> Vec<(String, String)> {
     fn collect(folder: &Path, found: &mut Vec<PathBuf>) {
         for entry in std::fs::read_dir(folder).unwrap() {
@@ -244,7 +246,7 @@ fn documents() -> Vec<(String, String)> {
     found.iter().map(|path| (name(path), std::fs::read_to_string(path).unwrap())).collect()
 }
 
-/// Anchors of the headings of a page, as forges make them.
+/// Anchors of the headings of a page, as GitHub and similar sites make them.
 fn anchors(markdown: &str) -> Vec<String> {
     let headings =
         markdown.lines().filter(|line| line.starts_with('#')).map(|line| line.trim_start_matches('#').trim());
@@ -320,7 +322,8 @@ fn documents_name_commands_and_files_that_exist() {
     }
 }
 
-/// Whether the text in brackets is a unit: "-", or symbols with powers, joined by spaces and slashes, as in `kg m/s` or `1/s²`.
+/// True if the text in brackets is a unit: "-", or symbols with powers, joined by spaces and slashes, as in `kg m/s` or
+/// `1/s²`.
 fn is_unit(text: &str) -> bool {
     let known = ["1", "m", "s", "ns", "kg", "N", "J", "W", "Pa", "K", "rad", "px", "byte"];
     let without_power = |symbol: &str| {
@@ -330,7 +333,7 @@ fn is_unit(text: &str) -> bool {
     text == "-" || text.split([' ', '/']).all(|symbol| known.contains(&without_power(symbol).as_str()))
 }
 
-/// Whether a comment names a unit: in brackets, or in words, for one field or all of a type.
+/// True if a comment names a unit, in brackets or in words, for one field or for all fields of a type.
 fn says_a_unit(comment: &str) -> bool {
     let mut bracketed = comment.split('[').skip(1).filter_map(|rest| rest.split_once(']'));
     let words = [
@@ -357,7 +360,7 @@ fn what_is_a_unit() {
     assert!(!says_a_unit(" Unites islands of [`Scene`], at index [0].") && !says_a_unit(" A unit normal."));
 }
 
-/// Lines of all files of a module.
+/// Number of lines of all files of a module.
 fn lines_of(module: &str) -> usize {
     let own = |path: &str| path == format!("src/{module}.rs") || path.starts_with(&format!("src/{module}/"));
     sources().iter().filter(|(path, _)| own(path)).map(|(_, text)| text.lines().count()).sum()
@@ -372,7 +375,7 @@ fn the_map_of_modules_is_of_these_modules() {
         let cells: Vec<&str> = row.trim_matches('|').split(" | ").map(str::trim).collect();
         let (module, told) = (cells[0].trim_matches('`'), cells[2].parse::<usize>().unwrap());
         let lines = lines_of(module);
-        // so much may come and go before the page is looked at again
+        // largest change of the number of lines before the page must be updated
         assert!(
             told.abs_diff(lines) <= 20 + lines / 10,
             "docs/architecture.md says {told} lines of {module}, it has {lines}"
@@ -384,7 +387,7 @@ fn the_map_of_modules_is_of_these_modules() {
 fn public_numbers_say_their_unit() {
     let mut wrong = Vec::new();
     for (path, text) in sources() {
-        // the written tables carry the unit in the names of their columns; the report draws what it was given
+        // written tables have the unit in the names of their columns, and the report draws given values
         if path.starts_with("src/case/file.rs") {
             continue;
         }

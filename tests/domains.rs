@@ -1,4 +1,5 @@
-//! One run cut into domains over threads in place of processes, and what that stands on: nothing depends on the order of the store.
+//! One run divided into domains, with threads in place of processes. This requires that no result depends on the order
+//! of the particle store.
 
 mod uniform;
 
@@ -27,7 +28,7 @@ use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use std::sync::{Arc, Mutex};
 
-/// A gas of two sizes between walls with friction that falls along them, dense enough for islands of many.
+/// A gas of spheres of two sizes that falls between walls with friction, so dense that islands have many members.
 fn scene(count: usize, volume_fraction: f64) -> (Scene, Particles) {
     let species = small();
     let edge = (count as f64 * species.volume() / volume_fraction).cbrt();
@@ -45,19 +46,19 @@ fn scene(count: usize, volume_fraction: f64) -> (Scene, Particles) {
     (scene, particles)
 }
 
-/// A scene whose spheres rotate, with tangential springs that remember.
+/// Makes the spheres of a scene rotate, with tangential springs that last from step to step.
 fn rough((mut scene, mut particles): (Scene, Particles)) -> (Scene, Particles) {
     let law = LinearTangential::Ratios { stiffness: 0.8, dashpot: 0.3 };
     let impact = ImpactRule::Walton { tangential_restitution: 0.4 };
     scene.rotation = Some(Rotation::new(TangentialLaw::Linear(law), impact));
     scene.let_rotate(&mut particles);
-    // spins of some 1000 rad/s along the velocities of others
+    // spins of about 1000 rad/s along the velocities of other particles
     let other: Vec<_> = particles.velocity.iter().rev().map(|velocity| velocity * 2000.0).collect();
     particles.spin = Some(other);
     (scene, particles)
 }
 
-/// The same particles, with their ids, in another order.
+/// The particles with their ids, in another order.
 fn shuffled(particles: &Particles, seed: u64) -> Particles {
     let mut order: Vec<u32> = (0..particles.len() as u32).collect();
     order.shuffle(&mut rand_xoshiro::Xoshiro256PlusPlus::seed_from_u64(seed));
@@ -128,7 +129,7 @@ fn islands() -> Box<dyn Distributed> {
     Box::new(Hard::with_islands())
 }
 
-/// A run shared by threads in place of processes.
+/// Runs a simulation shared by threads in place of processes.
 fn shared(
     size: usize,
     (scene, start): &(Scene, Particles),
@@ -167,7 +168,8 @@ fn same_bits_over_processes(
     }
 }
 
-/// What is seen of every so manieth particle by id, of those in contact with one of them, and of all together.
+/// Observer that records the state of every n-th particle by id, of the particles in contact with these, and of all
+/// together.
 #[derive(Default)]
 struct Glances {
     every: u32,
@@ -176,7 +178,7 @@ struct Glances {
 
 impl Observer for Glances {
     fn next(&self, now: f64, schedule: &Schedule) -> Option<f64> {
-        // all are shown at every tenth window; between, the few are
+        // all particles are recorded at every tenth window, the few at others in between
         Some(now + schedule.window * if self.every == 1 { 10.0 } else { 3.0 })
     }
 
@@ -212,7 +214,7 @@ impl Observer for Glances {
     }
 }
 
-/// Air that blows upwards.
+/// Air that flows upwards.
 fn air() -> Fluid {
     Fluid {
         density: 1.2,
@@ -222,7 +224,8 @@ fn air() -> Fluid {
     }
 }
 
-/// What observers of few and of all see of a run shared by so many threads in place of processes; of one alone, for `None`.
+/// Records of observers of few and of all particles in a run that `size` threads share in place of processes; with
+/// `None`, in a run of one process.
 fn glances(
     size: Option<usize>,
     (scene, start): &(Scene, Particles),
@@ -263,7 +266,8 @@ fn who_looks_at_a_shared_run_sees_what_one_process_shows() {
     }
 }
 
-/// What is summed over all particles at each sample, as the lead of so many processes sees it; of one alone, for `None`.
+/// Sums over all particles at each sample, as the lead of `size` processes records them; with `None`, of a run of one
+/// process.
 fn sums(
     size: Option<usize>,
     (scene, start): &(Scene, Particles),
@@ -296,7 +300,7 @@ fn sums(
     books.seen
 }
 
-/// Energies, contacts and impacts of all particles.
+/// Observer that records energies, contacts and impacts of all particles.
 #[derive(Default)]
 struct Books {
     seen: Vec<String>,
@@ -336,7 +340,7 @@ fn sums_over_the_parts_of_a_shared_run_are_those_of_one_process() {
     }
 }
 
-/// How many particles there are in each process at samples, in the order of being asked.
+/// Observer that records the number of particles in each process at samples, in the order of its calls.
 #[derive(Clone, Default)]
 struct Heads(Arc<Mutex<Vec<usize>>>);
 
@@ -355,7 +359,7 @@ fn a_shared_run_is_cut_anew_where_particles_gather() {
     let (scene, mut start) = scene(3000, 0.03);
     let edge = scene.domain.size.z;
     for place in 0..start.len() {
-        // all in a cloud that is dense in its middle, and flies from block to block
+        // all particles are in a cloud that is dense in its middle and flies from block to block
         let z = start.position[place].z / edge;
         start.position[place].z = edge * (z - (2.0 * std::f64::consts::PI * z).sin() / 9.0);
         start.velocity[place].z += 2.0;
@@ -375,13 +379,13 @@ fn a_shared_run_is_cut_anew_where_particles_gather() {
     let heads = heads.0.lock().unwrap();
     println!("{heads:?}");
     assert!(heads[0] == start.len() && heads.len() == 41, "{heads:?}");
-    // nobody has many more than half of them at two samples one after the other, but somebody at one
+    // no process has many more than half of the particles at two successive samples, but one does at a single sample
     let is_uneven = |two: &[usize]| two.iter().any(|count| *count as f64 > 1.1 * 0.5 * start.len() as f64);
     let uneven: Vec<bool> = heads[1..].chunks(2).map(is_uneven).collect();
     assert!(uneven.contains(&true) && !uneven.windows(2).any(|two| two == [true, true]), "{heads:?}");
 }
 
-/// Counts that are the same however a run is shared; pairs that searches look at are not.
+/// Counters that do not depend on how a run is shared. The number of pairs that searches examine does.
 fn counts(counters: &Counters) -> Counters {
     Counters { pair_checks: 0, ..*counters }
 }
@@ -389,7 +393,7 @@ fn counts(counters: &Counters) -> Counters {
 #[test]
 fn processes_that_share_a_run_give_the_bits_of_one() {
     let law = ContactLaw::linear(3000.0);
-    // few windows are long ones: islands are done again, and reach far
+    // few windows are long windows: islands are solved again, and reach far
     for (name, of, time) in [("dilute", scene(3000, 0.02), (1e-3, 40)), ("crowded", scene(12_000, 0.05), (2e-3, 4))] {
         let hybrid = || -> Box<dyn Distributed> { Box::new(Hybrid::new(law, Integrator::VelocityVerlet, 2e-7, 1.0)) };
         same_bits_over_processes(&format!("{name} hard"), &of, &|| Box::new(Hard::with_islands()), time);
@@ -438,7 +442,8 @@ fn where_all_are_moved_at_once_every_process_moves_all() {
 
 #[test]
 fn islands_are_given_up_by_all_processes_or_by_none() {
-    // stiff and short windows: islands are taken, given up for they cost too much, and taken again; what they may cost is known to the lead
+    // stiff spheres and short windows: islands are solved, given up because they cost too much, and solved again; only
+    // the lead has the limit of their cost
     let side = edge(2000, small().diameter, 0.3);
     let gas = empty([side; 3], [true; 3], small(), surface(1.0, 0.0));
     let start = random(&gas, 2000, 0.5, 1);
@@ -454,7 +459,7 @@ fn islands_are_given_up_by_all_processes_or_by_none() {
 
 #[test]
 fn an_island_that_grows_over_borders_is_that_of_one_process() {
-    // a row in which each hits the next within one window, in blocks of two or three particles each
+    // a row in which each sphere hits the next within one window, in blocks of two or three particles each
     let scene = empty([0.05, 0.01, 0.01], [false; 3], small(), surface(0.95, 0.0));
     let row = |k: usize| ([0.002 + 1.01 * 406e-6 * k as f64, 0.005, 0.005], [if k == 0 { 1.0 } else { 0.0 }, 0.0, 0.0]);
     let of = (scene.clone(), placed(&scene, &(0..12).map(row).collect::<Vec<_>>()));

@@ -13,6 +13,6 @@ fn every_example_runs() {
     own_drag_law::main().unwrap();
     own_observer::main().unwrap();
     let listed = std::fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/examples")).unwrap();
-    // a new example gets its line above
+    // a new example needs a line in the list above
     assert_eq!(listed.count(), 3);
 }

@@ -1,4 +1,4 @@
-//! Files of other programs: each oddity that programs write, and each two of them, read or refused as listed.
+//! Files of other programs: every oddity that programs write, and every two of them, are read or refused as listed.
 
 pub mod parts;
 mod starts;
@@ -9,13 +9,15 @@ use diptych::experiment::{Experiment, Model};
 
 /// The outcome that a file must have.
 pub enum Expected {
-    /// It is read, as so many triangles or particles; warnings say these words, and there are none if there are no words.
+    /// The file is read, with this number of triangles or particles. The warnings contain these words; without words
+    /// there are no warnings.
     Read(usize, &'static [&'static str]),
-    /// It is refused in these words.
+    /// The file is refused with a message that contains these words.
     Refused(&'static [&'static str]),
 }
 
-/// The case `text` with a file of that name and these bytes beside it: the experiment and its warnings, or the message.
+/// Reads the case `text` with a file of that name and these bytes in its folder. Returns the experiment and its
+/// warnings, or the message.
 pub fn read(name: &str, bytes: &[u8], text: &str, model: Model) -> Result<(Experiment, Vec<String>), String> {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join(name), bytes).unwrap();
@@ -26,7 +28,8 @@ pub fn read(name: &str, bytes: &[u8], text: &str, model: Model) -> Result<(Exper
     read.map(|(experiment, warnings)| (experiment, told(warnings))).map_err(|error| error.to_string())
 }
 
-/// Compares what came of a file, `count` of triangles or particles and warnings or a message, with what must.
+/// Compares the result of reading a file (`count` of triangles or particles and warnings, or a message) with the
+/// expected one.
 pub fn judge(what: &str, found: &Result<(usize, Vec<String>), String>, expected: &Expected) {
     match (found, expected) {
         (Ok((count, told)), Expected::Read(wanted, parts)) => {
@@ -50,7 +53,7 @@ pub fn judge(what: &str, found: &Result<(usize, Vec<String>), String>, expected:
     }
 }
 
-/// Each oddity, and each two of them one upon the other, by their names.
+/// Every oddity alone, and every two of them together, with their names.
 pub fn combinations<T: Clone>(plain: &T, oddities: &[(&'static str, fn(T) -> T)]) -> Vec<(String, T)> {
     let mut all = vec![("plain".to_owned(), plain.clone())];
     for (k, (name, change)) in oddities.iter().enumerate() {

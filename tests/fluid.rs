@@ -47,7 +47,8 @@ fn friction_velocity_and_profile_of_each_model() {
         let profile = profile(model);
         close(flow(&profile).friction_velocity, friction_velocity, 0.01, "u_tau");
         for (y, u) in distance.iter().zip(velocity) {
-            // Launder-Sharma is the same equations resolved on both sides: 0.2 % although the catalogue asks for 1.5 %.
+            // Launder-Sharma solves equal equations resolved down to the wall on both sides: 0.2 %, although the
+            // catalogue allows 1.5 %.
             let tolerance = if model == LaunderSharma { 0.002 } else { 0.015 };
             close(profile.velocity(y * 1e-3), *u, tolerance, &format!("{model:?}, U at {y} mm"));
         }
@@ -83,14 +84,14 @@ fn bulk_velocity_is_met_by_the_profile_itself() {
     for model in MODELS {
         let profile = profile(model);
         close(flow(&profile).bulk_velocity, BULK, 1e-9, "bulk velocity of the solver");
-        // Simpson's rule on points of its own, cut where the law of the wall bends.
+        // Simpson's rule on separate points, divided where the law of the wall bends.
         let count = 200_001;
         let sum: f64 = (profile.sample(HEIGHT, count).iter().enumerate())
             .map(|(i, (_, u))| u * if i == 0 || i == count - 1 { 1.0 } else { 2.0 + 2.0 * (i % 2) as f64 })
             .sum();
         close(sum / (3.0 * (count - 1) as f64), BULK, 1e-8, "bulk velocity of the profile");
     }
-    // The sum over the cells, the other way to count: it differs by the law of the wall in the first cell.
+    // The sum over the cells is another way to compute the flow. It differs by the law of the wall in the first cell.
     let flow = solve(LaunderSharma, 240);
     let mut face = 0.0;
     let mut sum = 0.0;
@@ -168,7 +169,7 @@ fn below_the_first_node_the_law_of_the_wall_holds() {
         let law = flow.friction_velocity.powi(2) / (0.41 * scale) * (9.0 * y * scale / VISCOSITY).ln();
         close(profile.velocity(y), law, 1e-4, &format!("U at y = {y}"));
     }
-    // A straight line from the wall to the first node, the mistake to avoid, gives 40 % less at half the distance.
+    // A straight line from the wall to the first node, a possible mistake, gives 40 % less at half the distance.
     let straight = 0.5 * flow.nodes[0].u;
     assert!(profile.velocity(0.5 * first) > 1.5 * straight);
 }
@@ -179,7 +180,7 @@ fn converges_over_the_range_of_reynolds_numbers() {
         for reynolds in reynolds {
             let flow = ChannelFlow::solve(reynolds * 1e-6, 1.0, 1e-6, model);
             let flow = flow.unwrap_or_else(|error| panic!("Re = {reynolds}: {error}"));
-            // The logarithmic law from wall to centre (κ = 0.41, B = 5.36): U_b+ = ln(Re_τ)/κ + B - 1/κ. It has no
+            // The logarithmic law from wall to centre (κ = 0.41, B = 5.36) gives U_b+ = ln(Re_τ)/κ + B - 1/κ. It has no
             // wake and no viscous layer; k-epsilon flows exceed it by 0.4 to 1.4.
             let law = flow.reynolds_tau.ln() / 0.41 + 5.36 - 1.0 / 0.41;
             let bulk = flow.bulk_velocity / flow.friction_velocity;
@@ -225,7 +226,7 @@ fn table_goes_through_its_points_and_stays_between_them() {
 #[test]
 fn table_converges_to_a_smooth_profile() {
     let error = |count: usize| {
-        // Uneven points of a logarithmic profile, closer to the wall.
+        // Unevenly spaced points of a logarithmic profile, denser near the wall.
         let point = |i: usize| 0.02 * (i as f64 / count as f64).powi(2);
         let exact = |y: f64| (1.0 + 1e3 * y).ln();
         let points: Vec<_> = (0..=count).map(|i| (point(i), exact(point(i)))).collect();
@@ -264,7 +265,7 @@ fn study_writes_a_table_and_a_figure() {
         let points: Vec<(f64, f64)> = rows.iter().filter_map(|row| Some((row[0]?, row[1]?))).collect();
         assert_eq!(points.len(), rows.len());
         assert_eq!(rows.iter().filter(|row| row[2].is_some()).count(), 2 * channel.cells);
-        // The table can be read back as a profile; what is lost is the interpolation in ln y between two nodes.
+        // The table can be read back as a profile; only the interpolation in ln y between two nodes is lost.
         let again = Profile::table(&points).expect("ascending rows");
         for (y, u) in fluid.profile.sample(HEIGHT, 1000) {
             assert!((again.velocity(y) - u).abs() < 0.015 * BULK, "{model:?}, U({y}) = {} or {u}", again.velocity(y));
@@ -287,8 +288,9 @@ fn study_of_a_plain_profile() {
     assert!(fluid_study(&fluid, HEIGHT, &out.path().join("profile.csv")).is_err(), "a file is no directory");
 }
 
-/// The points of the direct simulation that docs/validation.md prints, in the units of the paper's channel: y = 20 mm y⁺/1000.512 and
-/// U = 0.0500256 · 15.9075 m/s U⁺; the table must pass through them to its printed digits, and carry U_b to 0.02 %.
+/// Points of the direct simulation that docs/validation.md prints, in the units of the paper's channel: y = 20 mm
+/// y⁺/1000.512 and U = 0.0500256 · 15.9075 m/s U⁺. The table must contain them to their printed digits, and have the
+/// bulk velocity U_b to 0.02 %.
 #[test]
 fn the_simulated_gas_is_that_of_its_source() {
     let table = Path::new(env!("CARGO_MANIFEST_DIR")).join("cases/paper/gas-dns.csv");
@@ -318,7 +320,7 @@ fn the_simulated_gas_is_that_of_its_source() {
     assert!((bulk / BULK - 1.0).abs() < 2e-4, "{bulk}");
 }
 
-/// Of a logarithmic law: what the case says, and where its scale goes.
+/// A logarithmic law as the case gives it, and its scale at the wall.
 #[test]
 fn a_logarithmic_law_knows_its_wall() {
     let law = LogLaw::with_friction_velocity(0.80, HEIGHT, VISCOSITY, LogConstants::default()).unwrap();
@@ -327,14 +329,15 @@ fn a_logarithmic_law_knows_its_wall() {
     assert_eq!(scale.friction_velocity, 0.80);
     assert!((scale.length / (VISCOSITY / 0.80) - 1.0).abs() < 1e-15);
     assert_eq!(profile.maximum(), profile.velocity(0.5 * HEIGHT));
-    // the mean over many places is the bulk velocity, to the error of the trapezoidal rule at the walls
+    // the mean over many points is the bulk velocity, to the error of the trapezoidal rule at the walls
     let sample = profile.sample(HEIGHT, 20_001);
     let mean: f64 = sample.windows(2).map(|pair| 0.5 * (pair[0].1 + pair[1].1)).sum::<f64>() / 20_000.0;
     assert!((mean / profile.bulk_velocity().unwrap() - 1.0).abs() < 1e-4, "{mean}");
 }
 
-/// [-] Darcy's friction factor of a smooth pipe by Prandtl's law 1/√λ = 2 lg(Re √λ) - 0.8 (Schlichting 1979, Boundary-Layer Theory, Eq. 20.30), which follows the
-/// measurements of Nikuradse within 2 % from Re = 4000 to 3e6.
+/// [-] Darcy's friction factor λ of a smooth pipe by Prandtl's law 1/√λ = 2 lg(Re √λ) - 0.8 (Schlichting 1979,
+/// Boundary-Layer Theory, Eq. 20.30). The law agrees with the measurements of Nikuradse within 2 % from Re = 4000 to
+/// 3e6.
 fn prandtl(reynolds: f64) -> f64 {
     let mut root = 8.0; // 1/√λ
     for _ in 0..50 {
@@ -343,7 +346,8 @@ fn prandtl(reynolds: f64) -> f64 {
     1.0 / (root * root)
 }
 
-/// The low-Reynolds-number model in a pipe: friction beside Prandtl's law, and beside Blasius's where that holds (λ = 0.3164 Re^-¼, up to Re = 1e5).
+/// The low-Reynolds-number model in a pipe: friction compared with Prandtl's law and, where it is valid, with Blasius's
+/// law (λ = 0.3164 Re^-¼, up to Re = 1e5).
 #[test]
 fn friction_in_a_pipe() {
     for (reynolds, most) in [(1e4, 0.1), (42_000.0, 0.1), (1e5, 0.1), (1e6, 0.1)] {
@@ -363,14 +367,15 @@ fn friction_in_a_pipe() {
         );
         close(friction, law, most, "friction");
         assert!(grid.abs() < 2e-3, "the grid moves u_τ by {grid}");
-        // the budget of k closes, and the flow is the one asked for
+        // the budget of k closes, and the flow has the requested bulk velocity
         let budget = flow.k_budget;
         close(budget.dissipation + budget.wall_flux, budget.production, 1e-3, "budget");
         close(flow.bulk_velocity, bulk, 1e-9, "bulk");
     }
 }
 
-/// What particles read: about the axis alike in all directions, nothing at the wall and beyond, and the bulk velocity over the section.
+/// The velocity profile in a pipe is equal in all directions about the axis, zero at the wall and beyond, and has the
+/// bulk velocity over the cross-section.
 #[test]
 fn a_pipe_profile_is_round() {
     let profile = Profile::k_epsilon_pipe(15.0, 0.04, [0.03, 0.025], 1.5e-5).unwrap();
@@ -392,7 +397,8 @@ fn a_pipe_profile_is_round() {
     close((0..RINGS).map(ring).sum::<f64>() / 0.02_f64.powi(2), 15.0, 1e-5, "bulk");
 }
 
-/// Drag reads the gas where the particle is: two that differ in x alone settle to different speeds, each the gas less the slip that carries the weight.
+/// Drag depends on the gas velocity at the particle. Two particles that differ in x alone settle to different
+/// velocities: that of the gas minus the slip speed that carries the weight.
 #[test]
 fn a_pipe_drags_by_the_place() {
     let text = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("cases/walls/pipe.toml")).unwrap();
@@ -410,7 +416,7 @@ fn a_pipe_drags_by_the_place() {
     let profile = &experiment.scene.fluid.as_ref().unwrap().profile;
     for (place, x) in [0.02, 0.035].into_iter().enumerate() {
         let gas = profile.velocity_at(&Vector3::new(x, 0.02, 0.0));
-        // 1.67597 m/s carry the weight of these spheres (docs/theory/gas.md, "Drag")
+        // a slip speed of 1.67597 m/s carries the weight of these spheres (docs/theory/gas.md, "Drag")
         close(simulation.particles.velocity[place].z, gas - 1.67597, 1e-4, "speed");
     }
 }

@@ -1,7 +1,7 @@
-//! Damaged and made-up inputs to every reader: none may panic, hang or fill the memory.
+//! Damaged and random inputs to every reader. None may cause a panic, hang or fill the memory.
 //!
-//! Inputs are shipped ones with a few mutations each, drawn from the number of the input, so that any of them can be made again.
-//! A fault is printed with its reader and number.
+//! Inputs are valid ones with a few random changes each. The changes are drawn from the number of the input, so that
+//! any input can be made again. A fault is printed with its reader and number.
 
 use crate::files::parts::{COMB, CUBE, binary, cube, prism, text};
 use crate::support::*;
@@ -20,14 +20,14 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// No reader may take longer for any of these inputs, which are some kilobytes long. They take milliseconds; the rest is for a
-/// busy machine.
+/// Longest time that a reader may take for an input. Inputs have some kilobytes and take milliseconds; the rest allows
+/// for a busy machine.
 const LONGEST: Duration = Duration::from_secs(20);
 
-/// [kB] of this process, all tests that run beside this one included.
+/// [kB] largest memory of this process, including all tests that run at the same time.
 const LARGEST: u64 = 2 << 20;
 
-/// Numbers and words that readers trip over, if they do.
+/// Numbers and words that are likely to cause errors in readers.
 const ODD: [&str; 38] = [
     "0",
     "-0",
@@ -69,7 +69,7 @@ const ODD: [&str; 38] = [
     "\"soft\"",
 ];
 
-/// `from` with one to four mutations.
+/// The text `from` with one to four random changes.
 fn mutated(from: &str, others: &[String], draw: &mut Xoshiro256PlusPlus) -> String {
     let mut bytes = from.as_bytes().to_vec();
     for _ in 0..1 + draw.random_range(0..4) {
@@ -94,7 +94,7 @@ fn mutated(from: &str, others: &[String], draw: &mut Xoshiro256PlusPlus) -> Stri
     String::from_utf8_lossy(&bytes).into_owned()
 }
 
-/// Puts something odd in the place of the first number after `at`.
+/// Replaces the first number after `at` by an odd one.
 fn odd_number(bytes: &mut Vec<u8>, at: usize, draw: &mut Xoshiro256PlusPlus) {
     let Some(start) = (at..bytes.len()).find(|k| bytes[*k].is_ascii_digit()) else { return };
     let of_a_number = |byte: &u8| byte.is_ascii_digit() || b".eE+-".contains(byte);
@@ -102,7 +102,7 @@ fn odd_number(bytes: &mut Vec<u8>, at: usize, draw: &mut Xoshiro256PlusPlus) {
     bytes.splice(start..end, ODD[draw.random_range(0..ODD.len())].bytes());
 }
 
-/// Swaps two lines, leaves one out, or brings one in from another input.
+/// Swaps two lines, removes one, or inserts one from another input.
 fn lines(bytes: &mut Vec<u8>, others: &[String], draw: &mut Xoshiro256PlusPlus) {
     let mut lines: Vec<Vec<u8>> = bytes.split(|byte| *byte == b'\n').map(<[u8]>::to_vec).collect();
     let (one, other) = (draw.random_range(0..lines.len()), draw.random_range(0..lines.len()));
@@ -119,7 +119,7 @@ fn lines(bytes: &mut Vec<u8>, others: &[String], draw: &mut Xoshiro256PlusPlus) 
     *bytes = lines.join(&b'\n');
 }
 
-/// What is read, and how many of a thousand inputs go to it. A whole case costs milliseconds, a quantity a microsecond.
+/// Readers, and how many of a thousand inputs each gets. A whole case costs milliseconds, a quantity a microsecond.
 const READERS: [(&str, u64); 13] = [
     ("quantity", 273),
     ("start.csv", 15),
@@ -136,7 +136,7 @@ const READERS: [(&str, u64); 13] = [
     ("checkpoint", 5),
 ];
 
-/// Extended XYZ.
+/// A file in extended XYZ format.
 const XYZ: &str = "2\nLattice=\"0.004 0 0 0 0.004 0 0 0 0.004\" Properties=species:S:1:pos:R:3:velo:R:3:radius:R:1:id:I:1 Time=0.0 pbc=\"T T T\" units=\"m s\"\n\
                    glass 1e-3 1e-3 1e-3 0 0 0.1 2.03e-4 0\nglass 2e-3 1e-3 1e-3 0 0 -0.1 2.03e-4 1\n";
 
@@ -161,11 +161,11 @@ struct Fuzz {
     checkpoint: Checkpoint,
 }
 
-/// The files of a checkpoint, as a run leaves them, and the run.
+/// Files of a checkpoint as a run writes them, and the run.
 struct Checkpoint {
     experiment: Experiment,
     run: RunIdentity,
-    /// Name and bytes of each.
+    /// Name and bytes of each file.
     files: Vec<(String, Vec<u8>)>,
 }
 
@@ -201,7 +201,7 @@ impl Fuzz {
         fuzz
     }
 
-    /// A state that a run has saved.
+    /// Text of a state that a run has saved.
     fn saved(&self) -> String {
         let out = self.folder.path().join("out");
         let run = diptych(&["run", "cases/impact.toml", "--model", "hard", "--save-state", "--quiet", "--out"])
@@ -211,7 +211,7 @@ impl Fuzz {
         std::fs::read_to_string(out.join("state.csv")).unwrap()
     }
 
-    /// One input; what it did is of no interest as long as it comes back.
+    /// Passes one input to a reader. Its result does not matter as long as the reader returns.
     fn one(&self, reader: &str, draw: &mut Xoshiro256PlusPlus) {
         match reader {
             "quantity" => {
@@ -237,9 +237,9 @@ impl Fuzz {
             }
             "case" => {
                 let text = mutated(pick(&self.cases, draw), &self.cases, draw);
-                // as if it stood beside the shipped ones, so that their files are found
+                // as if the case were in the folder of the built-in ones, so that their files are found
                 let case = Case::from_text(&self.root.join("cases/fuzz.toml"), text.into(), &[]);
-                // a message is all that may come of it
+                // the only other possible result is a message
                 let _ = case.and_then(|case| check_text(&case));
             }
             "snapshot" => self.snapshot(draw),
@@ -249,7 +249,7 @@ impl Fuzz {
         }
     }
 
-    /// A case that starts from this table.
+    /// Reads a case that starts from this table.
     fn start(&self, name: &str, table: &str) {
         std::fs::write(self.folder.path().join(name), table).unwrap();
         let text = "[domain]\nsize = [\"4 mm\", \"4 mm\", \"4 mm\"]\n[[particles]]\nname = \"glass\"\ndiameter = \"406 um\"\ndensity = \"2500 kg/m^3\"\n\
@@ -260,7 +260,7 @@ impl Fuzz {
         let _ = [Model::Soft, Model::Hard].map(|model| case.experiment(Some(model), None).is_ok());
     }
 
-    /// A case with these triangles as a wall.
+    /// Reads a case with these triangles as a wall.
     fn wall(&self, name: &str, bytes: &[u8]) {
         std::fs::write(self.folder.path().join(name), bytes).unwrap();
         let text = "[domain]\nsize = [\"8 mm\", \"8 mm\", \"8 mm\"]\n[[particles]]\ndiameter = \"1 mm\"\ndensity = \"2500 kg/m^3\"\n\
@@ -271,13 +271,14 @@ impl Fuzz {
         let _ = case.experiment(Some(Model::Hard), None).is_ok();
     }
 
-    /// What lasts between windows, with some of its bytes changed.
+    /// Reads a snapshot with some of its bytes changed.
     fn snapshot(&self, draw: &mut Xoshiro256PlusPlus) {
         let whole = &self.snapshots[draw.random_range(0..self.snapshots.len())];
         let _ = postcard::from_bytes::<Snapshot>(&damaged(whole, draw)).is_ok();
     }
 
-    /// A file of a checkpoint, damaged; in half of the inputs its checksum is made to fit, so that what it holds is decoded.
+    /// A damaged file of a checkpoint. In half of the inputs its checksum is made to fit, so that its contents are
+    /// decoded.
     fn damaged_file(&self, draw: &mut Xoshiro256PlusPlus) -> (&str, &[u8], Vec<u8>) {
         let files = &self.checkpoint.files;
         let (name, whole) = &files[draw.random_range(0..files.len())];
@@ -289,7 +290,7 @@ impl Fuzz {
         (name, whole, bytes)
     }
 
-    /// A file of a checkpoint in memory.
+    /// Reads a damaged file of a checkpoint from memory.
     fn envelope(&self, draw: &mut Xoshiro256PlusPlus) {
         let (name, _, bytes) = self.damaged_file(draw);
         let _ = match name {
@@ -299,7 +300,7 @@ impl Fuzz {
         };
     }
 
-    /// A checkpoint on the disk one of whose files is damaged, from which a run would go on.
+    /// Reads a checkpoint on the disk, one of whose files is damaged, as a resumed run does.
     fn checkpoint(&self, draw: &mut Xoshiro256PlusPlus) {
         let Checkpoint { experiment, run, .. } = &self.checkpoint;
         let (name, whole, bytes) = self.damaged_file(draw);
@@ -316,7 +317,7 @@ impl Fuzz {
     }
 }
 
-/// Bytes with up to three damages.
+/// The bytes with up to three damaged places.
 fn damaged(whole: &[u8], draw: &mut Xoshiro256PlusPlus) -> Vec<u8> {
     let mut bytes = whole.to_vec();
     for _ in 0..1 + draw.random_range(0..3) {
@@ -331,7 +332,7 @@ fn damaged(whole: &[u8], draw: &mut Xoshiro256PlusPlus) -> Vec<u8> {
     bytes
 }
 
-/// What sees the run of the checkpoint.
+/// Observers of the run of the checkpoint.
 fn observers(experiment: &Experiment) -> (Series, Paths, Accumulator) {
     let schedule = Schedule::new(experiment);
     let profiles = Accumulator::new(experiment.statistics.slices, experiment.scene.domain.size.y);
@@ -339,7 +340,7 @@ fn observers(experiment: &Experiment) -> (Series, Paths, Accumulator) {
 }
 
 impl Checkpoint {
-    /// Of a run that has been left twice, and is then over.
+    /// Writes the checkpoint of a run that was stopped twice and is then over.
     fn new(folder: &Path) -> Self {
         let scene = empty([5e-3; 3], [true; 3], small(), surface(0.9, 0.1));
         let mut experiment = experiment(scene, 12, [0.0; 3], 0.5, Model::Soft, 1);
@@ -382,7 +383,7 @@ fn pick<'a>(list: &'a [String], draw: &mut Xoshiro256PlusPlus) -> &'a str {
     &list[draw.random_range(0..list.len())]
 }
 
-/// Runs on their way, of every engine.
+/// Snapshots of runs in progress, of every engine.
 fn snapshots() -> Vec<Vec<u8>> {
     let scene = empty([5e-3; 3], [true; 3], small(), surface(0.9, 0.1));
     let of = |(model, stepping): (Model, SoftStepping)| {
@@ -398,18 +399,18 @@ fn snapshots() -> Vec<Vec<u8>> {
         .into()
 }
 
-/// [kB] the most memory that this process has had, where the system tells.
+/// [kB] largest memory that this process has had; `None` if the system does not report it.
 fn memory() -> Option<u64> {
     let status = std::fs::read_to_string(Path::new("/proc/self/status")).ok()?;
     status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?.split_whitespace().next()?.parse().ok()
 }
 
-/// Random numbers of one input of a reader.
+/// Random numbers for one input of a reader.
 fn draw_of(reader: &str, number: u64) -> Xoshiro256PlusPlus {
     Xoshiro256PlusPlus::seed_from_u64(number ^ reader.bytes().fold(0, |sum, byte| sum << 8 | u64::from(byte)))
 }
 
-/// `inputs` in all, from number `first` on; gives the faults and prints how many went to each reader.
+/// Tries `inputs` inputs from number `first` on. Returns the faults, and prints how many inputs each reader got.
 fn soak(inputs: u64, first: u64) -> Vec<String> {
     let fuzz = Fuzz::new();
     let mut faults = Vec::new();
@@ -425,7 +426,7 @@ fn soak(inputs: u64, first: u64) -> Vec<String> {
             if read.is_err() {
                 faults.push(format!("{reader}, input {number}: it panicked"));
             }
-            // once more: on a busy machine the process itself may have waited for that long
+            // the input is tried once more: on a busy machine the process itself may have waited for that long
             if took > LONGEST {
                 took = took.min(timed().1);
             }

@@ -1,4 +1,4 @@
-//! Hybrid spheres: instants where two meet alone, contacts that last elsewhere.
+//! Hybrid spheres: instantaneous collisions where two spheres meet alone, lasting contacts elsewhere.
 
 use crate::support::*;
 use diptych::case::Case;
@@ -11,17 +11,17 @@ use diptych::scene::Scene;
 use diptych::simulation::Simulation;
 use nalgebra::Vector3;
 
-/// The hybrid engine with stiffness k [N/m], time step dt [s] and θ [-].
+/// The hybrid engine with stiffness k [N/m], time step dt [s] and clearance θ [-].
 fn hybrid(k: f64, dt: f64, clearance: f64) -> Box<dyn Engine> {
     Box::new(Hybrid::new(ContactLaw::linear(k), Integrator::VelocityVerlet, dt, clearance))
 }
 
-/// [s] how long two of the paper's small spheres touch.
+/// [s] duration of a contact of two of the paper's small spheres.
 fn contact_time(k: f64) -> f64 {
     std::f64::consts::PI * (0.5 * small().mass() / k).sqrt()
 }
 
-/// [-] what the ledger of momentum leaves unexplained, over the largest momentum of all that went through.
+/// [-] momentum that the ledger does not explain, over the largest momentum that was transferred.
 fn momentum_residual(simulation: &Simulation, before: Vector3<f64>) -> f64 {
     let ledger = &simulation.record.ledger;
     let given = ledger.gravity_impulse + ledger.wall_impulse + ledger.drag_impulse;
@@ -30,7 +30,7 @@ fn momentum_residual(simulation: &Simulation, before: Vector3<f64>) -> f64 {
     (simulation.particles.momentum() - before - given).norm() / scale
 }
 
-/// [-] what the ledger of energy leaves unexplained, over the energy at the start [J].
+/// [-] energy that the ledger does not explain, over the energy at the start [J].
 fn energy_residual(simulation: &Simulation, before: f64) -> f64 {
     simulation.record.ledger.residual(before, simulation.energy()) / simulation.record.ledger.through(before)
 }
@@ -54,22 +54,24 @@ fn two_that_meet_alone_are_hard_spheres() {
     assert_eq!(both.record.pairs.count, hard.record.pairs.count);
     assert_eq!(both.record.pairs.instants.count, both.record.pairs.count);
     assert_eq!(both.record.walls.instants.count, hard.record.walls.count);
-    // islands that are done again count again
+    // islands that are solved again are counted again
     assert!(both.counters().events >= both.record.pairs.count + both.record.walls.count);
-    // rounding differs, and each collision may amplify it by a mean free path over a radius: as between islands and a calendar
+    // rounding differs, and each collision may amplify it by a mean free path over a radius, as between islands and a
+    // calendar
     for (x, y) in both.particles.velocity.iter().zip(&hard.particles.velocity) {
         assert!((x - y).norm() < 1e-6, "{x} {y}");
     }
     assert!(momentum_residual(&both, before) < 1e-12);
     assert!(energy_residual(&both, energy).abs() < 1e-12);
-    // what was left out is what the law says of the mean impact: the contact time of the two, and an overlap of u/ω_0
+    // the time and overlap that instants leave out are those of the law for the mean impact: the contact time of the
+    // two, and an overlap of u/ω_0
     let instants = &both.record.pairs.instants;
     let mean = instants.duration() / instants.count as f64;
     close("contact time left out", mean / contact_time(k), 1.0, 2e-3);
 }
 
-/// How many of the two impacts are instants when the first of three in a row comes at 0.1 m/s, and the third is `gap` [m] behind the
-/// second.
+/// Number of the two impacts that are instants, if the first of three spheres in a row arrives at 0.1 m/s and the third
+/// is `gap` [m] behind the second.
 fn in_a_row(gap: f64) -> (u64, u64) {
     let d = small().diameter;
     let scene = empty([20.0 * d; 3], [true; 3], small(), surface(1.0, 0.0));
@@ -83,7 +85,7 @@ fn in_a_row(gap: f64) -> (u64, u64) {
 
 #[test]
 fn who_may_come_before_a_contact_is_over_makes_it_last() {
-    // an impulse changes the velocity of one of two equal spheres by at most that of approach, here 0.1 m/s
+    // an impulse changes the velocity of one of two equal spheres by at most the approach velocity, here 0.1 m/s
     let reached = 0.1 * contact_time(3000.0);
     assert_eq!(in_a_row(1.01 * reached), (2, 2));
     assert_eq!(in_a_row(0.99 * reached).0, 1, "the second impact of the two is alone");
@@ -127,7 +129,7 @@ fn a_ball_bounces_to_rest() {
     assert!(energy_residual(&done, 0.0).abs() < 1e-4, "{}", energy_residual(&done, 0.0));
 }
 
-/// A bed of three layers that touch, too many for one island of local stepping, below `gas` spheres that fly.
+/// A bed of three touching layers, too many particles for one island of local stepping, below `gas` spheres that fly.
 fn gas_over_bed(gas: usize) -> (Scene, Particles) {
     let d = small().diameter;
     let (side, height) = (12.0 * d * (1.0 + 1e-6), 80.0 * d);
@@ -140,7 +142,7 @@ fn gas_over_bed(gas: usize) -> (Scene, Particles) {
     let at = |k: usize| (k as f64 + 0.5) * d * (1.0 + 1e-6);
     let cells = |n: usize| [at(n % 12), at(n / 144), at(n / 12 % 12)];
     let mut list: Vec<_> = (0..432).map(|n| (cells(n), [0.0; 3])).collect();
-    // every third place of the layers above, with velocities that repeat nowhere
+    // every third position of the layers above, with velocities that all differ
     for n in 0..gas {
         let x = [n % 4, 2 + n / 16, n / 4 % 4].map(|k| 3.0 * d * (k as f64 + 0.5));
         let v = [1, 2, 3].map(|axis| ((n * n * axis + n + axis) as f64).sin());
@@ -174,11 +176,11 @@ fn a_bed_is_stepped_while_the_gas_above_it_collides() {
     let residual = energy_residual(&done, energy);
     let soft = run(&scene, particles.clone(), soft(k, step, Integrator::VelocityVerlet), 6e-3, 6);
     assert!(residual.abs() < 2e-3 + energy_residual(&soft, energy).abs(), "{residual}");
-    // the same physics: the same number of impacts and the same energy as with soft spheres, within the scatter of so few
+    // equal physics: the number of impacts and the energy are those of soft spheres, within the scatter of so few
     let ratio = done.record.pairs.count as f64 / soft.record.pairs.count as f64;
     close("impacts between particles", ratio, 1.0, 0.15);
     close("energy", done.particles.kinetic_energy() / soft.particles.kinetic_energy(), 1.0, 0.05);
-    // nobody has fallen through
+    // no sphere has fallen through
     assert!(done.particles.position.iter().all(|x| x.y > 0.4 * small().diameter));
 }
 
@@ -193,7 +195,7 @@ fn a_bed_without_restitution_comes_to_rest() {
     println!("{} of {} impacts were instants", done.record.pairs.instants.count, done.record.pairs.count);
 }
 
-/// Hybrid spheres under weight, at rest as soft ones are.
+/// Hybrid spheres under their weight come to rest as soft spheres do.
 fn comes_to_rest(restitution: f64) -> Simulation {
     let d = small().diameter;
     let side = 8.0 * d;
@@ -212,14 +214,15 @@ fn comes_to_rest(restitution: f64) -> Simulation {
         |done: &Simulation| (2.0 * done.particles.kinetic_energy() / done.particles.mass.iter().sum::<f64>()).sqrt();
     assert!(speed(&done) < 5e-3 && speed(&soft) < 5e-3, "{} {} m/s", speed(&done), speed(&soft));
     let height = |done: &Simulation| done.particles.position.iter().map(|x| x.y).sum::<f64>() / 260.0;
-    // both lie at random: the height of the middle of so few is the same within some hundredths
+    // both beds are random: the height of the centre of so few spheres is equal within a few hundredths
     close("height of the bed", height(&done) / height(&soft), 1.0, 0.04);
     done
 }
 
 #[test]
 fn contacts_that_last_are_one_crowd_wherever_they_are() {
-    // nine stacks of three that lie on the floor, each as deep in the next as its weight presses it, three diameters apart
+    // nine stacks of three on the floor, three diameters apart; each sphere overlaps the next by as much as its weight
+    // presses it
     let (d, k) = (small().diameter, 300.0);
     let (side, height) = (9.0 * d, 60.0 * d);
     let mut scene = empty([side, height, side], [true, false, true], small(), surface(0.6, 0.0));
@@ -238,7 +241,7 @@ fn contacts_that_last_are_one_crowd_wherever_they_are() {
     let done = run(&scene, particles.clone(), hybrid(k, step, 2.0), 2e-3, 4);
     let counters = done.counters();
     assert!(counters.largest_island >= 27 && counters.uniform_steps > 0, "{counters:?}");
-    // nothing of the bed moves, as with soft spheres: a stack is in balance
+    // no sphere of the bed moves, as with soft spheres: a stack is in balance
     for (x, y) in done.particles.position.iter().zip(&done.particles.id).filter(|(_, id)| **id < 27) {
         assert!((x.y - list[*y as usize].0[1]).abs() < 1e-3 * sunk, "{x:?}");
     }
@@ -246,8 +249,9 @@ fn contacts_that_last_are_one_crowd_wherever_they_are() {
     close("energy", done.energy() / soft.energy(), 1.0, 1e-3);
 }
 
-/// Where all are stepped at once contacts stay with those who step them, from window to window: whoever asks in between is still told of all of them and of
-/// what they store. A lattice of spheres that overlap by the same at rest stays as it is, and its energy is known.
+/// If all particles are stepped at once, contacts remain from window to window. Between windows all contacts and their
+/// stored energy can be read nevertheless. A lattice of spheres at rest with equal overlaps does not move, and its
+/// energy is known.
 #[test]
 fn contacts_that_are_stepped_with_all_others_are_seen_between_windows() {
     let (side, overlap, k) = (6usize, 1e-3, 1e4);
@@ -271,8 +275,8 @@ fn contacts_that_are_stepped_with_all_others_are_seen_between_windows() {
     }
 }
 
-/// [-] variance over mean of the numbers of centres in 12³ equal parts of a cube: among hard spheres at random it is below one and is that of their
-/// compressibility, some 0.5 at a volume fraction of 0.1; clusters raise it.
+/// [-] variance over mean of the numbers of centres in 12³ equal parts of a cube. For random hard spheres it is below
+/// one and equals their compressibility, about 0.5 at a volume fraction of 0.1; clusters increase it.
 fn unevenness(scene: &Scene, particles: &Particles) -> f64 {
     const PARTS: usize = 12;
     let mut counts = vec![0.0; PARTS * PARTS * PARTS];
@@ -285,7 +289,7 @@ fn unevenness(scene: &Scene, particles: &Particles) -> f64 {
     counts.iter().map(|count: &f64| (count - mean).powi(2)).sum::<f64>() / counts.len() as f64 / mean
 }
 
-/// A mean over starts, and its standard error.
+/// Mean over several starts, and its standard error.
 type Estimate = [f64; 2];
 
 /// [-] ln(T/T0) and the [`unevenness`] at some times, in the units of a gas of unit spheres at T0 = 1.
@@ -316,7 +320,8 @@ fn cooling(engine: &dyn Fn() -> Box<dyn Engine>, times: &[f64], starts: u64) -> 
     all.iter().map(|values| values.each_ref().map(statistics)).collect()
 }
 
-/// Until soft spheres themselves cluster: at 3000 d/sqrt(T0) the numbers in parts of the cube are several times as uneven as at first.
+/// Runs until soft spheres form clusters: at 3000 d/sqrt(T0) the numbers in parts of the cube are several times as
+/// uneven as at first.
 #[test]
 #[ignore = "long: a gas that clusters, 64,000 spheres from four starts with two engines; cargo test -- --ignored --nocapture cools_through_clustering"]
 fn a_gas_cools_through_clustering_as_soft_spheres_do() {
@@ -333,7 +338,8 @@ fn a_gas_cools_through_clustering_as_soft_spheres_do() {
     for ((time, mixed), contacts) in times.iter().zip(&mixed).zip(&contacts) {
         for (mixed, contacts) in mixed.iter().zip(contacts) {
             let error = mixed[1].hypot(contacts[1]);
-            // five times, two numbers each: four standard errors of four starts, whose own scatter is known to two fifths
+            // five times, two numbers each: four standard errors of four starts, and these errors are known to two
+            // fifths
             assert!((mixed[0] - contacts[0]).abs() < 4.0 * error.max(5e-3), "{time}: {mixed:?} {contacts:?}");
         }
     }
@@ -341,7 +347,7 @@ fn a_gas_cools_through_clustering_as_soft_spheres_do() {
     assert!(last > 2.0 * first, "soft spheres have not clustered: {first} and {last}");
 }
 
-/// `cases/hybrid/intruder.toml` at its start, with those keys.
+/// `cases/hybrid/intruder.toml` at its start, with these keys.
 fn intruder_with(model: Model, sets: &[String]) -> Simulation {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("cases/hybrid/intruder.toml");
     let (experiment, _) = Case::read(&path, sets).and_then(|case| case.experiment(Some(model), None)).unwrap();
@@ -352,8 +358,8 @@ fn intruder(model: Model) -> Simulation {
     intruder_with(model, &[])
 }
 
-/// `cases/hybrid/intruder.toml`: a steel ball sinks into a bed of glass beads and is stopped, by the same depth with either model. At six other places the
-/// depths were 0.003 ± 0.006 mm apart, with 0.014 mm between two runs.
+/// `cases/hybrid/intruder.toml`: a steel ball penetrates a bed of glass beads and is stopped at equal depth in either
+/// model. At six other positions the depths differed by 0.003 ± 0.006 mm, and by 0.014 mm between two runs.
 #[test]
 fn an_intruder_sinks_as_deep_as_among_soft_spheres() {
     let sink = |model: Model| {
@@ -366,23 +372,26 @@ fn an_intruder_sinks_as_deep_as_among_soft_spheres() {
             simulation.particles.position[ball].y
         });
         assert!(momentum_residual(&simulation, momentum) < 1e-12);
-        // sliding friction is booked as if nothing else pushed the two, as a dashpot is (docs/theory/model.md)
+        // the work of sliding friction is computed as if no other force acted on the two, as for a dashpot
+        // (docs/theory/model.md)
         assert!(energy_residual(&simulation, energy).abs() < 0.05, "{}", energy_residual(&simulation, energy));
         heights
     };
     let (soft, hybrid) = (sink(Model::Soft), sink(Model::Hybrid));
-    // after 2 ms, before chance has come in
+    // at 2 ms, before small differences have grown
     assert!((soft[0] - hybrid[0]).abs() < 1e-7, "{} {}", soft[0], hybrid[0]);
     for heights in [&soft, &hybrid] {
-        // 3.2 mm deep, and stopped: in the last millisecond it sinks less than a fiftieth of what it did in each of the first two
+        // 3.2 mm deep, and stopped: in the last millisecond it moves less than a fiftieth of its motion in each of the
+        // first two
         assert!((heights[2] - 13.25e-3).abs() < 1e-4, "{}", heights[2]);
         assert!(heights[1] - heights[2] < 0.02 * 0.5 * (16.45e-3 - heights[0]), "{heights:?}");
     }
     assert!((soft[2] - hybrid[2]).abs() < 6.0 * 1.4e-5, "{} {}", soft[2], hybrid[2]);
 }
 
-/// What sliding friction takes is booked as if nothing else pushed the two, which is wrong by the first order of the time step: three times as many steps
-/// leave a third unexplained, and what chance adds. Measured: 3.8 % and 1.7 % of the energy after 5 ms.
+/// The work of sliding friction is computed as if no other force acted on the two, which has an error of first order in
+/// the time step. With three times as many steps a third remains unexplained, plus chance. Measured: 3.8 % and 1.7 % of
+/// the energy after 5 ms.
 #[test]
 fn the_unexplained_energy_of_an_intruder_falls_with_the_time_step() {
     let residual = |steps: f64| {
@@ -395,8 +404,9 @@ fn the_unexplained_energy_of_an_intruder_falls_with_the_time_step() {
     assert!(coarse < 0.05 && fine < 0.6 * coarse, "{coarse} {fine}");
 }
 
-/// `cases/hybrid/intruder.toml` in windows of 0.2 ms: when the ball strikes, beads of the bed are pushed by hundreds in one window. Each of them joins the crowd,
-/// which looks around once for all. When it looked once for each the first 2 ms took 240 times as long as with soft spheres, and now 1.1 times.
+/// `cases/hybrid/intruder.toml` in windows of 0.2 ms: when the ball strikes, it pushes hundreds of beads of the bed in
+/// one window. Each bead joins the particles that are stepped together, which need one search for all. With one search
+/// per bead the first 2 ms took 240 times as long as with soft spheres; now they take 1.1 times.
 #[test]
 fn a_bed_that_is_struck_costs_about_what_it_costs_soft_spheres() {
     let (mut soft, mut hybrid) = (intruder(Model::Soft), intruder(Model::Hybrid));
@@ -409,7 +419,7 @@ fn a_bed_that_is_struck_costs_about_what_it_costs_soft_spheres() {
     let mut taken = 0.0;
     for window in 1..=10 {
         taken += seconds(&mut hybrid, 1);
-        // ten times: the tests beside this one take the cores from either
+        // a factor of ten, because other tests use the cores at the same time
         assert!(
             taken < limit,
             "{window} windows: {taken} s hybrid; ten times what soft spheres took for ten: {limit} s"

@@ -1,5 +1,5 @@
-//! What must not depend on how the question is put: frames, mirrors, orders, periodic images, walls at an angle; and
-//! what must hold whatever the scene: no missed touch, no overlap, complete neighbour lists, clean starts.
+//! Results must not depend on the choice of frames, mirrors, orders, periodic images and tilted walls. In any scene no
+//! touch is missed, spheres do not overlap, neighbour lists are complete, and starts are valid.
 
 use crate::support::*;
 use diptych::domain::Domain;
@@ -21,17 +21,17 @@ fn at_phi(count: usize, phi: f64, restitution: f64, friction: f64, seed: u64) ->
     (scene, particles)
 }
 
-/// k = 1e4, N_c = 20 in reduced units.
+/// Soft engine with k = 1e4, N_c = 20 in reduced units.
 fn stiff() -> Box<dyn Engine> {
     soft(1e4, PI * (0.5f64 / 1e4).sqrt() / 20.0, Integrator::VelocityVerlet)
 }
 
-/// The same, stepping contacts only.
+/// Soft engine with k = 1e4, N_c = 20 and local stepping.
 fn stiff_local() -> Box<dyn Engine> {
     local(1e4, PI * (0.5f64 / 1e4).sqrt() / 20.0, Integrator::VelocityVerlet)
 }
 
-/// Largest distance between two states, positions by nearest image and velocities.
+/// Largest difference of two states: positions by nearest image, and velocities.
 fn apart(scene: &Scene, a: &Particles, b: &Particles) -> f64 {
     let x = a
         .position
@@ -42,12 +42,13 @@ fn apart(scene: &Scene, a: &Particles, b: &Particles) -> f64 {
     x.chain(v).fold(0.0, f64::max)
 }
 
-/// A dissipative rough gas of 64 spheres; some 50 collisions in all. Neighbouring paths part by about 10 per
-/// collision of one sphere, and each has suffered under two on average: 1e-9 leaves room for five.
+/// A dissipative gas of 64 spheres with friction, with about 50 collisions in all. Neighbouring trajectories diverge by
+/// a factor of about 10 per collision of one sphere, and each has fewer than two on average. The tolerance 1e-9 allows
+/// for five.
 #[test]
 fn changes_of_view_change_nothing() {
     let engines = [("hard", hard as fn() -> Box<dyn Engine>), ("soft", stiff), ("local", stiff_local)];
-    // without friction local stepping solves lonely contacts in another way
+    // without friction local stepping solves isolated contacts by another method
     for ((name, engine), friction) in engines.into_iter().flat_map(|engine| [(engine, 0.2), (engine, 0.0)]) {
         let (scene, start) = at_phi(64, 0.15, 0.9, friction, 6);
         let size = scene.domain.size;
@@ -87,7 +88,7 @@ fn changes_of_view_change_nothing() {
             *x = Vector3::new(size.x - x.y, x.z, x.x);
             *v = Vector3::new(-v.y, v.z, v.x);
         });
-        // other windows: the hard engine has no step; soft keeps its step when the window is a multiple of it
+        // other windows: the hard engine has no step; the soft engine keeps its step if the window is a multiple of it
         if name == "hard" {
             check("eleven windows", run(&scene, start.clone(), engine(), duration, 11).particles, &|_, _| ());
         }
@@ -96,7 +97,7 @@ fn changes_of_view_change_nothing() {
 
 #[test]
 fn order_of_the_particles_changes_nothing() {
-    // oracle E6: reversed order, rounding only; soft to 1e-12 over a short time, hard to 1e-9
+    // oracle E6: in reversed order only rounding differs; soft to 1e-12 over a short time, hard to 1e-9
     let (scene, start) = at_phi(64, 0.15, 0.9, 0.2, 6);
     let engines = [(stiff as fn() -> Box<dyn Engine>, 0.3, 1e-12), (stiff_local, 0.3, 1e-12), (hard, 0.6, 1e-9)];
     for (engine, duration, tolerance) in engines {
@@ -117,7 +118,7 @@ fn order_of_the_particles_changes_nothing() {
 
 #[test]
 fn collisions_across_a_periodic_side() {
-    // the same pair in the middle of the box and across a side, an edge and a corner
+    // one pair in the middle of the box, and across a side, an edge and a corner
     let scene = empty([5.0; 3], [true; 3], unit(), surface(0.8, 0.3));
     let velocity = [[0.5, 0.1, -0.2], [-0.5, 0.0, 0.3]];
     let start = [[1.7, 2.4, 2.6], [3.3, 2.6, 2.4]];
@@ -132,7 +133,7 @@ fn collisions_across_a_periodic_side() {
         };
         let plain = go([0.0; 3]);
         for shift in [[2.5, 0.0, 0.0], [0.0, -2.5, 0.0], [0.0, 0.0, 2.5], [2.5, 2.5, 0.0], [2.5, 2.5, 2.5]] {
-            // touch on the grid of the soft engine is decided by rounding: one step there
+            // rounding decides the step at which the soft engine detects a touch: an error of one step
             assert!(apart(&scene, &plain, &go(shift)) < 1e-9, "{shift:?}");
         }
     }
@@ -140,8 +141,9 @@ fn collisions_across_a_periodic_side() {
 
 #[test]
 fn boxes_of_a_few_diameters() {
-    // L between 2 d and 7 d, long windows: a pair may meet through any image, after crossing the box more than once. Against a brute-force reference that tries
-    // all 27 images at every event, over the first collisions
+    // box length between 2 d and 7 d, and long windows: a pair may meet through any image, after crossing the box more
+    // than once. The reference is a brute-force method that tries all 27 images at every event, over the first
+    // collisions
     let mut total = 0;
     for (k, edge) in [2.05, 2.3, 2.6, 3.0, 3.5, 4.0, 7.0].into_iter().enumerate() {
         let scene = empty([edge; 3], [true; 3], unit(), surface(1.0, 0.0));
@@ -151,7 +153,7 @@ fn boxes_of_a_few_diameters() {
             let velocity = Vector3::new(angle.sin(), angle.cos(), (2.0 * angle).sin());
             let b = a + Vector3::new(0.5, 0.49, 0.51) * edge;
             let list = [(a.into(), velocity.into()), (b.into(), (-0.6 * velocity).into())];
-            // after eight collisions rounding has grown too much to count on
+            // after eight collisions rounding has grown too much for a comparison
             let times = brute_force_pair(a - b, 1.6 * velocity, edge, 100.0);
             let count = times.len().min(8);
             let until = if times.len() > 8 { 0.5 * (times[7] + times[8]) } else { 100.0 };
@@ -168,8 +170,8 @@ fn boxes_of_a_few_diameters() {
     assert!(total > 100);
 }
 
-/// Instants at which two elastic unit spheres collide in a periodic cube, from their separation and relative velocity;
-/// every image is tried, in leaps of a quarter period.
+/// Instants at which two elastic unit spheres collide in a periodic cube, from their separation and relative velocity.
+/// Every image is tried, in time intervals in which they move a quarter period.
 fn brute_force_pair(mut r: Vector3<f64>, mut u: Vector3<f64>, l: f64, until: f64) -> Vec<f64> {
     let mut time = 0.0;
     let mut times = Vec::new();
@@ -220,8 +222,8 @@ fn no_overlap_after_any_window() {
 
 #[test]
 fn a_light_particle_that_becomes_fast_misses_nothing() {
-    // a heavy sphere hits a light one at rest, which leaves at almost twice its speed, far beyond what the neighbour list
-    // was made for, and must hit a third; then the same in a mixture, against overlap
+    // a heavy sphere hits a light one at rest, which leaves at almost twice its speed. The light one moves far beyond
+    // the range of the neighbour list, and must hit a third; then the same in a mixture, as a test against overlap
     let mut scene = empty([60.0, 20.0, 20.0], [false; 3], unit(), surface(1.0, 0.0));
     scene.walls = vec![plane([59.0, 0.0, 0.0], [-1.0, 0.0, 0.0], surface(1.0, 0.0))];
     for windows in [1, 3, 40] {
@@ -230,7 +232,8 @@ fn a_light_particle_that_becomes_fast_misses_nothing() {
         particles.push(Vector3::new(4.0, 10.0, 10.0), Vector3::zeros(), 0.5, 1.0, 0);
         particles.push(Vector3::new(12.0, 10.0, 10.0), Vector3::zeros(), 0.5, 1e-3, 0);
         particles.push(Vector3::new(40.0, 10.0, 10.0), Vector3::zeros(), 0.5, 1e-3, 0);
-        // first touch at t = 1; the light one then needs 7 / 1.998 for the next, which leaves at almost 4, and so on
+        // first touch at t = 1; the light sphere then takes 7 / 1.998 to reach the next, which leaves at almost 4, and
+        // so on
         let v1 = 2.0 * 1000.0 / 1001.0;
         let v2 = 2.0 * v1 / 1.001;
         let (t1, t2) = (1.0, 1.0 + 7.0 / v1);
@@ -242,8 +245,8 @@ fn a_light_particle_that_becomes_fast_misses_nothing() {
         close("last", v[3], -v2, 1e-12);
         close("place", end.particles.position[3].x, 58.5 - v2 * 0.01, 1e-10);
     }
-    // within one window a chain of ever lighter spheres speeds up to 8, and the last must hit one that was far outside
-    // the list made for speeds of 1; a bed of still spheres keeps the list short
+    // within one window a chain of ever lighter spheres reaches a speed of 8, and the last one must hit a sphere far
+    // outside the list made for speeds of 1; a bed of spheres at rest keeps the range of the list short
     scene.walls.clear();
     let mut particles = Particles::default();
     let mut x = 2.0;
@@ -266,7 +269,7 @@ fn a_light_particle_that_becomes_fast_misses_nothing() {
         assert!(provoked, "nothing was cut or done again: the test provokes nothing");
         assert!(end.particles.velocity[3].x < -7.9, "{}", end.particles.velocity[3].x);
     }
-    // a mixture of 1 : 10000 in mass, heavy ones moving: light ones become some hundred times faster than they were
+    // a mixture of 1 : 10000 in mass, where the heavy spheres move: light spheres become about a hundred times faster
     let scene = empty([14.0; 3], [true; 3], unit(), surface(1.0, 0.0));
     let mut particles = random(&scene, 300, 0.01, 4);
     for k in 0..30 {
@@ -303,7 +306,7 @@ fn starts_are_clean_and_repeat() {
         assert!(start == random(&scene, 5000, 1.0, 17), "same seed, other bits");
         assert!(start != random(&scene, 5000, 1.0, 18), "other seed, same bits");
     }
-    // between walls too
+    // also between walls
     let mut scene = empty([20.0, 10.0, 20.0], [true, false, true], unit(), surface(1.0, 0.0));
     scene.walls = vec![
         plane([0.0; 3], [0.0, 1.0, 0.0], surface(1.0, 0.0)),
@@ -316,7 +319,7 @@ fn starts_are_clean_and_repeat() {
 
 #[test]
 fn a_dense_start_of_a_hundred_thousand_is_found() {
-    // placement gives up after a fixed number of rounds, so that it ends on any machine
+    // placement stops after a fixed number of rounds, so that it ends on any machine
     let (scene, start) = at_phi(100_000, 0.5, 1.0, 0.0, 3);
     assert_eq!(start.len(), 100_000);
     let mut list = NeighbourList::default();
@@ -398,7 +401,8 @@ proptest! {
         list.build(&mut particles, &scene, 0.1);
         let skin = list.skin();
         prop_assert!(list.allows(0.1 * particles.largest_speed(list.frame())), "does not last for one use");
-        // positions are wrapped when it is built: nearest images are found as long as none moves half a period against another
+        // positions are wrapped when the list is built: nearest images are found as long as no particle moves half a
+        // period relative to another
         let period = (0..3).filter(|k| periodic[*k]).map(|k| size[k]).fold(f64::INFINITY, f64::min);
         let needed = 0.2 * particles.largest_speed(list.frame());
         prop_assert!(skin <= (0.5 * period).max(needed).max(2e-3) * 1.000001, "{skin} in a period of {period}");
@@ -426,7 +430,7 @@ proptest! {
 
 #[test]
 fn a_start_of_many_beside_walls() {
-    // one in two thousand lands within the placement margin of a wall: with 50,000 some must
+    // one in two thousand positions is within the placement margin of a wall: with 50,000 particles some must be
     let mut scene = empty([0.1, 0.03, 0.06], [true, false, true], small(), surface(1.0, 0.0));
     scene.walls = vec![
         plane([0.0; 3], [0.0, 1.0, 0.0], surface(1.0, 0.0)),

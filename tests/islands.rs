@@ -1,4 +1,5 @@
-//! Islands against the classical algorithms: the same physics, whatever is met within a window.
+//! Islands against the classical algorithms: results must agree, whatever meets within a window. An island is a group
+//! of particles that may meet within a window.
 
 use crate::support::*;
 use diptych::contact_law::ContactLaw;
@@ -16,7 +17,7 @@ use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-/// A slit of the paper's small spheres, walls in y.
+/// A gap between two walls in y with the paper's small spheres.
 fn slit(volume_fraction: f64, count: usize, restitution: f64, friction: f64) -> (Scene, Particles) {
     let species = small();
     let edge = (count as f64 * species.volume() / volume_fraction).cbrt();
@@ -41,7 +42,7 @@ fn worst(scene: &Scene, a: &Simulation, b: &Simulation) -> f64 {
 
 #[test]
 fn islands_give_the_collisions_of_one_calendar() {
-    // rounding differs, and each collision may amplify it by a mean free path over a radius, some 20 here: 8 in a row
+    // rounding differs, and each collision may amplify it by a mean free path over a radius, about 20 here: 8 in a row
     for (fraction, friction) in [(0.01, 0.0), (0.05, 0.3)] {
         let (scene, particles) = slit(fraction, 2000, 0.95, friction);
         for windows in [1, 7, 200] {
@@ -61,8 +62,8 @@ fn islands_give_the_collisions_of_one_calendar() {
 
 #[test]
 fn an_island_meets_what_it_did_not_expect() {
-    // the first of a row hits the second, which hits the third, and so on, all within one window: nobody but the first two
-    // would touch on a straight flight
+    // the first of a row hits the second, which hits the third, and so on, all within one window: in straight flight
+    // only the first two would touch
     let scene = empty([0.05, 0.01, 0.01], [false; 3], small(), surface(1.0, 0.0));
     let d = 406e-6;
     let row = |k: usize| ([0.002 + 1.01 * d * k as f64, 0.005, 0.005], [if k == 0 { 1.0 } else { 0.0 }, 0.0, 0.0]);
@@ -81,7 +82,7 @@ fn an_island_meets_what_it_did_not_expect() {
 
 #[test]
 fn islands_that_are_done_again_meet_nobody_who_is_far_away() {
-    // two rows far from one another, one of them in the corner of the box, in each of which the second meets the third unexpectedly
+    // two distant rows, one of them in the corner of the box; in each the second sphere unexpectedly meets the third
     let scene = empty([0.05, 0.01, 0.01], [false; 3], small(), surface(1.0, 0.0));
     let d = 406e-6;
     let row = |from: f64| {
@@ -99,7 +100,7 @@ fn islands_that_are_done_again_meet_nobody_who_is_far_away() {
 
 #[test]
 fn realised_restitution_of_local_stepping() {
-    // contacts begin and end at their exact instants: what is left is the fourth order of the integrator
+    // contacts begin and end at their exact instants: the error is that of the integrator, of fourth order
     let law = LinearSpring { stiffness: 3000.0 };
     for e in [1.0, 0.94, 0.5] {
         let scene = empty([0.01; 3], [false; 3], small(), surface(e, 0.0));
@@ -113,12 +114,13 @@ fn realised_restitution_of_local_stepping() {
             close("restitution", realised, e, 2e-4);
             let duration = simulation.record.pairs.summary().mean_duration.unwrap();
             close("contact time", duration, law.contact_time(0.5 * scene.species[0].mass(), e), 1e-3 * duration);
-            // what the force adds to the momentum is k_n ∫δ dt, as the dashpot's part ends where it began: at no overlap
+            // the force adds k_n ∫δ dt to the momentum; the part of the dashpot vanishes, since the overlap is zero at
+            // both ends
             let impulse = 0.5 * scene.species[0].mass() * (1.0 + e);
             let mean = impulse / (3000.0 * d * law.contact_time(0.5 * scene.species[0].mass(), e));
             let uniform = soft(3000.0, 0.1 * dt, Integrator::VelocityVerlet);
             let uniform = run(&scene, placed(&scene, &list), uniform, 4e-5, 3).record.pairs.summary();
-            // fourth order; at uniform steps, 200 of them, beginning and end are known to a step
+            // fourth order; with 200 uniform steps beginning and end are known to a step
             close("mean overlap", simulation.record.pairs.summary().time_mean_overlap.unwrap(), mean, 2e-4 * mean);
             close("mean overlap, uniform", uniform.time_mean_overlap.unwrap(), mean, mean / 200.0);
         }
@@ -154,9 +156,9 @@ fn local_and_uniform_stepping_follow_the_same_paths() {
     let at_400 = run(local(3000.0, step(400.0), verlet));
     assert_eq!(at_400.record.pairs.count, 46);
     assert_eq!(at_400.energy(), at_400.particles.kinetic_energy());
-    // local stepping needs no finer steps, and uniform stepping comes to the same where its steps are fine enough: Verlet
-    // notices a contact late by up to a step, some 1e-7 of a velocity at 400 steps, and each collision amplifies that by a
-    // mean free path over a radius, some 5 here; the fourth of a chain decides
+    // Local stepping needs no finer steps, and uniform stepping agrees with it if its steps are fine enough. Verlet's
+    // method detects a contact late by up to a step, about 1e-7 of a velocity at 400 steps. Each collision amplifies
+    // this by a mean free path over a radius, about 5 here; the fourth of a chain decides
     let finer = worst(&scene, &at_400, &run(local(3000.0, step(6400.0), verlet)));
     let uniform = [400.0, 6400.0].map(|steps| worst(&scene, &at_400, &run(soft(3000.0, step(steps), verlet))));
     println!("local 6400: {finer:.1e}; uniform 400, 6400: {:.1e}, {:.1e}", uniform[0], uniform[1]);
@@ -173,7 +175,7 @@ fn local_stepping_closes_the_ledger() {
     let lost = simulation.record.ledger.dissipated();
     println!("residual over losses {:.1e}", residual / lost);
     assert!(lost > 0.05 * before);
-    // friction is not smooth where slip stops, the rest is of fourth order
+    // friction is not smooth at the end of slip, the rest is of fourth order
     assert!(residual.abs() < 2e-3 * lost, "{residual} of {lost}");
 }
 
@@ -191,7 +193,8 @@ fn local_stepping_gives_the_same_bits_for_any_number_of_threads() {
     }
 }
 
-/// In a crowd islands are tried and given up window after window; what they have reordered by then must not mislead the others.
+/// In a dense crowd islands are tried and given up in window after window. Their reordering of the particles must not
+/// affect the other algorithms.
 #[test]
 fn islands_that_give_up_leave_no_trace() {
     let species = small();
@@ -203,7 +206,7 @@ fn islands_that_give_up_leave_no_trace() {
     let auto = || -> Box<dyn Engine> {
         Box::new(Soft::new(ContactLaw::linear(law.stiffness), Integrator::VelocityVerlet, step, SoftStepping::Auto))
     };
-    // windows in which islands run together, but not from the start
+    // windows in which islands grow together, but not from the start
     for (name, engine) in [("soft", auto()), ("hard", islands())] {
         let done = run(&scene, particles.clone(), engine, 1e-3, 100);
         // local steps of twenty per contact keep energy to 1e-5 per contact, and each sphere has about twelve
@@ -216,8 +219,8 @@ fn islands_that_give_up_leave_no_trace() {
 
 #[test]
 fn an_impact_survives_the_hand_over_to_uniform_steps() {
-    // islands take two spheres into their contact; windows of a few steps are cheaper uniformly, so the rest is stepped that way,
-    // from the approach (a quarter of the contact) and from the rebound (three quarters)
+    // islands solve two spheres up to their contact. Windows of a few steps are cheaper in uniform steps, so the rest
+    // is stepped in this way, from the approach (a quarter of the contact) and from the rebound (three quarters)
     let (e, speed, steps) = (0.9, 1.0, 200.0);
     let scene = empty([20.0; 3], [true; 3], unit(), surface(e, 0.0));
     let law = LinearSpring { stiffness: 1e4 };
@@ -235,7 +238,7 @@ fn an_impact_survives_the_hand_over_to_uniform_steps() {
             let pairs = &simulation.record.pairs;
             assert_eq!(pairs.count, 1, "{integrator:?} from {share}: the impact is lost");
             close("approach", pairs.normal_speed.sum(), speed, 1e-9);
-            // the end is seen up to one step late; until then the dashpot pulls with a rate of 2 γ
+            // the end is detected up to one step late; until then the dashpot pulls at a rate of 2 γ
             let late = 2.0 * law.damping(0.5, e) * step;
             close("rebound", pairs.rebound_squares().sqrt(), e * speed, late * e * speed);
             close("duration", pairs.duration.sum(), contact, 2.0 * step);
@@ -245,7 +248,8 @@ fn an_impact_survives_the_hand_over_to_uniform_steps() {
 
 #[test]
 fn islands_stay_away_from_a_crowd_and_serve_a_dilute_gas() {
-    // share of the time that automatic stepping spends in uniform steps: by counts, so the same on every machine
+    // share of the time that automatic stepping spends in uniform steps: determined by counts, so equal on every
+    // machine
     for (count, phi, restitution, crowded) in [(400, 0.5, 0.1, true), (400, 0.001, 0.7, false)] {
         let scene = empty([edge(count, 406e-6, phi); 3], [true; 3], small(), surface(restitution, 0.0));
         let law = LinearSpring { stiffness: 3000.0 };
@@ -262,7 +266,8 @@ fn islands_stay_away_from_a_crowd_and_serve_a_dilute_gas() {
         let share = end.counters().uniform_steps as f64 * step / duration;
         println!("volume fraction {phi}: {share:.3} of the time in uniform steps");
         if crowded {
-            // spheres that clump: most islands are large, and a trial of them is followed by ever longer stays
+            // spheres that cluster: most islands are large, and after each trial of islands uniform steps are used for
+            // ever longer
             assert!(share > 0.8, "{share}");
         } else {
             assert_eq!(end.counters().uniform_steps, 0);
@@ -270,7 +275,8 @@ fn islands_stay_away_from_a_crowd_and_serve_a_dilute_gas() {
     }
 }
 
-/// Eight spheres that fly through one another's ways: in one part many islands are solved in vain before all know whom they meet.
+/// Eight spheres that cross one another's paths. Many islands are solved in vain before the members of all islands are
+/// known.
 #[test]
 fn eight_that_crowd_together_meet_as_in_one_calendar() {
     let scene = empty([0.05; 3], [false; 3], small(), surface(1.0, 0.0));
@@ -300,14 +306,14 @@ fn eight_that_crowd_together_meet_as_in_one_calendar() {
 
 #[test]
 fn two_of_different_islands_meet_after_each_was_struck() {
-    // the outer two strike the inner two, which then meet in the middle: straight, none of those two would go anywhere
+    // the outer two hit the inner two, which then meet in the middle: in straight flight the inner ones would not move
     let scene = empty([0.05, 0.01, 0.01], [false; 3], small(), surface(1.0, 0.0));
     let d = 406e-6;
     let list: Vec<_> = [(0.0, 1.0), (1.5, 0.0), (4.5, 0.0), (6.0, -1.0)]
         .map(|(x, v)| ([0.02 + x * d, 0.005, 0.005], [v, 0.0, 0.0]))
         .to_vec();
     for (engine, parts) in [(islands(), 1), (local(3000.0, 2e-7, Integrator::VelocityVerlet), 2)] {
-        // they meet after 1.5 d at 1 m/s, and after 2.5 d come back to those that struck them
+        // the inner ones meet after 1.5 d at 1 m/s, and after 2.5 d return to those that hit them
         let simulation = run(&scene, placed(&scene, &list), engine, 2.0 * d, 1);
         assert_eq!(simulation.counters().neighbour_builds, parts, "hard spheres: all within one part");
         assert_eq!(simulation.record.pairs.count, 3);
@@ -317,10 +323,11 @@ fn two_of_different_islands_meet_after_each_was_struck() {
     }
 }
 
-/// With a contact time the next collision depends on when the last one was, whoever has moved or reordered the particles since.
+/// With a contact time the next collision depends on the time of the last one, whichever algorithm has moved or
+/// reordered the particles since.
 #[test]
 fn collision_history_follows_the_particles() {
-    // a cluster in a wide box, with gaps that close within microseconds: over 200 spheres that all belong together
+    // a cluster in a wide box, with gaps that close within microseconds: over 200 spheres in one island
     let (species, d) = (small(), small().diameter);
     let scene = empty([20.0 * d; 3], [true; 3], species, surface(0.7, 0.0));
     let mut particles = random(&scene, 343, 0.1, 1);
@@ -331,8 +338,9 @@ fn collision_history_follows_the_particles() {
         let engine = engine.with_contact_time(Some(2e-5));
         Simulation::with_engine(scene.clone(), particles.clone(), Box::new(engine))
     });
-    // 24 short windows that islands do alone, then a long one in which they run together and give up at once after four searches, and
-    // then, the spheres being farther apart, further ones that islands do again: the store is sorted at every 32nd search
+    // 24 short windows that islands solve alone; then a long one in which islands grow together and give up at once
+    // after four searches; then, with the spheres farther apart, more windows that islands solve. The store is sorted
+    // at every 32nd search
     for (number, window) in [[1e-7; 24].as_slice(), &[3e-5; 12]].concat().into_iter().enumerate() {
         let before = engines[0].counters();
         for engine in &mut engines {
@@ -340,13 +348,14 @@ fn collision_history_follows_the_particles() {
         }
         let [islands, calendar] = engines.each_ref().map(|engine| &engine.record);
         assert_eq!(islands.pairs.count, calendar.pairs.count);
-        // rounding, amplified by some ten collisions in a row of spheres nearly touching, by hardly more than one each
+        // rounding, amplified by about ten successive collisions of spheres that nearly touch, each by little more than
+        // a factor of one
         let [kept, lost] = [calendar.ledger.contact_time_kept, calendar.ledger.dissipated()];
         close("kept", islands.ledger.contact_time_kept, kept, 1e-9 * kept);
         close("lost", islands.ledger.dissipated(), lost, 1e-9 * lost);
         let searches = engines[0].counters().neighbour_builds - before.neighbour_builds;
         let solved = engines[0].counters().islands - before.islands;
-        // the calendar takes the particles over once, and again when they are sorted
+        // the calendar receives the particles once, and again when they are sorted
         let given_up = (4..=5).contains(&searches) && solved == 0;
         assert!(if number == 24 { given_up } else { searches == 1 }, "{number}: {searches} {solved}");
     }
@@ -355,8 +364,9 @@ fn collision_history_follows_the_particles() {
     assert!(engines[0].counters().islands > 100 && record.pairs.count > 1000);
 }
 
-/// Where drag kicks every window the cells of the islands' search decide: in a dense mixture they are as large as the largest sphere
-/// and hold many small ones, and one calendar is cheaper. Spheres of one size keep to islands. Without drag the calendar lasts.
+/// With drag in every window, the cells of the search for islands decide. In a dense mixture the cells are as large as
+/// the largest sphere and contain many small ones, so one calendar is cheaper. Spheres of one size stay in islands.
+/// Without drag the calendar lasts from window to window.
 #[test]
 fn hard_spheres_take_the_cheaper_way() {
     let small = small();

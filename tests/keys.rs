@@ -1,4 +1,5 @@
-//! The list of keys: complete, right about ranges and required keys, and the page up to date; numbers without units are told.
+//! The list of keys must be complete, right about ranges and required keys, and up to date on its page. Numbers without
+//! units give warnings.
 
 use crate::support::{diptych, words};
 use diptych::case::file::CaseFile;
@@ -9,10 +10,11 @@ use std::collections::BTreeSet;
 use std::path::Path;
 use std::sync::Arc;
 
-/// Regenerates the page.
+/// Command that makes the page again.
 const MAKE: &str = "cargo run -- keys --markdown > docs/keys.md";
 
-/// A case with every table that others stand in: one random kind of particles and one placed, walls of all shapes.
+/// A case with every table that contains others: one random kind of particles and one with given positions, walls of
+/// all shapes.
 const FULL: &str = r#"
 [domain]
 size = ["40 mm", "40 mm", "40 mm"]
@@ -69,7 +71,7 @@ duration = "1 ms"
 const SPRING: &str = "[soft.linear_spring_dashpot]\nstiffness = \"3000 N/m\"\n";
 const HERTZ: &str = "[soft.hertz]\nyoungs_modulus = \"1 GPa\"\n";
 
-/// Where the keys of a table stand in [`FULL`].
+/// Place of the keys of a table in [`FULL`].
 fn place(table: &str) -> String {
     let shapes = ["plane", "sphere", "cuboid", "cylinder", "box", "cone", "mesh"];
     let at = shapes.iter().position(|shape| table == format!("walls.{shape}"));
@@ -81,7 +83,7 @@ fn place(table: &str) -> String {
     }
 }
 
-/// A table by its path, the first one of each list.
+/// Path of a table, with the first entry of each list.
 fn indexed(table: &str) -> String {
     let is_list = |name: &str| tables().iter().any(|other| other.is_list && other.name == name);
     let (mut name, mut path) = (String::new(), String::new());
@@ -95,7 +97,7 @@ fn indexed(table: &str) -> String {
     path
 }
 
-/// The headings that lead to a table, and `line` in it.
+/// Headings that lead to a table, and `line` within it.
 fn with_line(table: &str, line: &str) -> String {
     let outer = tables()
         .iter()
@@ -112,7 +114,7 @@ fn read(text: &str) -> Result<CaseFile, String> {
     de::read(&tree).map_err(|why| why.diagnostic(&sources).to_string())
 }
 
-/// What is said when a text is resolved with a model; empty if nothing is wrong.
+/// Message when a text is resolved with a model; empty if there is no error.
 fn told(text: &str, sets: &[String], model: Option<Model>) -> String {
     let case = Case::from_text(Path::new("case.toml"), Arc::from(text), sets);
     case.and_then(|case| case.experiment(model, None)).err().map_or(String::new(), |why| why.to_string())
@@ -135,7 +137,7 @@ fn the_page_of_keys_is_up_to_date() {
     );
 }
 
-/// serde names all keys that it knows when it meets another one.
+/// serde names all keys of a table in its message on an unknown one.
 #[test]
 fn every_key_that_is_read_is_listed() {
     let known = |told: &str| -> BTreeSet<String> {
@@ -167,7 +169,7 @@ fn every_example_is_read_and_every_key_explained() {
     }
 }
 
-/// True if [`FULL`] has no such table, so that all required keys of it have to be set.
+/// True if [`FULL`] does not contain the table, so that all of its required keys have to be set.
 fn is_new(table: &str) -> bool {
     ["particles.sizes", "fluid.profile", "soft.tangential", "soft.rolling", "hard.friction"]
         .iter()
@@ -205,7 +207,7 @@ fn ranges_are_those_that_messages_name() {
                 "hybrid" => Model::Hybrid,
                 _ => Model::Soft,
             };
-            // what the table needs besides; the key itself replaces those that it excludes
+            // other required keys of the table; the key itself replaces those that it excludes
             let others = table.keys.iter().filter(|other| {
                 other.name != key.name
                     && other.required.as_ref().is_some_and(|when| when == "always" || when.starts_with("or "))
@@ -227,7 +229,7 @@ fn ranges_are_those_that_messages_name() {
     assert!(seen > 30);
 }
 
-/// A table without its keys: exactly those that are listed as required are missed.
+/// If a table has no keys, exactly those keys are missed that are listed as required.
 #[test]
 fn required_keys_are_those_that_are_missed() {
     for table in tables().iter().filter(|table| !table.name.ends_with("elasticity") && table.name != "particles.at") {
@@ -269,7 +271,7 @@ fn the_schema_knows_the_keys_of_all_cases() {
     assert!(!printed.contains("\"null\""));
 }
 
-/// A law without keys of its own is chosen by its name alone as well: in the schema as by the reader.
+/// A law without keys can also be chosen by its name alone, both in the schema and in the reader.
 #[test]
 fn laws_without_keys_are_names_too() {
     let schema = schema();
@@ -316,7 +318,7 @@ fn numbers_without_a_unit_are_told() {
         assert_eq!(told.len(), 1, "{set}: {told:?}");
         assert!(parts.iter().all(|part| told[0].contains(part)), "{set}: {}", told[0]);
     }
-    // the same in every unit, or without one
+    // equal values in every unit, or without a unit
     for set in
         ["run.average_from=0", "gravity.acceleration=[0, 0, 0.0]", "contact.restitution=0.5", "run.duration=1 ms"]
     {

@@ -1,4 +1,4 @@
-//! The tabulated drag kick against the law it is made of.
+//! The tabulated drag kick compared with the drag law.
 
 use crate::support::{hard, large, run, small, surface};
 use diptych::domain::Domain;
@@ -11,7 +11,7 @@ use nalgebra::Vector3;
 
 const LAW: Drag = Drag::SchillerNaumann(SchillerNaumann);
 const DURATIONS: [f64; 6] = [1e-6, 1.3e-5, 1e-4, 7e-4, 3e-3, 1e-2];
-/// Of the velocity change: what the table promises.
+/// Accuracy that the table promises, relative to the change of velocity.
 const ACCURACY: f64 = 1e-9;
 
 fn gas(profile: Profile) -> Fluid {
@@ -27,12 +27,12 @@ fn logarithmic(low: f64, high: f64, count: usize) -> impl Iterator<Item = f64> {
     (0..=count).map(move |i| low * (high / low).powf(i as f64 / count as f64))
 }
 
-/// Numbers in [0, 1) without pattern (the golden ratio's multiples).
+/// Numbers in [0, 1) without a visible pattern (multiples of the golden ratio).
 fn scattered(i: usize) -> f64 {
     (i as f64 * 0.618_033_988_749_895).fract()
 }
 
-/// A channel full of both species, with slips from almost none to the free stream.
+/// A channel full of both species, with slip speeds from almost none to that of the free stream.
 fn cloud(count: usize, profile: &Profile) -> Particles {
     let mut particles = Particles::default();
     for i in 0..count {
@@ -52,18 +52,19 @@ fn table_is_the_law() {
         for duration in DURATIONS {
             let table = Kick::tabulated(law, &spheres(), duration);
             for (species, sphere) in (0..).zip(&spheres()) {
-                // every decade, and on both sides of Re = 1000 from one rounding error to a tenth away
+                // slip speeds in every decade, and on both sides of Re = 1000 from one rounding error to a tenth away
                 let switch = 1000.0 / sphere.reynolds_per_speed;
                 let near = logarithmic(1e-16, 0.1, 2000).flat_map(|d| [switch * (1.0 - d), switch * (1.0 + d)]);
                 for slip in logarithmic(1e-12, 50.0, 60_000).chain(near).chain([0.0, 65.0, 1e6]) {
                     let square = slip * slip;
                     let change = table.change(species, square);
-                    // by the slip the table is given: at a jump of the law the last digit of the square decides
+                    // by the slip speed given to the table: where the law jumps, the last digit of the square decides
                     let exact = law.law().change(sphere, square.sqrt(), duration);
                     let error = (change / exact - 1.0).abs();
                     assert!(error < ACCURACY, "{law:?} {species}, {slip} m/s, {duration} s: off by {error:e}");
                     let ratio = law.law().decay(sphere, slip, duration);
-                    // the plain form, as far as it holds digits: the square root costs one, the jump of 0.4 % nothing here
+                    // the plain form, as far as its digits suffice: the square root costs one digit, the jump of 0.4 %
+                    // does not matter here
                     let plain = ((1.0 + change) / ratio - 1.0).abs();
                     let digits = 4e-16 + ACCURACY * (1.0 - ratio) / ratio;
                     let jump = (slip / switch - 1.0).abs() < 1e-15;
@@ -87,7 +88,7 @@ fn two_tabulated_kicks_are_one() {
                 let rest = slip * (1.0 + first);
                 let both = first + (1.0 + first) * half.change(species, rest * rest);
                 let once = whole.change(species, slip * slip);
-                // a law that jumps sends a slip at its switch one way or the other by the last digit
+                // where the law jumps, the last digit of a slip speed decides which formula is used
                 let switch = 1000.0 / spheres()[species as usize].reynolds_per_speed;
                 let error = (both / once - 1.0).abs();
                 let jumps = (slip / switch - 1.0).abs() < 1e-14 || (rest / switch - 1.0).abs() < 1e-14;
@@ -99,7 +100,7 @@ fn two_tabulated_kicks_are_one() {
 
 #[test]
 fn change_keeps_its_digits_in_short_kicks() {
-    // 1 - ratio -> t/τ(w), the next term is of the order (t/τ)²: from the ratio itself only 5 digits would be left
+    // 1 - ratio -> t/τ(w), and the next term is of the order (t/τ)²: from the ratio itself only 5 digits would be left
     for sphere in spheres() {
         for slip in [0.0, 1e-3, 1.0, 9.0, 20.0] {
             let expected = -1e-12 / LAW.law().response_time(&sphere, slip);
@@ -114,7 +115,7 @@ fn particles_are_kicked_as_by_the_law() {
     let points: Vec<_> = (0..40).map(|i| f64::from(i) / 39.0).map(|s| (0.03 * s * s, 60.0 * s * (1.0 - s))).collect();
     let profile = Profile::table(&points).unwrap();
     for duration in DURATIONS {
-        // 20 011: more than two chunks, and neither chunks nor blocks come out even
+        // 20 011 particles are more than two chunks, and fill neither chunks nor blocks evenly
         let start = cloud(20_011, &profile);
         let (mut fast, mut exact) = (start.clone(), start.clone());
         let by_table = kick(&mut fast, &profile, &Kick::tabulated(&LAW, &spheres(), duration));
@@ -125,7 +126,7 @@ fn particles_are_kicked_as_by_the_law() {
             let slip = start.velocity[i] - u;
             let plain = u + slip * LAW.law().decay(&spheres()[i % 2], slip.norm(), duration);
             let change = (plain - start.velocity[i]).norm();
-            // 16 m/s holds a velocity to 2e-15 m/s
+            // a velocity near 16 m/s is known to 2e-15 m/s
             for velocity in [fast.velocity[i], exact.velocity[i]] {
                 let error = (velocity - plain).norm();
                 assert!(error <= ACCURACY * change + 1e-14, "particle {i}: {error:e} of {change:e} m/s");

@@ -1,4 +1,4 @@
-//! Results that no engine has made: for tests of what is written of them.
+//! Invented results that no engine has computed, for tests of documents.
 
 use diptych::domain::Domain;
 use diptych::engine::{Counters, Failure, Partner};
@@ -58,7 +58,7 @@ fn experiment(name: &str, model: Model) -> Experiment {
     Experiment { name: name.into(), run, statistics, ..base }
 }
 
-/// A channel-like result with noise of the size of its errors.
+/// A result like that of a channel, with noise of the size of its errors.
 pub fn outcome(name: &str, model: Model, seed: u64) -> Outcome {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
     let slices = 40;
@@ -181,7 +181,7 @@ pub fn outcome(name: &str, model: Model, seed: u64) -> Outcome {
     }
 }
 
-/// Three variants; the last has failed and still has results. Its name needs escaping.
+/// Three variants. The last has failed and still has results; its name needs escaping.
 pub fn outcomes() -> Vec<Outcome> {
     let mut failed = outcome("soft, k < 300 N/m & \"$x$\"", Model::Soft, 3);
     failed.failure = Some(Failure::OverlapTooLarge {
@@ -209,7 +209,7 @@ pub fn provenance() -> Provenance {
     }
 }
 
-/// "soft, k = 3000 N/m" against "hard": U differs by 0.3 m/s, the impact rate by nothing that shows.
+/// Comparison of "soft, k = 3000 N/m" with "hard": U differs by 0.3 m/s, the impact rate by no significant amount.
 pub fn comparisons() -> Vec<Verdict> {
     let series = |value: f64| {
         let samples: Vec<f64> = (0..200).map(|k| value * (1.0 + 0.01 * f64::from(k * k % 17 - 8) / 8.0)).collect();

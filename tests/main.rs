@@ -1,4 +1,5 @@
-//! The integration tests: one binary, one module per kind of evidence.
+//! The integration tests: one program, one module per topic. "Oracle A" to "oracle H" name the sections of a catalogue
+//! of reference values that were computed independently of this library.
 
 #![allow(clippy::type_complexity, reason = "tables of an oracle's columns are read once, where they stand")]
 
@@ -8,17 +9,17 @@ mod support;
 mod analytic; // closed forms: two bodies, walls, oblique impacts (oracle A, B)
 mod batches; // averages from blocks of time, and answers where they are known
 mod bodies; // walls that are not planes along an axis
-mod bouncing; // dropped on a floor, squeezed between walls (oracle C)
-mod calendar; // one calendar for all: windows, ties, long runs, streams, threads
+mod bouncing; // spheres dropped on a floor, and squeezed between walls (oracle C)
+mod calendar; // one event calendar for all particles: windows, ties, long runs, streams, threads
 mod cases; // every case of the project, a few windows with each engine
 mod chart; // work against precision: one impact, orders, fronts, failures on the frame, floors
 mod cli; // the binary: exit codes, messages, files, silence
-mod crowd; // crowds: contact time, impacts handed over, a mixture in a gas
+mod crowd; // dense crowds: contact time, impacts during a change of stepping, a mixture in a gas
 mod dense; // dense soft scenes: against all pairs, and the same bits on any number of threads
 mod diameters; // kinds of particles whose diameters are spread: moments, laws of conservation, drag, messages
-mod discharge; // beads run out of a vessel, beside Beverloo's law
+mod discharge; // beads that run out of a vessel, compared with Beverloo's law
 mod dissipation; // restitution below one: cooling, collapse, coming to rest, cradles, the ledger (oracle E)
-mod docs; // imports point one way; documents name what exists; public numbers say their unit
+mod docs; // imports between modules; documents name existing things; public numbers have units
 mod domains; // one run cut into domains; nothing depends on the order of the store
 mod drag; // drag laws against independent integrations; order of the splitting
 mod endless; // surfaces of triangles through periodic sides
@@ -26,18 +27,18 @@ mod everyday; // long names, folders in use or emptied, damaged files, large sce
 mod examples; // the programs of examples/ run
 mod files; // files of other programs: each oddity and each two of them
 mod first_answer; // README, picture, pages and stored runs say one thing
-mod fluid; // gas profiles against other k-epsilon solvers, DNS and closed forms
+mod fluid; // the folder of results: which command owns it, and which files are replaced in it
 mod folder; // the folder of results: whose it is, and what is replaced in it
 mod fuzz; // damaged and made-up inputs to every reader
 mod gas; // equilibrium: equation of state, collision rates, walls, overlaps, conservation, same bits (oracle D)
-mod groups; // who is compared with whom, who shares a panel, which impacts count
-mod hand; // at hand without any file: built-in cases, a first case, completions, manual pages
+mod groups; // variants that are compared or share a panel, and impacts that are counted
+mod hand; // commands without any file: built-in cases, a first case, completions, manual pages
 mod held; // spheres that walls hold from several sides, and by friction; passages that are caught
 mod hertz; // Hertzian contacts: single impacts, a gas, the case and its messages
-mod hybrid; // instants where two meet alone, contacts elsewhere: agreement with both, beds, cradle, ledgers, threads
+mod hybrid; // instantaneous collisions and lasting contacts: agreement with both engines, beds, cradle, ledgers, threads
 mod inputs; // case files, good and bad: what is refused, where, and with which words
-mod instants; // windows end at the instants that are asked for
-mod invariants; // what must not depend on the view, and what must hold in any scene
+mod instants; // windows end at the requested instants
+mod invariants; // results that must not depend on the view, and rules that hold in any scene
 mod islands; // islands against the classical algorithms
 mod keys; // the list of keys: complete, ranges as messages name them, the page up to date, numbers without units
 mod kick; // the tabulated drag kick against the law it is made of
@@ -49,10 +50,10 @@ mod meshes; // walls of triangles: seams, corners, vessels, damaged meshes
 mod mixtures; // pairs of kinds, spheres of very different sizes
 mod numbers; // every number of the paper, and every claim with its words, in docs/paper.md
 mod observers; // what is measured while a simulation runs, and when
-mod order; // sums over particles: same bits in whatever order the store is
+mod order; // sums over particles: identical bits in any order of the store
 mod output;
 mod over_time; // series and paths: against theories, in tables and pictures
-mod own_law; // every file a study leaves behind, from made-up outcomes
+mod own_law; // contact laws of the calling program
 mod paper; // Table 1 of the paper and its audit, recomputed (oracle H)
 mod parts; // starts and runs of which each process has a part from the beginning
 mod pieces; // trajectories of a run over threads in place of processes, each of which writes its part
@@ -61,23 +62,23 @@ mod player; // recordings of particles: same bits, bounded, complete in the page
 mod resume; // runs that are killed or stopped go on with the same bits; damaged checkpoints; full disks
 mod rotation;
 mod schedule; // the windows that are chosen, against shorter ones
-mod schema; // the schema for editors: what it refuses, and what it takes
-mod seams; // drag laws and wall shapes of the caller, given by the least that one must answer
-mod sensitivity; // what matters most: factors that do much or nothing, that a scene does not have, that are refused
+mod schema; // the schema for editors: values that it refuses or accepts
+mod seams; // drag laws and wall shapes of the calling program, given by the required methods alone
+mod sensitivity; // factors with a large effect or none, that a scene does not have, or that are refused
 mod shapes; // walls of all kinds: closed forms, corners, the pressure of a gas on them (oracle D2)
 mod size_and_power; // how often the verdict is wrong, on scenes of every kind and on known differences
-mod sizes; // large inputs take a time that grows as their size
-mod snapshots; // what lasts between windows, stored and taken up again with the same bits
+mod sizes; // the time for large inputs is proportional to their size
+mod snapshots; // state between windows, stored and restored with identical bits
 mod soak; // random crowds through every way of stepping: energy and momentum
-mod starts; // what a case may start from and how long it may run: saved states, tables, lengths
+mod starts; // starts of a case and lengths of its run: saved states, tables, lengths
 mod stress; // stress, contacts per particle, filling, and the densest starts
 mod sweep; // sweeps: killed and gone on with, grids and replicas, what is refused, points that stop
-mod terminal; // what is said may get lost, results may not
+mod terminal; // messages may be lost, results may not
 mod trajectory; // frames for other programs: bits, surfaces, failures
 mod trust; // the trust sheet of a run, and the halved step
 mod tutorial; // the commands of docs/tutorial.md, and its decision
 mod untrusted; // texts, files and links of others: legible, within their folder, within the memory
 mod verdict; // equivalent, different or unresolved: how often wrongly, and on which scenes
-mod verdict_scenes; // what the verdict says of scenes that are frozen, relax, stop, or are sampled at other times
-mod vessels; // vessels smaller than the box: random starts, regions, slabs, and what islands cost in them
-mod words; // what reports and summaries say: true of what ran, and in words
+mod verdict_scenes; // verdicts on scenes that are frozen, relax, stop, or are sampled at other times
+mod vessels; // vessels smaller than the box: random starts, regions, slabs, and the cost of islands in them
+mod words; // sentences of reports and summaries: true of the runs

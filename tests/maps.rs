@@ -1,4 +1,4 @@
-//! The maps of `diptych limits` against theory: boundaries within one cell, numbers within their errors.
+//! The maps of `diptych limits` compared with theory: boundaries within one cell, numbers within their errors.
 
 use diptych::output::limits::{Map, MapPoint};
 use diptych::study::limits::{Grid, map, names};
@@ -9,12 +9,12 @@ use std::sync::{Mutex, OnceLock, PoisonError};
 
 const QUICK: Grid = Grid { quick: true, quiet: true };
 
-/// Runs the map of that name.
+/// Runs the map with a given name.
 fn run(name: &str) -> Map {
     map(name, &QUICK).expect("a map of that name").expect("scenes that can be made")
 }
 
-/// The map of that name. It is run once, by whichever test asks first, and kept for the others.
+/// Map with a given name. It is run once, by the first test that needs it, and kept for the others.
 fn of(name: &'static str) -> &'static Map {
     static KEPT: Mutex<Option<HashMap<&str, &'static OnceLock<Map>>>> = Mutex::new(None);
     // the lock of the table is held only to look up the place of the map, so that different maps run at the same time
@@ -25,12 +25,12 @@ fn of(name: &'static str) -> &'static Map {
     place.get_or_init(|| run(name))
 }
 
-/// The column of that name.
+/// Index of the column with a given name.
 fn column(map: &Map, name: &str) -> usize {
     map.columns.iter().position(|column| *column == name).expect("a column of that name")
 }
 
-/// The known numbers of a row by the places of their columns.
+/// Known numbers of a row, by the index of the column.
 trait At {
     fn at(&self, column: usize) -> f64;
 }
@@ -51,7 +51,8 @@ fn damping(e: f64) -> f64 {
     -e.ln() / (std::f64::consts::PI.powi(2) + e.ln().powi(2)).sqrt()
 }
 
-/// Where |1 + λx + (λx)²/2| of λ = -ζ + i sqrt(1-ζ²) passes 1: Heun's method; 0 without damping.
+/// The x at which |1 + λx + (λx)²/2| passes 1 for λ = -ζ + i sqrt(1-ζ²), the stability limit of Heun's method; 0
+/// without damping.
 fn limit_of_heun(e: f64) -> f64 {
     let (a, b) = (-damping(e), (1.0 - damping(e).powi(2)).sqrt());
     let radius = |x: f64| {
@@ -64,13 +65,13 @@ fn limit_of_heun(e: f64) -> f64 {
 #[test]
 fn stability_ends_where_the_amplification_factors_say() {
     let verlet = |e: f64| 2.0 * ((1.0 + damping(e).powi(2)).sqrt() - damping(e));
-    // amplification factors computed elsewhere, three digits
+    // amplification factors computed independently to three digits
     for (e, of_verlet, of_heun) in [(1.0, 2.0, 0.0), (0.94, 1.961, 0.566), (0.5, 1.615, 1.437), (0.1, 1.141, 2.104)] {
         assert!((verlet(e) - of_verlet).abs() < 1e-3 && (limit_of_heun(e) - of_heun).abs() < 2e-3, "e = {e}");
     }
     for (name, limit) in [("stability-verlet", verlet as fn(f64) -> f64), ("stability-heun", limit_of_heun)] {
         let map = of(name);
-        // one cell of the quick grid
+        // tolerance: one cell of the quick grid
         let cell = map.rows[1].at(0) - map.rows[0].at(0);
         assert!((cell - 0.2).abs() < 1e-12);
         for row in &map.rows {
@@ -84,7 +85,7 @@ fn stability_ends_where_the_amplification_factors_say() {
 
 #[test]
 fn restitution_is_that_of_the_linear_map() {
-    // mean, least, largest over 200 phases computed elsewhere, within 0.002 (N_c >= 10) and 0.01
+    // mean, least, largest over 200 phases, computed independently; within 0.002 (N_c >= 10) and 0.01
     for (name, e, steps, mean, tolerance) in [
         ("restitution-heun", 1.0, 7.735, 1.0229, 0.002),
         ("restitution-heun", 1.0, 10.0, 1.01089, 0.002),
@@ -108,7 +109,7 @@ fn an_elastic_gas_heats_by_as_much_as_the_linear_map_says() {
     println!("{:?}", at.values);
     assert!((at.at(1) / 0.015 - 1.0).abs() < 0.1, "+1.5 % of T per collision suffered: {:?}", at.values);
     for row in &map.rows {
-        // three standard errors of three seeds, and oblique impacts, which gain 1 % less
+        // three standard errors of three seeds, and oblique impacts, in which the gain is 1 % lower
         let tolerance = 3.0 * row.at(2) + 0.03 * row.at(3);
         assert!((row.at(1) - row.at(3)).abs() < tolerance, "{:?}", row.values);
     }
@@ -120,10 +121,10 @@ fn overlaps_are_those_of_the_closed_form() {
     for row in &map.rows {
         let (overlap, predicted) = (row.at(2), row.at(3));
         assert_eq!(row.failure.is_some(), predicted > 0.5, "{row:?}");
-        // 20 steps: the deepest step is off the maximum by up to (π/40)²/2
+        // at 20 steps the deepest step is off the maximum by up to (π/40)²/2
         assert!(row.failure.is_some() || (overlap / predicted - 1.0).abs() < 0.01, "{row:?}");
     }
-    // nothing gets through a plate unseen unless one step carries its centre from outside to beyond the middle
+    // a sphere passes the plate undetected only if one step moves its centre from outside to beyond the middle
     let map = of("tunnelling-plate");
     for row in &map.rows {
         let per_step = row.at(0) * std::f64::consts::PI / row.at(1);
@@ -137,7 +138,8 @@ fn overlaps_are_those_of_the_closed_form() {
 fn soft_spheres_touch_less_often_as_they_crowd_less() {
     let map = of("softness");
     for row in &map.rows {
-        // three standard errors; where contacts fill a tenth of the time, others are met while they last
+        // three standard errors; if contacts fill a tenth of the time, some particles collide with others in the
+        // meantime
         let tolerance = 3.0 * row.at(2) + 0.005;
         assert!((row.at(1) - row.at(3)).abs() < tolerance, "{:?}", row.values);
     }
@@ -145,12 +147,12 @@ fn soft_spheres_touch_less_often_as_they_crowd_less() {
     assert!(softest.at(1) < 1.0 - 10.0 * softest.at(2) / 3.0, "the effect is seen: {softest:?}");
 }
 
-/// Quick grid: one stiffness, κ_n = 0.05, where the integral says 13.6 %.
+/// The quick grid has one stiffness, κ_n = 0.05, for which the collision integral gives 13.6 %.
 #[test]
 fn soft_spheres_even_out_more_slowly_as_their_collision_integral_says() {
     let map = of("anisotropy");
     for row in &map.rows {
-        // three standard errors; and the neighbours of a lasting contact, φ of them
+        // three standard errors, and the neighbours of a lasting contact, a share φ of the particles
         assert!((row.at(2) - row.at(4)).abs() < 3.0 * row.at(3) + 0.01, "{row:?}");
     }
     let softest = &map.rows[map.rows.len() - 1];
@@ -170,7 +172,7 @@ fn lines_collapse_below_the_thresholds() {
             assert!(share == 1.0 || e > threshold - cell, "{name}: e = {e}, {share}");
             assert!(share == 0.0 || e < threshold + cell, "{name}: e = {e}, {share}");
         }
-        // more spheres collapse at least as easily, and all that does is typed
+        // more spheres collapse at least as easily, and every collapse is a typed failure
         for row in &map.rows {
             assert!(row.at(2) == 0.0 || row.failure.is_some());
             assert!(row.at(2) == 0.0 || row.at(1) < row.at(3) + 0.05, "{row:?}");
@@ -201,7 +203,7 @@ fn stepped_spheres_miss_more_the_longer_the_step() {
     assert!(missed[0] < 0.05 && missed[missed.len() - 1] > 0.1, "{missed:?}");
     let map = of("stepped-overlap");
     for row in &map.rows {
-        // the estimate is head-on at the full rate: an upper end, approached for short steps
+        // the estimate is for head-on impacts at the full rate: an upper limit, which is approached for short steps
         assert!(row.at(1) < row.at(4), "{row:?}");
     }
     let first = &map.rows[0];
@@ -284,7 +286,8 @@ fn the_command_writes_a_table_and_a_picture_per_map() {
     assert!(read("maps/cradle.csv").starts_with("spheres,restitution,last_soft_m_s,"));
     let summary: serde_json::Value = serde_json::from_str(&read("summary.json")).unwrap();
     assert_eq!(summary["maps"].as_array().unwrap().len(), 2);
-    // a folder that holds results is not overwritten, and nothing of the old ones stays when it is; what is the user's own does
+    // a folder with results is not overwritten without a request; then no old result remains, but the user's own files
+    // do
     let own = folder.join("maps/my-own.csv");
     std::fs::write(&own, "steps,outcome of my own\n1,2\n").unwrap();
     assert_eq!(go(&["--quick", "--quiet", "--only", "cradle"]).status.code(), Some(2));
@@ -319,13 +322,13 @@ fn every_map_has_a_case_that_runs() {
     assert_eq!(of("cradle").case, std::fs::read_to_string(folder.join("cradle.toml")).unwrap());
 }
 
-/// Under Hertz's law too, runs of an engine give what one step of the method gives by itself, at every number of steps.
+/// With Hertz's law too, runs of an engine have the restitution of the method alone, at every number of steps.
 #[test]
 fn hertzian_restitution_is_that_of_the_method() {
     let map = of("restitution-hertz");
     let (mean, predicted) = (column(map, "mean"), column(map, "predicted"));
     for row in &map.rows {
-        // 20 phases here and 200 there: a quarter of the spread over phases
+        // 20 phases in the runs and 200 in the prediction: a quarter of the spread over phases
         let spread = row.at(column(map, "largest")) - row.at(column(map, "least"));
         let apart = (row.at(mean) - row.at(predicted)).abs();
         assert!(apart < 0.25 * spread + 1e-6, "{:?}", row.values);

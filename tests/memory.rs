@@ -1,4 +1,5 @@
-//! Memory of dense scenes: the greatest number of bytes in use at once. A program of its own, for its allocator counts what every thread takes.
+//! Memory of dense scenes: the largest number of bytes in use at once. It is a separate program, because its allocator
+//! counts the memory of all threads.
 
 #[allow(dead_code)]
 mod support;
@@ -14,8 +15,8 @@ use support::*;
 #[global_allocator]
 static HEAP: PeakAlloc = PeakAlloc;
 
-/// Bytes in use at most from a random start of `count` unit spheres at a volume fraction of 0.5 on, for a time in which each collides some
-/// twenty times, in four windows.
+/// Largest number of bytes in use, from a random start of `count` unit spheres at a volume fraction of 0.5 on. The run
+/// has four windows, in which each sphere collides about twenty times.
 fn most_in_use(count: usize, restitution: f64, engine: Box<dyn Engine>) -> usize {
     let before = HEAP.current_usage();
     HEAP.reset_peak_usage();
@@ -28,7 +29,7 @@ fn most_in_use(count: usize, restitution: f64, engine: Box<dyn Engine>) -> usize
     HEAP.peak_usage() - before
 }
 
-/// The same per particle: of more particles less of fewer, so that what does not grow with them is left out.
+/// Bytes in use per particle: the difference between many and few particles, so that a constant amount does not count.
 fn per_particle(restitution: f64, engine: fn() -> Box<dyn Engine>) -> f64 {
     let [few, many] = [4_000, 40_000];
     let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
@@ -36,7 +37,7 @@ fn per_particle(restitution: f64, engine: fn() -> Box<dyn Engine>) -> f64 {
     (of(many) as f64 - of(few) as f64) / (many - few) as f64
 }
 
-/// Stiffness and step as in benches/peers/dense.toml, in units of diameter, mass and speed.
+/// Soft engine with stiffness and step as in benches/peers/dense.toml, in units of diameter, mass and speed.
 fn springs() -> Box<dyn Engine> {
     let contact = 0.0095;
     soft(0.5 * (PI / contact).powi(2), contact / 20.0, Integrator::VelocityVerlet)
@@ -48,7 +49,7 @@ fn calendar() -> Box<dyn Engine> {
 
 #[test]
 fn a_particle_of_a_dense_scene_takes_few_bytes() {
-    // one test: the allocator counts for the whole program
+    // one test only, since the allocator counts for the whole program
     let soft = per_particle(0.9, springs);
     let hard = per_particle(1.0, calendar);
     println!("bytes per particle: soft {soft:.0}, hard {hard:.0}");

@@ -1,4 +1,4 @@
-//! Walls of triangles: seams that nobody feels, corners that nobody misses, closed vessels that nobody leaves.
+//! Walls of triangles: seams without effect, corners that are not missed, closed vessels that particles do not leave.
 
 mod gas;
 mod heaps;
@@ -31,12 +31,13 @@ fn random_vector(random: &mut Xoshiro256PlusPlus, half: f64) -> Vector3<f64> {
 
 #[test]
 fn a_plane_of_triangles_is_a_plane_to_every_engine() {
-    // a ball thrown along the floor, which touches it inside a triangle, on an edge and at a corner: nothing of that is felt
+    // a ball thrown along the floor, which touches it inside a triangle, on an edge and at a corner: the triangles must
+    // have no effect
     let (size, e, mu, k) = (18.0, 0.8, 0.05, 1e4_f64);
     let dt = PI / k.sqrt() / 40.0;
     type Make<'a> = Box<dyn Fn() -> Box<dyn Engine> + 'a>;
-    // Local stepping of a plane alone has one coordinate, of a mesh three: instants agree to the 1e-11 of a diameter to which they are
-    // searched for, and ten bounces or fewer add up
+    // Local stepping has one coordinate for a plane and three for a mesh. Instants agree to the 1e-11 of a diameter to
+    // which they are searched, and these errors add up over at most ten bounces
     let engines: [(&str, Make, f64); 6] = [
         ("hard", Box::new(hard), 1e-12),
         ("stepped", Box::new(|| stepped(0.02)), 1e-12),
@@ -51,7 +52,7 @@ fn a_plane_of_triangles_is_a_plane_to_every_engine() {
             let end = |wall: Wall| {
                 let mut scene = empty([size; 3], [false; 3], unit(), surface(1.0, 0.0));
                 scene.gravity = Vector3::new(0.0, -1.0, 0.0);
-                // a body out of reach: beside it no engine takes velocities relative to the mean along planes
+                // with a body, here out of reach, no engine uses velocities relative to the mean along planes
                 let body = WallGeometry::Obstacle(Obstacle::sphere(Vector3::repeat(17.0), 0.5));
                 scene.walls = vec![wall, Wall::new(body, surface(1.0, 0.0))];
                 let start = placed(&scene, &[([x, 1.2, z], [along[0], -0.3, along[1]])]);
@@ -73,8 +74,8 @@ fn a_plane_of_triangles_is_a_plane_to_every_engine() {
 
 #[test]
 fn a_ball_that_rolls_over_seams_feels_nothing() {
-    // It lies as deep in the floor as its weight presses it, and slides without friction over 100 seams: one contact all the way, no
-    // force but its weight.
+    // The sphere overlaps the floor as its weight requires, and slides without friction over 100 seams: one contact all
+    // the time, and no force but the weight.
     let (size, k) = (18.0, 1e3);
     let mut scene = empty([size; 3], [false; 3], unit(), surface(1.0, 0.0));
     scene.gravity = Vector3::new(0.0, -1.0, 0.0);
@@ -87,7 +88,7 @@ fn a_ball_that_rolls_over_seams_feels_nothing() {
             let (x, v) = (end.particles.position[0], end.particles.velocity[0]);
             let off = (x - Vector3::new(14.13, height, 14.0)).norm() + (v - Vector3::new(2.0, 0.0, 2.0)).norm();
             println!("{name}: {off:.1e}");
-            // rounding of 6000 steps, which nothing damps
+            // rounding of 6000 steps, which no damping reduces
             assert!(off < 1e-9, "{name}: {off:e}");
             assert_eq!(end.record.walls.count, 0, "{name}");
         }
@@ -101,7 +102,7 @@ fn overlaps_on_a_tilted_plane_of_triangles_are_those_of_the_plane() {
     let (sheet, plane) = (mesh(&heap, None), Plane { point: Vector3::zeros(), normal: turn * Vector3::y() });
     let mut random = Xoshiro256PlusPlus::seed_from_u64(3);
     for k in 0..2000 {
-        // over faces, edges and corners of the grid, whose step is 0.2
+        // over faces, edges and corners of the grid with a spacing of 0.2
         let round = |x: f64| if k % 3 == 0 { (x / 0.2).round() * 0.2 } else { x };
         let [x, z] = [round(2.0 * random.random::<f64>()), 2.0 * random.random::<f64>()];
         let point = turn * Vector3::new(x, 0.4 + 0.09 * random.random::<f64>(), if k % 6 == 0 { round(z) } else { z });
@@ -114,7 +115,7 @@ fn overlaps_on_a_tilted_plane_of_triangles_are_those_of_the_plane() {
 
 #[test]
 fn a_block_of_triangles_is_hit_when_a_block_is() {
-    // faces, edges and corners, straight and falling, against the closed form of the solid
+    // faces, edges and corners, in straight flight and in falls, against the closed form of the solid
     let (center, half, radius) = (Vector3::new(0.3, -0.2, 0.1), Vector3::new(1.0, 0.7, 1.2), 0.25);
     let body = Obstacle::cuboid(center, half);
     let mut random = Xoshiro256PlusPlus::seed_from_u64(11);
@@ -143,7 +144,7 @@ fn a_block_of_triangles_is_hit_when_a_block_is() {
             let along = flight.velocity_at(want).dot(&normal).abs();
             worst = worst.max((want - found).abs() * along);
             assert!((want - found).abs() < 1e-12 / along.max(1e-6), "{n}: {want} {found} {flight:?}");
-            // and the place that it names is where it touches
+            // the point of touch that is found lies on the surface
             let touch = triangles.first_touch(0, &flight, radius, 6.0).unwrap();
             let struck = triangles.struck(0, touch.place, &flight.position_at(touch.time), radius);
             assert!((struck.distance - radius).abs() < 1e-12, "{:e}", struck.distance - radius);
@@ -163,7 +164,7 @@ fn contacts_in_the_corners_of_a_vessel_are_those_of_its_sides() {
     for n in [1, 5, 20] {
         let triangles = mesh(&block(center, half, n), Some(Sides::Inside));
         for _ in 0..2000 {
-            // centres near corners and edges, where the sphere sinks in by up to a quarter of its diameter
+            // centres near corners and edges, where the overlap of the sphere is up to a quarter of its diameter
             let mut point = center + random_vector(&mut random, 1.0).component_mul(&half);
             for axis in 0..3 {
                 if random.random::<f64>() < 0.7 {
@@ -195,7 +196,7 @@ fn both_sides_of_a_thin_plate_are_one_contact() {
     assert!(plate.contact(1, &Vector3::new(0.1, 0.45, 0.2), 0.5).distance > 0.5);
     // within the plate the centre is behind its surface: an overlap of more than a radius
     assert!(plate.contact(0, &Vector3::new(0.1, 0.04, 0.2), 0.5).distance < 0.0);
-    // a sphere below that flies up meets the lower side, one that leaves meets nothing
+    // a sphere below the plate that flies up meets the lower side; one that flies away meets nothing
     let flight = |y: f64, v: f64| Flight {
         position: Vector3::new(0.1, y, 0.2),
         velocity: Vector3::new(0.0, v, 0.0),
@@ -206,7 +207,8 @@ fn both_sides_of_a_thin_plate_are_one_contact() {
     assert_eq!(plate.touch_time(&flight(-0.55 + 1e-17, -1.0), 0.5, 9.0), None);
 }
 
-/// A body of triangles stands again across periodic sides, as the block does that it is: in the middle of the box, in a side and in an edge of it.
+/// A body of triangles has periodic images, as the equal block does: in the middle of the box, in a side and in an edge
+/// of it.
 #[test]
 fn a_body_of_triangles_stands_again_across_periodic_sides() {
     let (size, half, k) = (6.0, Vector3::new(1.0, 1.5, 2.2), 1e4);
@@ -230,13 +232,14 @@ fn a_body_of_triangles_stands_again_across_periodic_sides() {
             let off = found.particles.position.iter().zip(&want.particles.position).map(|(a, b)| (a - b).norm());
             let off = off.fold(0.0, f64::max);
             println!("{number}: {off:.1e}");
-            // local stepping has one coordinate for a plane and three for triangles; what differs grows from impact to impact
+            // local stepping has one coordinate for a plane and three for triangles; differences grow with each impact
             assert!(off < 1e-5, "{centre}, {number}: {off:e}");
         }
     }
 }
 
-/// Whether a place is far from a surface and on its free side is known of most places without asking triangles, and rightly.
+/// For most positions bounds show that they are far from a surface, on its free side, without computing distances to
+/// triangles. This must be right.
 #[test]
 fn what_is_clear_of_triangles_is_so() {
     let centre = Vector3::repeat(8.0);
@@ -263,7 +266,8 @@ fn what_is_clear_of_triangles_is_so() {
 
 #[test]
 fn fast_spheres_do_not_get_out_through_corners_and_edges() {
-    // Hard: none gets out, whatever its speed. Soft: none without being told; a sphere too fast for its stiffness is a typed failure.
+    // Hard: no sphere leaves the vessel, at any speed. Soft: none leaves without a message; a sphere too fast for its
+    // stiffness is a typed failure.
     let vessel = mesh(&block(Vector3::repeat(4.0), Vector3::repeat(3.0), 6), Some(Sides::Inside));
     let mut scene = empty([8.0; 3], [false; 3], unit(), surface(1.0, 0.0));
     scene.walls = vec![wall(vessel.clone(), 1.0, 0.0)];
@@ -272,7 +276,7 @@ fn fast_spheres_do_not_get_out_through_corners_and_edges() {
     let mut ends: BTreeMap<(&str, &str), u32> = BTreeMap::new();
     for (number, corner) in (0..8).cycle().take(80).enumerate() {
         let towards = Vector3::from_fn(|axis, _| if corner >> axis & 1 == 1 { 1.0 } else { -1.0 });
-        // into corners, onto edges, and a little beside
+        // towards corners, edges, and points near them
         let mut aim = towards * 2.5 + Vector3::new(0.1, -0.05, 0.03) * (number / 8) as f64 * 0.3;
         if number % 3 == 0 {
             aim.x = 0.2;
@@ -298,7 +302,7 @@ fn fast_spheres_do_not_get_out_through_corners_and_edges() {
         }
     }
     println!("{ends:?}");
-    // slow ones all stay inside
+    // all slow spheres stay inside
     assert!(ends[&("hard", "inside")] == 240 && ends[&("soft", "inside")] >= 80 && ends[&("local", "inside")] >= 80);
 }
 
@@ -306,7 +310,7 @@ fn fast_spheres_do_not_get_out_through_corners_and_edges() {
 fn what_is_wrong_with_triangles_is_counted_and_put_right_or_refused() {
     let cube = block(Vector3::zeros(), Vector3::repeat(1.0), 2);
     let (clean, found) = Mesh::new("cube", &cube, None).unwrap();
-    // the faces of `block` face both ways: half of them have been turned
+    // the faces of `block` have mixed orientations: half of them have been turned when read
     assert!(found.is_closed() && found.degenerate.0 == 0 && found.duplicate.0 == 0);
     assert_eq!((clean.sides(), found.turned.0 > 0), (Sides::Outside, true));
 
@@ -320,7 +324,7 @@ fn what_is_wrong_with_triangles_is_counted_and_put_right_or_refused() {
     let point = Vector3::new(1.5, 0.3, 0.2);
     assert_eq!(same.nearest(&point), clean.nearest(&point));
 
-    // all of it turned inside out, and one triangle turned alone
+    // all triangles turned inside out, and one triangle turned alone
     let turned = |[a, b, c]: [Vector3<f64>; 3]| [a, c, b];
     let round = mesh(&ball(Vector3::zeros(), 1.0, 2), None);
     let (points, triangles) = round.triangles();
@@ -341,7 +345,7 @@ fn what_is_wrong_with_triangles_is_counted_and_put_right_or_refused() {
     let (sheet, found) = Mesh::new("open", &open, None).unwrap();
     assert_eq!((sheet.sides(), found.open_edges), (Sides::Both, 3));
 
-    // numbers that are none
+    // coordinates that are not finite
     let mut bad = cube.clone();
     bad[4][1].x = f64::NAN;
     bad[9][2].z = f64::INFINITY;
@@ -352,7 +356,7 @@ fn what_is_wrong_with_triangles_is_counted_and_put_right_or_refused() {
 #[test]
 #[ignore = "a measurement of time, for a quiet machine: cargo test --release -- --ignored --nocapture cost_of_triangles"]
 fn cost_of_triangles_is_at_most_twice_that_of_the_round_shape() {
-    // 50,000 spheres at a volume fraction of 0.01 in a ball: in closed form, and of 20,480 triangles
+    // 50,000 spheres at a volume fraction of 0.01 in a ball: as a closed form, and as 20,480 triangles
     let (count, fraction) = (50_000, 0.01);
     let radius = 0.5 * (f64::from(count) / fraction).cbrt();
     let center = Vector3::repeat(radius + 1.0);

@@ -1,8 +1,8 @@
-//! docs/paper.md answers the whole paper: every number of its text, every word that is attributed to it.
+//! docs/paper.md answers the whole paper: it must contain every number of the paper's text, and every quoted word.
 
 use std::path::Path;
 
-/// The numbers of the paper's text by section, but for its Table 1, as docs/paper.md writes them.
+/// Numbers of the paper's text by section, except those in Table 1, as docs/paper.md writes them.
 const NUMBERS: [(&str, &[&str]); 8] = [
     (
         "2.1",
@@ -17,7 +17,7 @@ const NUMBERS: [(&str, &[&str]); 8] = [
     ("4", &["k_n = 300 N/m", "3000"]),
 ];
 
-/// The rows of Table 1 as printed, B to G: how docs/paper.md begins the row, and its printed values.
+/// Rows of Table 1 as printed, for cases B to G: the beginning of the row in docs/paper.md, and its printed values.
 const TABLE_1: [(&str, [&str; 6]); 10] = [
     ("d_p", ["406 µm", "406 µm", "406 µm", "1.5 µm", "1.5 mm", "1.5 mm"]),
     ("volume fraction", ["1.2e-3", "4e-3", "1e-2", "4.1e-3", "1.4e-2", "4.1e-2"]),
@@ -31,10 +31,10 @@ const TABLE_1: [(&str, [&str; 6]); 10] = [
     ("u_r, m/s", ["1.05", "0.87", "0.79", "0.61", "0.56", "0.53"]),
 ];
 
-/// [-] CFL of particles, the same in all rows of Table 1.
+/// [-] CFL number of particles, which is equal in all rows of Table 1.
 const CFL_OF_PARTICLES: &str = "1.5";
 
-/// Words of the paper that docs/paper.md judges, and their section, copied from the paper.
+/// Quotations from the paper that docs/paper.md judges, with their sections.
 const WORDS: [(&str, &str); 27] = [
     ("4, Fig. 5 left", "the mean particle velocity profile is flatter than that of the fluid"),
     ("4, Fig. 5 left", "this is due to the strong influence of transverse particle dispersion"),
@@ -65,14 +65,14 @@ const WORDS: [(&str, &str); 27] = [
     ("5", "compared and validated quantitatively and qualitatively"),
 ];
 
-/// The four verdicts.
+/// The four possible verdicts.
 const VERDICTS: [&str; 4] = ["holds", "holds in part", "does not hold", "cannot be checked"];
 
 fn page() -> String {
     std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/paper.md")).unwrap()
 }
 
-/// The rows of the tables between two headings, as cells without the bars.
+/// Rows of the tables between two headings, as cells without the bars.
 fn rows(page: &str, heading: &str) -> Vec<Vec<String>> {
     let (_, part) = page.split_once(&format!("\n## {heading}\n")).unwrap_or_else(|| panic!("no section {heading}"));
     let part = part.split("\n## ").next().unwrap_or_default();
@@ -81,7 +81,7 @@ fn rows(page: &str, heading: &str) -> Vec<Vec<String>> {
     part.lines().filter(row).map(|line| cells(line.trim_matches('|'))).collect()
 }
 
-/// Whether a number stands in a text by itself: not as a part of a longer one.
+/// True if a number occurs in a text alone, not as a part of a longer number.
 fn stands(text: &str, number: &str) -> bool {
     let part = |c: char| c.is_ascii_digit() || c == '.' || c == '/';
     text.match_indices(number).any(|(at, _)| {

@@ -1,4 +1,4 @@
-//! Observers: each sees the simulation at its own times, costs nothing where there is none, and can be stored.
+//! Observers are called at the times that they request, do not change the results, and can be stored.
 
 use crate::support::{empty, experiment, placed, plane, small, surface};
 use diptych::drag::{Drag, SchillerNaumann, Stokes};
@@ -15,7 +15,7 @@ use diptych::statistics::Accumulator;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-/// 100 spheres in a periodic box for 200 windows of 0.1 ms, a sample every tenth.
+/// Experiment of 100 spheres in a periodic box for 200 windows of 0.1 ms, with a sample every ten windows.
 fn gas() -> Experiment {
     let edge = (100.0 * small().volume() / 0.05).cbrt();
     let mut gas =
@@ -30,7 +30,7 @@ fn simulation(experiment: &Experiment) -> Simulation {
     Simulation::new(experiment, initial_state(experiment).unwrap())
 }
 
-/// Two spheres of the gas.
+/// The gas with two spheres only.
 fn few() -> Experiment {
     let mut few = gas();
     let amount = placed(&few.scene, &[([0.0; 3], [1.0, 0.0, 0.0]), ([1e-3; 3], [0.0; 3])]);
@@ -38,7 +38,7 @@ fn few() -> Experiment {
     few
 }
 
-/// Notes when it saw the simulation, and asks for `times` [s] one after another.
+/// Observer that records the times of its calls, and requests `times` [s] one after another.
 #[derive(Default)]
 struct Visitor {
     times: Vec<f64>,
@@ -74,7 +74,7 @@ fn each_observer_is_shown_the_simulation_at_its_own_times() {
     let schedule = Schedule::new(&gas);
     assert_eq!((schedule.windows(), schedule.windows_per_sample), (200, 10));
     let mut samples = Vec::new();
-    // at an end of a window, within one, twice within one, never since it lies beyond the end
+    // requests at the end of a window, within a window, twice within one, and beyond the end, which is never reached
     let mut visitor = Visitor { times: vec![0.0003, 0.000_55, 0.007_01, 0.007_05, 1.0], ..Visitor::default() };
     let mut sampler = |simulation: &Simulation| samples.push(simulation.time);
     let mut simulation = simulation(&gas);
@@ -91,7 +91,7 @@ fn samples_of_long_runs_stay_where_they_belong() {
         let schedule = Schedule::even(window, 7, 1 << 30);
         for done in [0u64, 1, 6, 7, 1000, 999_999, 123_456_789, 1_000_000_000] {
             let next = done as f64 * schedule.window + schedule.interval();
-            // reached at the seventh window, and not before
+            // the time is reached at the seventh window, and not before
             let reaches = |windows: u64| windows as f64 * window + schedule.rounding() >= next;
             assert!(reaches(done + 7) && !reaches(done + 6), "{window} s, {done}");
         }
@@ -113,7 +113,7 @@ fn who_observes_does_not_change_the_result() {
         run(&mut alone, &schedule, &mut []).unwrap();
         let mut observed = simulation(&gas);
         let mut often = Visitor { times: (0..200).map(|k| f64::from(k) * 1e-4).collect(), ..Visitor::default() };
-        // a kick that was not taken back would be seen in the momentum that drag has given
+        // a kick that was not reversed would appear in the momentum given by drag
         let mut momenta = vec![0.0];
         let mut drag = |simulation: &Simulation| momenta.push(simulation.record.ledger.drag_impulse.z);
         run(&mut observed, &schedule, &mut [&mut often, &mut drag]).unwrap();
@@ -121,12 +121,12 @@ fn who_observes_does_not_change_the_result() {
         assert!(alone.record.pairs.count > 100);
         assert!(alone.state() == observed.state() && alone.record.ledger == observed.record.ledger);
         assert_eq!(momenta.last(), Some(&alone.record.ledger.drag_impulse.z));
-        // no clock was lent
+        // the simulation was given no clock
         assert!(observed.spent.whole.is_zero() && observed.spent.engine.is_zero());
     }
 }
 
-/// What is seen between samples is of one instant, as at a sample: velocities have the kicks that their time asks for.
+/// The state between samples belongs to one instant, as at a sample: velocities contain the kicks up to that time.
 #[test]
 fn looks_between_samples_see_what_samples_there_would() {
     let mut gas = gas();
@@ -147,7 +147,7 @@ fn looks_between_samples_see_what_samples_there_would() {
     };
     let (often, seldom) = (seen(1), seen(20));
     assert_eq!((often.len(), seldom.len()), (201, 201));
-    // of rounding: two half-kicks or a whole one
+    // differences are due to rounding: two half-kicks or a whole one
     assert!(often.iter().zip(&seldom).all(|(a, b)| (a - b).norm() < 1e-12));
 }
 
@@ -172,7 +172,7 @@ fn a_series_is_what_the_particles_say() {
     let (row, particles, record) = (series.rows.last().unwrap(), &simulation.particles, &simulation.record);
     assert_eq!((row.pair_impacts, row.wall_impacts), (record.pairs.count, record.walls.count));
     assert!(record.pairs.count > 100 && record.walls.count > 10);
-    // of rounding: sums of 100 in another order
+    // differences are due to rounding: sums of 100 in another order
     let near = |a: f64, b: f64| (a - b).abs() <= 1e-12 * b.abs();
     assert!(
         near(row.kinetic_energy, particles.kinetic_energy()) && (row.momentum - particles.momentum()).norm() < 1e-18
@@ -185,8 +185,8 @@ fn a_series_is_what_the_particles_say() {
     assert!(near(row.granular_temperature().unwrap(), components.sum() / 3.0) && components.min() > 0.0);
 }
 
-/// Two that press one another and one at a wall, from the first row on: the energy of each is half the stiffness times its
-/// overlap squared.
+/// Two spheres pressed together, and one at a wall, from the first row on. The energy of each contact is half the
+/// stiffness times its overlap squared.
 #[test]
 fn contacts_in_progress_are_in_the_series_and_in_the_paths() {
     let (d, stiffness) = (small().diameter, 3000.0);
@@ -217,7 +217,7 @@ fn contacts_in_progress_are_in_the_series_and_in_the_paths() {
             assert_eq!(row.coordination, ends / 3.0);
             touching += usize::from(ends == 3.0);
         }
-        // both are pressed for a while, then free
+        // both contacts exist for a while, then end
         assert!(series.rows[0].coordination == 1.0 && (20..180).contains(&touching), "{stepping:?} {touching}");
     }
 }
@@ -237,7 +237,7 @@ fn series_are_short_for_long_runs_and_end_with_the_run() {
     };
     gas.statistics.sample_interval = Some(1e-4);
     gas.run.duration = 0.1001;
-    // 1001 samples: every second, and the end
+    // 1001 samples give every second one, and the end
     assert_eq!(rows(&gas), (502, false));
     gas.run.duration = 0.02;
     gas.scene.domain.periodic = [false; 3];
@@ -285,8 +285,9 @@ fn what_observers_keep_can_be_stored_and_read_back() {
     same(&paths);
 }
 
-/// Two spheres that meet nothing, in a gas at rest with Stokes drag of τ = 0.52 s: drag takes 2/τ of every second moment, and nothing
-/// else does anything. Then hard spheres of e = 0.9 without a gas: impacts take what the ledger says they dissipate.
+/// Two spheres that do not collide, in a gas at rest with Stokes drag of τ = 0.52 s: drag removes 2/τ of every second
+/// moment, and the other terms are zero. Then hard spheres of e = 0.9 without a gas: impacts remove the energy that the
+/// ledger records as dissipated.
 #[test]
 fn budgets_of_second_moments_tell_drag_and_impacts() {
     let edge = 0.01;
@@ -301,10 +302,11 @@ fn budgets_of_second_moments_tell_drag_and_impacts() {
     free.run.duration = 0.02;
     free.run.window = Some(1e-4);
     free.statistics.sample_interval = Some(1e-3);
-    // both in one column, flying along z: they never meet
+    // both spheres fly in one column along z, and never meet
     let state = placed(&free.scene, &[([2e-3, 5e-3, 2e-3], [0.0, 0.0, 0.4]), ([7e-3, 5e-3, 2e-3], [0.0, 0.0, -0.2])]);
     let (budgets, second) = budgets_of(&free, state);
-    // <u″u″> is (0.3 m/s)² at the start and falls by exp(-2t/τ): its mean over 20 ms, at the ends of windows to (h/τ)²
+    // <u″u″> is (0.3 m/s)² at the start and falls by exp(-2t/τ). This is its mean over 20 ms, taken at the ends of
+    // windows, to (h/τ)²
     let tau = free.scene.fluid.as_ref().unwrap().sphere(&small()).stokes_time;
     let mean = 0.09 * tau / (2.0 * 0.02) * -f64::exp_m1(-2.0 * 0.02 / tau);
     let uu = &second.whole[0];
@@ -317,7 +319,7 @@ fn budgets_of_second_moments_tell_drag_and_impacts() {
     let mass: f64 = simulation.particles.mass.iter().sum();
     let lost = 2.0 * simulation.record.ledger.dissipated() / (mass * cooling.run.duration);
     let impacts: f64 = second.whole[..3].iter().map(|terms| terms.impacts.value).sum();
-    // the mean over one slice moves by nothing: momentum is conserved, and no particle leaves the slice
+    // the mean over the slice does not change: momentum is conserved, and no particle leaves the slice
     assert!((impacts / -lost - 1.0).abs() < 1e-9, "{impacts} {lost}");
     assert!(second.whole.iter().all(|terms| terms.drag.value == 0.0));
 }

@@ -1,4 +1,4 @@
-//! What happens over time: theories against engines, tables and pictures against outcomes.
+//! Curves over time: theories against engines, tables and pictures against outcomes.
 
 use crate::made_up::{outcomes, with_study};
 use crate::support::{edge, empty, experiment, hard, placed, plane, small, surface, try_run};
@@ -13,7 +13,8 @@ use diptych::simulation::Simulation;
 use diptych::study::execute;
 use nalgebra::Vector3;
 
-/// A sphere above a floor and below a ceiling that its first flight reaches, thrown upwards, then slower than that.
+/// A sphere between a floor and a ceiling, thrown upwards so fast that its first flight reaches the ceiling, then more
+/// slowly.
 #[test]
 fn bounces_are_those_of_the_hard_engine() {
     let mut scene = empty([0.01, 0.03, 0.01], [true, false, true], small(), surface(0.9, 0.0));
@@ -30,13 +31,13 @@ fn bounces_are_those_of_the_hard_engine() {
         simulation.run(1, 1e-3).unwrap();
         let time = 1e-3 * f64::from(k);
         let Some([x, v]) = bouncing.at(time) else { panic!("{time} s") };
-        // of rounding: some ten bounces
+        // the difference is due to rounding in about ten bounces
         assert!((x.y - simulation.particles.position[0].y).abs() < 1e-12, "{time} s");
         assert!((v.y - simulation.particles.velocity[0].y).abs() < 1e-9, "{time} s");
     }
     let before = bouncing.bounces().filter(|time| *time <= 0.3).count();
     assert!(before as u64 == simulation.record.walls.count && before >= 3, "{before}");
-    // flights from rest end with a geometric series of bounces: nothing is said after the last that can be seen
+    // flights from rest end with a geometric series of bounces; there is no prediction after the last visible one
     let dropped = Bouncing::of(&scene, [start[0], Vector3::zeros()], 10.0).unwrap();
     assert!(dropped.at(9.0).is_none() && dropped.at(0.1).is_some());
     scene.walls[0] = plane([0.0; 3], [0.6, 0.8, 0.0], surface(0.8, 0.0));
@@ -48,7 +49,7 @@ fn rows_of_elastic_spheres_exchange_velocities_as_the_hard_engine_says() {
     let d = small().diameter;
     let scene = empty([0.02, 0.004, 0.004], [false; 3], small(), surface(1.0, 0.0));
     let at = |x: f64, v: f64| ([x, 2e-3, 2e-3], [v, 0.0, 0.0]);
-    // not in the order of the row; two of them in touch
+    // positions not in the order of the row; two spheres touch
     let start = [at(6e-3, 0.0), at(4e-3, 1.0), at(6e-3 + d, 0.0), at(8e-3, -0.5), at(9.5e-3, -0.7)];
     let vectors = start.map(|(x, v)| [Vector3::from(x), Vector3::from(v)]);
     let chain = Chain::of(&scene, &vectors).unwrap();
@@ -67,14 +68,15 @@ fn rows_of_elastic_spheres_exchange_velocities_as_the_hard_engine_says() {
     assert!(Chain::of(&inelastic, &vectors).is_none());
 }
 
-/// The heading of `cases/cooling-gas.toml`: T/T_0 = 0.206 after 20 ms at 1897 collisions per second.
+/// The values are those in the heading of `cases/cooling-gas.toml`: T/T_0 = 0.206 after 20 ms at 1897 collisions per
+/// second.
 #[test]
 fn a_gas_cools_as_haff_says() {
     let mut scene = empty([edge(2000, 406e-6, 0.05); 3], [true; 3], small(), surface(0.9, 0.0));
     let gas = Cooling::of(&scene, 2000, 1.0).unwrap();
-    // less the share of one in 2000 that a particle does not meet
+    // lower by one in 2000, because a particle does not collide with itself
     assert!((gas.temperature(0.02) - 0.206).abs() < 1e-3, "{}", gas.temperature(0.02));
-    // half of the collisions of all, each of two
+    // half of the collisions of all particles, since each has two partners
     assert!((gas.pair_rate(0.0) / 1897.0 / 1000.0 - 1.0).abs() < 1e-3);
     assert!((gas.pair_rate(0.02) / gas.pair_rate(0.0) - gas.temperature(0.02).sqrt()).abs() < 1e-12);
     let mut run = experiment(scene.clone(), 2000, [0.0; 3], 1.0, Model::Hard, 1);
@@ -83,7 +85,7 @@ fn a_gas_cools_as_haff_says() {
     let (outcome, _) = execute(&run, start, &mut []);
     for row in &outcome.series.rows {
         let found = row.granular_temperature().unwrap();
-        // the energy of 2000 spheres scatters by sqrt(2/(3 N)) = 1.8 %, and the loss of it follows
+        // the energy of 2000 spheres scatters by sqrt(2/(3 N)) = 1.8 %, and so does its loss
         assert!((found / gas.temperature(row.time) - 1.0).abs() < 0.06, "{} s: {found}", row.time);
     }
     scene.contact = surface(0.9, 0.1);
@@ -97,7 +99,7 @@ fn a_sphere_settles_at_the_velocity_said() {
     let fluid =
         |profile| Fluid { density: 1.2, kinematic_viscosity: 1.5e-5, profile, drag: Some(Drag::Stokes(Stokes)) };
     scene.fluid = Some(fluid(Profile::Uniform(2.0)));
-    // Stokes' time, d² ρ_p/(18 ρ ν), by hand
+    // Stokes' response time, d² ρ_p/(18 ρ ν), computed by hand
     let stokes = 406e-6_f64.powi(2) * 1038.0 / (18.0 * 1.2 * 1.5e-5);
     let expected = 2.0 - 9.81 * stokes;
     assert!((settling_velocity(&scene).unwrap().z - expected).abs() < 1e-9 * expected.abs());
@@ -141,7 +143,7 @@ fn tables_over_time_hold_the_rows_of_the_outcome() {
         assert_eq!(number("Tyy_m2_s2"), row.temperature.map(|parts| parts.y));
         assert_eq!(number("wall_impacts"), Some(row.wall_impacts as f64));
         assert_eq!(number("centre_of_mass_y_m"), row.centre[1]);
-        // what is not known is an empty cell
+        // an unknown value is an empty cell
         assert_eq!((cells[column("centre_of_mass_x_m")], row.centre[0]), ("", None));
     }
     let points = outcomes.iter().flat_map(|outcome| &outcome.paths.points);
@@ -156,7 +158,7 @@ fn tables_over_time_hold_the_rows_of_the_outcome() {
         assert_eq!((numbers[0], numbers[1] as u32, numbers[3]), (point.time, point.id, point.position.y));
         assert_eq!((numbers[6], numbers[8]), (point.velocity.y, point.overlap));
     }
-    // what falls is not steady: what happens heads the page, before averages
+    // a fall is not steady: its curves are at the beginning of the page, before averages
     let place = |words: &str| page.find(words).unwrap_or_else(|| panic!("{words}"));
     assert!(place("<h2 id=\"over-time\">Over time</h2>") < place("<h2>Cost and counts</h2>"));
     assert!(place("<h2>Profiles</h2>") < place("Number density"));
@@ -178,7 +180,7 @@ fn pictures_over_time_of_steady_runs_follow_the_averages() {
     assert!(!folder.path().join("paths.csv").exists());
 }
 
-/// A pause in which nothing happens leaves the observers as they were.
+/// A second run of zero length does not change the observers.
 #[test]
 fn nothing_simulated_is_one_row() {
     let mut still =

@@ -1,4 +1,4 @@
-//! Contact laws of the caller's: spheres that stick, and laws that break a contract.
+//! Contact laws of the calling program: spheres that stick, and laws that violate the requirements.
 
 use crate::support::*;
 use diptych::contact_law::{Bodies, BrokenContract, ContactLaw, Law, Parameter, Spring};
@@ -6,14 +6,14 @@ use diptych::engine::Failure;
 use diptych::experiment::{Experiment, Model, SoftStepping, Spheres, TimeStep};
 use diptych::simulation::Simulation;
 
-/// Elastic force k δ (δ/δ_0 - 1): it pulls up to the overlap δ_0, and pushes beyond. Beside it a linear dashpot.
+/// An elastic force k δ (δ/δ_0 - 1), which attracts up to the overlap δ_0 and repels beyond, and a linear dashpot.
 #[derive(Debug)]
 struct Sticky {
-    /// [N/m] k.
+    /// [N/m] elastic constant k.
     stiffness: f64,
-    /// [m] δ_0.
+    /// [m] overlap δ_0 at which the force changes its sign.
     range: f64,
-    /// [N s/m]
+    /// [N s/m] constant of the dashpot.
     dashpot: f64,
 }
 
@@ -73,22 +73,22 @@ fn slow_spheres_stick_at_the_bottom_of_the_well_and_fast_ones_part() {
         assert_eq!(pairs.count, 1, "{stepping:?}");
         let spring = law.between(&Bodies::alike(&small(), &surface(1.0, 0.0)));
         let asked = law.contact_time(&spring, 0.5);
-        // a step on the grid is a thirtieth of the contact
+        // a uniform step is a thirtieth of the contact
         assert!((pairs.mean_duration.unwrap() / asked - 1.0).abs() < 0.05, "{stepping:?}: {pairs:?}, {asked}");
         assert!((pairs.mean_restitution.unwrap() - 1.0).abs() < 2e-3, "{stepping:?}: {pairs:?}");
     }
 }
 
-/// [N] a constant pull beside a linear spring: it sets in at touch at once.
+/// A linear spring with a constant attraction [N], which begins at the touch with a jump.
 #[derive(Debug)]
 struct Jump(f64);
-/// A linear spring that says that it stores twice as much.
+/// A linear spring whose stored energy is stated as twice the true value.
 #[derive(Debug)]
 struct Liar;
 /// A linear spring and a dashpot with the wrong sign.
 #[derive(Debug)]
 struct Driven;
-/// A force that does not grow.
+/// A constant force, which does not grow with the overlap.
 #[derive(Debug)]
 struct Flat;
 
@@ -140,13 +140,13 @@ fn laws_that_break_a_contract_are_refused_with_the_contract() {
     assert!(matches!(refused(ContactLaw::other(Flat)), BrokenContract::Bottomless { .. }));
 }
 
-/// The well is k δ_0²/6 deep, and no contact can give back less than nothing.
+/// The potential is k δ_0²/6 deep, and no contact can return an energy below zero.
 #[test]
 fn energy_that_a_contact_may_give_back_counts_from_the_bottom_of_the_well() {
     let law = ContactLaw::other(Sticky { stiffness: 300.0, range: 2e-6, dashpot: 0.0 });
     let spring = law.between(&Bodies::alike(&small(), &surface(1.0, 0.0)));
     let depth = 300.0 * 2e-6f64.powi(2) / 6.0;
-    // the bottom lies between two of 64 samples
+    // the minimum lies between two of 64 samples
     assert!((law.well_depth(&spring) / depth - 1.0).abs() < 1e-3, "{}", law.well_depth(&spring));
     for k in 0..100 {
         let overlap = 5e-8 * f64::from(k);
@@ -156,7 +156,8 @@ fn energy_that_a_contact_may_give_back_counts_from_the_bottom_of_the_well() {
     assert!((linear / 1.5e-10 - 1.0).abs() < 1e-12, "{linear}");
 }
 
-/// Sticking spheres at a speed whose deepest overlap stores next to nothing keep the contracts as at any other.
+/// Sticking spheres meet the requirements at every speed, also where the stored energy at the largest overlap is nearly
+/// zero.
 #[test]
 fn a_law_that_attracts_keeps_its_contracts_at_every_speed() {
     let law = ContactLaw::other(Sticky { stiffness: 300.0, range: 2e-6, dashpot: 1e-4 });
@@ -167,7 +168,8 @@ fn a_law_that_attracts_keeps_its_contracts_at_every_speed() {
     }
 }
 
-/// A case whose contacts never end has no number of steps per contact: the run is refused, not left without a guard.
+/// A law whose contacts never end has no number of steps per contact. The run is refused instead of running without a
+/// check.
 #[test]
 fn a_law_whose_contacts_do_not_end_needs_a_time_step() {
     let law = ContactLaw::other(Sticky { stiffness: 300.0, range: 2e-6, dashpot: 1e-4 });

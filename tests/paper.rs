@@ -1,7 +1,8 @@
-//! The paper's Table 1 and its inconsistencies, recomputed by the library (docs/paper.md prints what these tests print).
+//! The paper's Table 1 and its inconsistencies, recomputed by the library (docs/paper.md prints the results of these
+//! tests).
 //!
-//! Expected values were computed independently of this code from the printed parameters; a value given with n digits is
-//! met to half a unit of the last (`digits`). Run with `--nocapture` to see the table.
+//! Expected values were computed from the printed parameters, independently of this code. A value given with n digits
+//! must be met to half a unit of the last digit (`digits`). Run with `--nocapture` to print the table.
 
 use crate::support::LinearSpring;
 use diptych::case::Case;
@@ -17,14 +18,14 @@ use diptych::scene::{Scene, Species};
 use std::f64::consts::PI;
 use std::path::Path;
 
-/// A row of Table 1 as printed, but for the diameter of case E.
+/// A row of Table 1 as printed, except for the diameter of case E.
 struct Row {
     case: &'static str,
-    /// u_r [m/s]
+    /// u_r [m/s], mean relative speed of impact
     impact: f64,
-    /// Δt_p [s] as printed
+    /// Δt_p [s], time step as printed
     step: f64,
-    /// Δt_p [s] put right
+    /// Δt_p [s], corrected time step
     corrected_step: f64,
     /// δ_max/d [-]
     overlap: f64,
@@ -45,16 +46,16 @@ const TABLE: [Row; 6] = [
     row("g", 0.53, 4e-5, 4e-6, 0.03, 0.3),
 ];
 
-/// [s] Δt_f of cases E to G as printed.
+/// [s] time step of the gas Δt_f in cases E to G as printed.
 const FLUID_STEP_OF_LARGE: f64 = 2.5e-5;
 
-/// [-] N_c as printed, of all cases.
+/// [-] steps per contact N_c as printed, for all cases.
 const STEPS_PRINTED: f64 = 10.0;
 
 /// [-] θ of the hard-sphere criterion, section 3.4.
 const THETA: f64 = 0.3;
 
-/// What the library makes of a row.
+/// Values that the library computes for a row.
 struct Computed {
     row: &'static Row,
     experiment: Experiment,
@@ -62,7 +63,7 @@ struct Computed {
     wall: ContactKind,
     gas: Gas,
     flow: Flow,
-    /// T [m²/s²] that Eq. 8 put right gives the printed u_r
+    /// T [m²/s²] for which the corrected Eq. 8 gives the printed u_r
     variance: f64,
 }
 
@@ -84,18 +85,19 @@ impl Computed {
         contact.largest_overlap(&self.law(), factor * self.row.impact) / contact.diameter
     }
 
-    /// [N/m] stiffness at which an impact at `factor` u_r goes `overlap` diameters deep: depth goes with 1/sqrt(k).
+    /// [N/m] stiffness for which an impact at `factor` u_r has an overlap of `overlap` diameters: the overlap is
+    /// proportional to 1/sqrt(k).
     fn stiffness_for(&self, factor: f64, overlap: f64) -> f64 {
         self.stiffness() * (self.overlap(&self.pair, factor) / overlap).powi(2)
     }
 
-    /// CFL_p^col of section 3.4 at u_r: Δt u_r/d.
+    /// CFL_p^col of section 3.4 at u_r, equal to Δt u_r/d.
     fn courant(&self, step: f64) -> f64 {
         step * self.row.impact / self.pair.diameter
     }
 }
 
-/// The same contact with another restitution.
+/// The contact with another restitution.
 fn with_restitution(contact: &ContactKind, restitution: f64) -> ContactKind {
     let mut contact = contact.clone();
     contact.bodies.restitution = restitution;
@@ -118,7 +120,7 @@ fn compute(row: &'static Row) -> Computed {
     let found = contacts(scene, &[count], |_, _| speeds(), |_| ImpactSpeeds::isotropic(variance));
     let [pair, wall] = <[ContactKind; 2]>::try_from(found).unwrap();
     let component = Component { count, diameter: pair.diameter, variance };
-    // Enskog's gas fills the box: the half diameter at walls that centres cannot enter is left out
+    // Enskog's gas fills the whole box: the half diameter at walls that centres cannot enter is ignored
     let open = Scene { walls: Vec::new(), ..scene.clone() };
     let gas = gas(&open, &[component], &AgitationSpread::even());
     let fluid = scene.fluid.as_ref().unwrap();
@@ -135,18 +137,19 @@ fn of(case: &str) -> Computed {
     compute(TABLE.iter().find(|row| row.case == case).unwrap())
 }
 
-/// `found` is `wanted` to half a unit in its last digit, at place `decimals`.
+/// Checks that `found` is `wanted` to half a unit in its last digit, with `decimals` decimals.
 #[track_caller]
 fn digits(found: f64, wanted: f64, decimals: i32) {
-    // a tie may have been rounded either way: a thousandth of a unit more
+    // a half may have been rounded either way: a thousandth of a unit more
     let half = 0.501 * 10f64.powi(-decimals);
     assert!((found - wanted).abs() < half, "{found} where {wanted} was computed independently");
 }
 
-/// Every column of Table 1 and what it implies.
+/// Every column of Table 1 and its consequences.
 #[test]
 fn table_1() {
-    // T_c pair and wall [s], N_c pair and wall at the corrected step, overlap at u_r and 2 u_r, at a wall at 2 u_r, CFL_col at u_r
+    // T_c pair and wall [s], N_c pair and wall at the corrected step, overlap at u_r and 2 u_r, at a wall at 2 u_r, and
+    // CFL_col at u_r
     let contacts = [
         ([7.735, 10.939], [7.73, 10.94], [0.00637, 0.01274, 0.01801], 0.00259),
         ([7.735, 10.939], [7.73, 10.94], [0.00528, 0.01055, 0.01492], 0.00214),
@@ -155,7 +158,7 @@ fn table_1() {
         ([42.425, 59.999], [10.61, 15.00], [0.00504, 0.01008, 0.01426], 0.00149),
         ([42.425, 59.999], [10.61, 15.00], [0.00477, 0.00954, 0.01350], 0.00141),
     ];
-    // κ_n, T [m²/s²], Γ [1/s], λ [mm], and k [N/m] that gives κ_n = the printed δ_max/d, k for 1 % at 2 u_r
+    // κ_n, T [m²/s²], Γ [1/s], λ [mm], the k [N/m] for which κ_n is the printed δ_max/d, and the k for 1 % at 2 u_r
     let flows = [
         (0.006368, 0.866, 37.4, 39.8, 48.7, 4866.0),
         (0.005276, 0.594, 103.9, 11.8, 33.4, 3340.0),
@@ -203,7 +206,7 @@ fn table_1() {
         digits(c.variance, variance, 3);
         digits(c.stiffness_for(1.0, c.row.overlap), printed, if printed < 100.0 { 1 } else { 0 });
         digits(c.stiffness_for(2.0, 0.01), one_percent, 0);
-        // of any number of particles: a particle does not meet itself, which takes 1/N
+        // for a finite number N the rate is lower by 1/N, since a particle does not meet itself
         let finite = 1.0 - 1.0 / c.experiment.start[0].amount.count() as f64;
         digits(c.gas.collision_rate / finite, rate, if rate < 150.0 { 1 } else { 0 });
         digits(c.gas.mean_free_path * 1e3 * finite, path, if path < 10.0 { 2 } else { 1 });
@@ -220,7 +223,7 @@ fn overlap_law() {
         let (push, _) = c.law().force(&c.pair.spring(&c.law()), 1e-6, 0.0);
         assert!(push > 0.0, "along n, from q to p");
         for e in [1.0, 0.94, 0.5] {
-            // Eq. 6, as it must be by Eqs. 5 and 7: M δ'' + 2 γ M δ' + k δ = 0
+            // Eq. 6, as required by Eqs. 5 and 7: M δ'' + 2 γ M δ' + k δ = 0
             let contact = with_restitution(&c.pair, e);
             let (time, damping) = (law.contact_time(mass, e), law.damping(mass, e));
             assert!((c.law().contact_time(&contact.spring(&c.law()), 1.0) / time - 1.0).abs() < 1e-12);
@@ -231,13 +234,13 @@ fn overlap_law() {
             assert!((overlap(step) / step / c.row.impact - 1.0).abs() < 1e-4); // slope u⁰, not value u⁰
             assert!(overlap(time).abs() < 1e-15 * c.row.impact);
             let most = (0..STEPS).map(|i| overlap(i as f64 * step)).fold(0.0, f64::max);
-            // the top is flat: missing it by a step costs (π/STEPS)²/2
+            // the maximum is flat: an error of one step changes it by (π/STEPS)²/2
             assert!((most / contact.largest_overlap(&c.law(), c.row.impact) - 1.0).abs() < 1e-9);
         }
     }
 }
 
-/// Items 4 and 5: the agitation that the printed u_r implies, and three speeds that are not the same.
+/// Items 4 and 5: the agitation that follows from the printed u_r, and three speeds that differ.
 #[test]
 fn speeds() {
     for (c, agitation) in all().iter().zip([1.299, 0.892, 0.735, 0.438, 0.369, 0.331]) {
@@ -271,10 +274,10 @@ fn counts() {
         let volume = c.experiment.scene.domain.volume();
         digits(fraction * volume / species.volume(), number, 1);
         assert_eq!(c.experiment.start[0].amount.count() as f64, f64::floor(number));
-        // "between 1e-3 and 1e-2": not F and G
+        // "between 1e-3 and 1e-2" is not true of F and G
         assert_eq!(fraction > 1e-2, ["f", "g"].contains(&c.row.case));
     }
-    // 1.5 µm, as row E prints, would take 7e11 particles
+    // 1.5 µm, as printed in row E, would require 7e11 particles
     let large = of("e").experiment.scene.species[0].clone();
     let tiny = Species { diameter: 1.5e-6, ..large };
     assert!(4.1e-3 * 3.072e-4 / tiny.volume() > 7e11);
@@ -297,7 +300,8 @@ fn step_of_the_large_particles() {
     }
 }
 
-/// Item 8: two contact times; the printed N_c fits walls for the small particles and pairs for the large.
+/// Item 8: two contact times; the printed N_c is that of walls for the small particles, and that of pairs for the
+/// large.
 #[test]
 fn contact_times_of_walls() {
     for c in all() {
@@ -309,7 +313,7 @@ fn contact_times_of_walls() {
     }
 }
 
-/// Items 9 and 10: the printed overlaps and CFL numbers do not follow from the row they stand in.
+/// Items 9 and 10: the printed overlaps and CFL numbers do not follow from the other values in their row.
 #[test]
 fn printed_overlaps_and_courant_numbers() {
     for c in all() {
@@ -317,7 +321,7 @@ fn printed_overlaps_and_courant_numbers() {
         assert!(c.row.overlap > 0.01, "lambda of Eq. 11");
         // 1 % at 2 u_r, to the two digits of Eq. 11's bound: D and G meet it
         assert_eq!(c.overlap(&c.pair, 2.0) <= 0.01, ["d", "g"].contains(&c.row.case));
-        // neither step, neither speed gives the printed number
+        // neither step and neither speed gives the printed number
         for step in [c.row.step, c.row.corrected_step] {
             for factor in [1.0, 2.0] {
                 let ratio = factor * c.courant(step) / c.row.courant;
@@ -328,7 +332,7 @@ fn printed_overlaps_and_courant_numbers() {
     }
 }
 
-/// Items 11, 13, 15 and 19: what the gas says.
+/// Items 11, 13, 15 and 19: response of the particles to the gas.
 #[test]
 fn gas_and_particles() {
     for (case, stated, friction, bulk, response, fits) in
@@ -346,9 +350,9 @@ fn gas_and_particles() {
         digits(c.flow.stokes_bulk, bulk, if bulk < 1000.0 { 0 } else { -1 });
         digits(c.flow.response_time, response, 3);
         digits(stated * height / c.flow.stokes_time, fits, 1);
-        // density of the gas over that of the particles: what buoyancy would be
+        // density of the gas over that of the particles: the relative size of buoyancy
         digits(fluid.density / c.experiment.scene.species[0].density, 1.2e-3, 4);
-        // dx that makes CFL_p = 1.5 with the particle's and with the fluid's step, at the bulk velocity
+        // dx for which CFL_p = 1.5, with the time steps of the particles and of the gas, at the bulk velocity
         digits(velocity * 1e-6 / 1.5 * 1e6, 10.6, 1);
         digits(velocity * 1e-5 / 1.5 * 1e6, 106.0, 0);
         let sphere = fluid.sphere(&c.experiment.scene.species[0]);
@@ -357,7 +361,8 @@ fn gas_and_particles() {
     }
 }
 
-/// Item 16: friction acts on |f_n|, which also counts the pull at the end: more than the hard rule's 1 + e.
+/// Item 16: friction is proportional to |f_n|, which includes the attraction at the end. It is more than the factor 1 +
+/// e of the hard rule.
 #[test]
 fn impulse_of_friction() {
     const STEPS: usize = 200_000;
@@ -396,7 +401,8 @@ fn impulse_of_friction() {
     }
 }
 
-/// Item 18: Eq. 13. The mean of the largest overlaps is π/2 κ_n; the mean over the time of a contact, 2/π of it, is κ_n.
+/// Item 18: Eq. 13. The mean of the largest overlaps is π/2 κ_n. The mean over the time of a contact is 2/π of that,
+/// κ_n.
 #[test]
 fn mean_overlap() {
     for c in all() {
@@ -408,7 +414,8 @@ fn mean_overlap() {
     }
 }
 
-/// The integrator question: what RK2 gains in elastic contacts at the paper's steps, and finite stiffness.
+/// The question of the integrator: the energy gain of RK2 in elastic contacts at the paper's steps, and the effect of
+/// finite stiffness.
 #[test]
 fn gain_of_the_integrator() {
     let gain = |contact: &ContactKind, c: &Computed, scheme: Scheme| {
@@ -434,20 +441,21 @@ fn gain_of_the_integrator() {
     }
 }
 
-/// What the frozen gas leaves out: mass of the particles over that of the gas.
+/// An effect that the frozen gas leaves out: the mass of the particles over that of the gas.
 #[test]
 fn mass_loading() {
     for (c, fraction) in all().iter().zip([1.2e-3, 4e-3, 1e-2, 4.1e-3, 1.4e-2, 4.1e-2]) {
         let fluid = c.experiment.scene.fluid.as_ref().unwrap();
         let wanted = fraction * c.experiment.scene.species[0].density / fluid.density;
         println!("{}: mass loading {:.2}", c.row.case, c.flow.mass_loading);
-        // the number of particles is whole
+        // rounding, since the number of particles is an integer
         assert!((c.flow.mass_loading / wanted - 1.0).abs() < 1.0 / c.experiment.start[0].amount.count() as f64);
         assert!(c.flow.mass_loading > diptych::predict::effects::FROZEN);
     }
 }
 
-/// n/<n> of the first and the last slice of a published profile, their mean and its standard error, and the number of slices.
+/// n/<n> of the first and the last slice of a published profile: their mean, its standard error, and the number of
+/// slices.
 fn at_walls(profiles: &str, run: Option<&str>, variant: &str) -> (f64, f64, usize) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/results/paper").join(profiles);
     let mut reader = csv::Reader::from_path(path).unwrap();
@@ -461,8 +469,9 @@ fn at_walls(profiles: &str, run: Option<&str>, variant: &str) -> (f64, f64, usiz
     (0.5 * (first.0 + last.0), 0.5 * first.1.hypot(last.1), rows.len())
 }
 
-/// "Dwell at walls": soft spheres stay at a wall for a contact time; the first slice holds (Γ_w/2) T_c more of all particles. Γ_w [1/s]
-/// is that of the page's table; four standard errors of the difference, as the mean of two slices does not know how they correlate.
+/// "Dwell at walls": soft spheres stay at a wall for a contact time, so the first slice contains (Γ_w/2) T_c more of
+/// all particles. Γ_w [1/s] is from the page's table. The tolerance is four standard errors of the difference, since
+/// the correlation of the two slices is not known.
 #[test]
 fn soft_spheres_dwell_at_walls() {
     const CASES: &str = "soft-and-hard/profiles.csv";

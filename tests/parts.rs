@@ -1,4 +1,5 @@
-//! Starts that processes make in parts, and runs that begin with them: threads stand for processes.
+//! Starts that several processes make in parts, and runs that begin with such starts. Threads take the place of
+//! processes.
 
 use crate::support::*;
 use diptych::Ledger;
@@ -13,7 +14,7 @@ use diptych::schedule::Schedule;
 use diptych::simulation::{Simulation, Snapshot};
 use std::sync::Arc;
 
-/// What each of so many processes comes to.
+/// Results of some work in each of `size` processes.
 fn over<T: Send>(size: usize, work: impl Fn(Arc<dyn Communicator>) -> T + Sync) -> Vec<T> {
     std::thread::scope(|scope| {
         let work = &work;
@@ -39,7 +40,7 @@ fn two_kinds(model: Model) -> Experiment {
     case(include_str!("../cases/mixtures/binary-channel.toml"), model, &small).unwrap()
 }
 
-/// A gas at a volume fraction at which one in two overlaps another when it is first drawn.
+/// Experiment of a gas so dense that half of the particles overlap another when they are first drawn.
 fn crowded() -> Experiment {
     let edge = edge(3000, small().diameter, 0.19);
     let mut scene = empty([edge; 3], [true, false, true], small(), surface(0.9, 0.0));
@@ -85,7 +86,7 @@ fn a_start_that_needs_all_particles_is_made_whole_by_every_process() {
 #[test]
 fn too_many_particles_are_refused_by_all_processes_alike() {
     let mut full = crowded();
-    // three spheres, and less room than one of them needs across
+    // three spheres, and less room than one of them needs
     full.start[0].amount = Amount::Count(3);
     let height = 0.9 * full.scene.species[0].diameter;
     full.scene.walls.push(plane([0.0, height, 0.0], [0.0, -1.0, 0.0], surface(0.9, 0.0)));
@@ -111,7 +112,7 @@ fn slices_of_parts_are_all_particles_in_order() {
     assert_eq!(seen, [(0..3000).collect::<Vec<u32>>(), Vec::new(), Vec::new()]);
 }
 
-/// Checksum of the state and what is known of all particles, after some windows in parts.
+/// Checksum of the state and sums over all particles, after some windows of a run in parts.
 fn run_in_parts(experiment: &Experiment, size: usize) -> (u64, String) {
     let run = |communicator: Arc<dyn Communicator>| {
         let start = Start::part(experiment, &*communicator).unwrap();
@@ -159,7 +160,7 @@ fn runs_that_begin_in_parts_give_the_bits_of_one_process() {
     }
 }
 
-/// A gas of soft spheres whose contacts last for many windows.
+/// Experiment of a gas of soft spheres whose contacts last for many windows.
 fn lingering() -> Experiment {
     let edge = edge(3000, small().diameter, 0.03);
     let mut scene = empty([edge; 3], [true, false, true], small(), surface(0.9, 0.2));
@@ -173,7 +174,7 @@ fn lingering() -> Experiment {
     experiment
 }
 
-/// The state of a run on its way: its parts, and all else.
+/// State of a run in progress: its parts, and the rest.
 type Left = (Vec<Vec<u8>>, Snapshot);
 
 fn leave(simulation: &mut Simulation) -> Left {
@@ -191,7 +192,7 @@ fn go_on(simulation: &mut Simulation) -> (u64, u64, f64) {
     (hash, simulation.record.pairs.count, simulation.energy())
 }
 
-/// What each of so many processes does with a simulation that begins in parts; what the lead comes to.
+/// Runs a simulation that begins in parts, in `size` processes; returns the result of the lead.
 fn led<T: Send>(size: usize, experiment: &Experiment, dealt: bool, lead: impl Fn(Simulation) -> T + Sync) -> T {
     let work = |communicator: Arc<dyn Communicator>| {
         let start = Start::part(experiment, &*communicator).unwrap();
@@ -274,7 +275,7 @@ fn a_checkpoint_with_a_part_that_is_damaged_or_of_another_time_is_not_used() {
     };
     let (mut store, refused) = newest();
     assert!(refused.is_empty());
-    // a third was begun in the place of the first, and not ended
+    // instead of the first, a third was begun and not finished
     write(&store);
     assert_eq!(newest().1, ["a-part-0"]);
     store.keep(&run, &kept).unwrap();

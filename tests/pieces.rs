@@ -1,4 +1,5 @@
-//! Trajectories of a run cut into domains, over threads in place of processes: the pieces of a frame are together the frame of one process.
+//! Trajectories of a run divided into domains, with threads in place of processes. Together, the pieces of a frame must
+//! be the frame of one process.
 
 use crate::support::*;
 use crate::trajectory::{array, numbers};
@@ -18,7 +19,8 @@ use std::path::{Path, PathBuf};
 
 const EVERY: Trajectories = Trajectories { every: 1e-4, format: TrajectoryFormat::Vtp };
 
-/// A gas of islands that falls in air between two walls; frames lie at samples and between them, and the end is one more.
+/// Experiment of a gas with islands that falls in air between two walls. Frames are at samples and between them, and
+/// one is at the end.
 fn gas(model: Model) -> Experiment {
     let size = edge(2000, small().diameter, 0.04);
     let mut scene = empty([size; 3], [true, false, true], small(), surface(0.9, 0.1));
@@ -45,8 +47,8 @@ fn gas(model: Model) -> Experiment {
     gas
 }
 
-/// Runs with trajectories into folders, one for each thread that stands for a process, from its start or from where it was left; of one process
-/// alone if there is one folder. Gives what became of it, and the run as it was after so many windows.
+/// Runs with trajectories into folders, one for each thread in place of a process; with one folder, in one process. The
+/// run begins at its start or at a stored state. Returns the result, and the state after `leave` windows.
 fn run(
     experiment: &Experiment,
     folders: &[Folder],
@@ -96,24 +98,24 @@ fn run(
     })
 }
 
-/// The folder of a run in so many processes, as each of them has it.
+/// Folder of a run in `size` processes, opened by each of them.
 fn folders(place: &Path, size: usize) -> Vec<Folder> {
     let own = Folder::create(place, true).unwrap();
     std::iter::once(own).chain((1..size).map(|_| Folder::of_another(place))).collect()
 }
 
-/// All numbers of every particle by id, what the run files of the frame, and how many.
+/// All numbers of every particle by id, the number of files of the frame, and the run.
 struct Frame {
     particles: BTreeMap<u32, Vec<u8>>,
     pieces: usize,
 }
 
-/// The files that a file joins.
+/// Files that a joining file names.
 fn sources(text: &str) -> Vec<&str> {
     text.split("Source=\"").skip(1).map(|rest| rest.split('"').next().unwrap()).collect()
 }
 
-/// Reads every frame that the index lists.
+/// Reads all frames that the index lists.
 fn frames(place: &Path) -> Vec<(f64, Frame)> {
     let place = place.join("trajectory");
     let index = std::fs::read_to_string(place.join("some.pvd")).unwrap();
@@ -137,7 +139,7 @@ fn frames(place: &Path) -> Vec<(f64, Frame)> {
     listed.map(frame).collect()
 }
 
-/// Adds the particles of a file.
+/// Adds the particles in a file.
 fn add(file: &[u8], particles: &mut BTreeMap<u32, Vec<u8>>) {
     let ids = numbers(array(file, "id"), u32::from_le_bytes);
     assert!(ids.is_sorted());
@@ -152,7 +154,7 @@ fn add(file: &[u8], particles: &mut BTreeMap<u32, Vec<u8>>) {
     }
 }
 
-/// The file that joins pieces names the arrays of points that they have, and the time.
+/// Checks that the file that joins pieces names the arrays of points in these pieces, and the time.
 fn check_header(joined: &str, piece: &Path) {
     let piece = std::fs::read(piece).unwrap();
     let text = String::from_utf8_lossy(&piece);
@@ -167,7 +169,7 @@ fn check_header(joined: &str, piece: &Path) {
     assert_eq!(time(&text), time(joined));
 }
 
-/// The frames of both are the same bits; gives how many of the second are in pieces.
+/// Checks that the frames of both runs have identical bits; returns how many frames of the second are in pieces.
 fn same(name: &str, one: &[(f64, Frame)], other: &[(f64, Frame)]) -> usize {
     assert_eq!(one.len(), other.len(), "{name}");
     for ((time, one), (at, other)) in one.iter().zip(other) {
@@ -207,7 +209,7 @@ fn a_run_in_pieces_goes_on_with_its_frames_in_any_number_of_processes() {
     let (result, left) = run(&gas, &folders(place.path(), 3), None, 97);
     assert!(result.unwrap());
     for size in [2, 1, 4] {
-        // files of frames that another number of processes has written after that
+        // files of frames that another number of processes has written afterwards
         let resume = |_| Folder::resume(place.path()).unwrap();
         let all = (0..1).map(resume).chain((1..size).map(|_| Folder::of_another(place.path())));
         run(&gas, &all.collect::<Vec<_>>(), left.clone(), 0).0.unwrap();
@@ -231,13 +233,13 @@ fn a_piece_that_cannot_be_written_stops_the_run_with_a_message() {
         [(elsewhere.path(), "process 1 has written it, but elsewhere"), (file.path(), "process 1: cannot write")]
     {
         let all = [Folder::create(place.path(), true).unwrap(), Folder::of_another(folder)];
-        // one of an earlier part of the run, whose pieces are about to be replaced
+        // a piece of an earlier part of the run, which is about to be replaced
         std::fs::create_dir_all(place.path().join("trajectory/some")).unwrap();
         std::fs::write(place.path().join("trajectory/some/000001.pvtp"), "written by diptych").unwrap();
         let (result, _) = run(&gas, &all, None, 0);
         let why = result.unwrap_err();
         assert!(matches!(why, Failure::Unwritten { .. }) && why.to_string().contains(words), "{why}");
-        // the beginning is whole, and nothing joins what is not there
+        // the beginning is complete, and no joining file names missing pieces
         assert_eq!(frames(place.path()).len(), 1);
         assert!(!place.path().join("trajectory/some/000001.pvtp").exists());
     }

@@ -1,4 +1,4 @@
-//! Recordings of particles, and the pages that play them.
+//! Recordings of particles, and the pages that play them as animations.
 
 use crate::support::{diptych, empty, experiment, small, surface, words};
 use diptych::engine::Failure;
@@ -8,7 +8,7 @@ use diptych::placement::initial_state;
 use diptych::study::execute;
 use std::path::Path;
 
-/// The text between two others.
+/// Text between two other texts.
 fn between<'a>(text: &'a str, from: &str, to: &str) -> &'a str {
     text.split(from).nth(1).unwrap_or_else(|| panic!("no {from}")).split(to).next().unwrap()
 }
@@ -29,12 +29,13 @@ fn a_recording_changes_nothing_and_is_bounded() {
         let (seen, _) = execute(&experiment, start(), &mut [&mut frames as &mut dyn Observer]);
         let (alone, _) = execute(&experiment, start(), &mut []);
         assert_eq!(seen.final_state_hash, alone.final_state_hash, "{model:?}");
-        // of 600 every second is followed: no more than 500
+        // of 600 particles every second one is followed, since at most 500 are
         assert_eq!(frames.radius.len(), if count == 600 { 300 } else { 20 });
         let recorded = &frames.frames;
         assert!((40..=241).contains(&recorded.len()), "{}", recorded.len());
         assert!(recorded.windows(2).all(|pair| pair[0].time < pair[1].time) && recorded[0].time == 0.0);
-        // few are followed to the end; of many in a long run so much is seen that they fly about a radius between two frames
+        // few particles are followed to the end; with many in a long run frames are so close in time that particles fly
+        // about a radius in between
         let last = recorded.last().unwrap().time;
         assert!(count == 600 || (last - 0.02).abs() < 1e-9, "{last}");
         for frame in recorded {
@@ -59,7 +60,7 @@ fn a_recording_goes_on_as_it_was_stored() {
     assert_eq!(again, frames);
 }
 
-/// The recording in a page: its variants, and how many bytes of each.
+/// The recording in a page: its variants, and the number of bytes of each.
 fn recording(folder: &Path) -> serde_json::Value {
     let page = std::fs::read_to_string(folder.join("report.html")).unwrap();
     assert!(page.len() < 3_000_000, "{} bytes", page.len());
@@ -88,7 +89,7 @@ fn a_comparison_plays_its_variants_side_by_side() {
     let data = recording(place.path());
     assert_complete(&data, 5, &["soft", "hard"]);
     let deepest = |place: usize| data["variants"][place]["deepest"].as_f64().unwrap();
-    // half the relative speed is handed on by two springs at once: about v sqrt(M/k) of a pair
+    // two springs at once pass on half the relative speed: the overlap is about v sqrt(M/k) of a pair
     assert!(deepest(0) > 1e-6 && deepest(0) < 1e-5 && deepest(1) < 1e-12, "{} {}", deepest(0), deepest(1));
     let page = std::fs::read_to_string(place.path().join("report.html")).unwrap();
     assert_eq!(page.matches("<figure class=\"panel\">").count(), 2, "a still picture each");
@@ -101,14 +102,14 @@ fn an_impact_plays_in_slow_motion() {
     assert_eq!(output.status.code(), Some(0), "{}", words(&output.stderr));
     let data = recording(place.path());
     assert_complete(&data, 2, &["hard", "soft, k = 3000 N/m", "soft, k = 300 N/m"]);
-    // the overlaps of the case's heading, of a diameter of 406 um
+    // the overlaps in the heading of the case, over a diameter of 406 um
     for (place, share) in [(1, 0.0058), (2, 0.018)] {
         let deepest = data["variants"][place]["deepest"].as_f64().unwrap();
         assert!((deepest / 406e-6 / share - 1.0).abs() < 0.05, "{deepest}");
     }
 }
 
-/// A variant that stops is said to have stopped, and is no cheaper for it.
+/// A variant that stopped is reported as stopped, and is not called cheaper for that.
 #[test]
 fn what_stopped_is_not_ranked() {
     let mut outcomes = crate::made_up::outcomes();

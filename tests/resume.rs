@@ -1,4 +1,4 @@
-//! Nothing is lost: runs that are killed or stopped go on with the same bits.
+//! Runs that are killed or stopped can be resumed, with identical bits and without loss.
 
 use crate::support::{BASE, words};
 use rand::{RngExt, SeedableRng};
@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
-/// Every engine, with a length that takes it some tenths of a second.
+/// Every engine, with a length of the run that takes some tenths of a second.
 const WAYS: [(&str, &[&str]); 12] = [
     ("hard", &["--model=hard", "--set=run.duration=4 s"]),
     ("hard, contact time", &["--model=hard", "--set=run.duration=4 s", "--set=hard.contact_time=1e-6 s"]),
@@ -71,13 +71,13 @@ const WAYS: [(&str, &[&str]); 12] = [
     ),
 ];
 
-/// Comparisons: one that is verified, and a longer one with paths and trajectories.
+/// Comparisons: a verified one, and a longer one with paths and trajectories.
 const COMPARED: [[&str; 4]; 2] = [
     ["--verify", "--set=run.duration=0.5 s", "--margin=1%", "--set=run.seed=1"],
     ["--set=run.duration=2 s", "--set=particles[0].count=30", "--every=20 ms", "--set=output.format=both"],
 ];
 
-/// What all runs here have in common: several windows between samples, one thread, checkpoints all the time.
+/// Settings that all runs here have in common: several windows between samples, one thread, frequent checkpoints.
 const ALL: [&str; 5] = [
     "--set=run.average_from=0.01 s",
     "--set=statistics.sample_interval=2 ms",
@@ -104,7 +104,7 @@ fn code(output: &Output) -> Option<i32> {
     output.status.code()
 }
 
-/// Waits for something that a command does, for a while.
+/// Waits for a while until a condition is true; returns false if it never was.
 fn wait_for(what: impl Fn() -> bool) -> bool {
     let began = Instant::now();
     while !what() && began.elapsed() < Duration::from_secs(60) {
@@ -119,7 +119,7 @@ fn signal(child: &Child, name: &str) {
     assert!(sent.success() || cfg!(not(unix)));
 }
 
-/// All that a run has written: tables and pictures byte by byte, and the summary, but for wall times and where it was written to.
+/// All files that a run has written: tables and pictures byte by byte, and the summary without wall times and paths.
 fn results(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     let mut results = BTreeMap::new();
     let trajectories = std::fs::read_dir(folder.join("trajectory")).into_iter().flatten().flatten();
@@ -128,7 +128,7 @@ fn results(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     for place in places.filter(|place: &PathBuf| place.is_dir()) {
         for entry in std::fs::read_dir(place).unwrap().map(Result::unwrap) {
             let name = entry.path().strip_prefix(folder).unwrap().display().to_string();
-            // costs are wall times, and a run that is killed as its very last act leaves the lock file, unlocked
+            // costs are wall times, and a run that is killed at its very end leaves the lock file, unlocked
             let of_its_own = ["report.html", "figures/cost.svg", "summary.json", ".diptych-lock"];
             if entry.path().is_file() && !of_its_own.contains(&name.as_str()) {
                 results.insert(name, std::fs::read(entry.path()).unwrap());
@@ -165,7 +165,7 @@ fn timeless(value: Value) -> Value {
     }
 }
 
-/// What a command comes to that nobody disturbs, and how long it takes.
+/// Results of a command that is not interrupted, and its wall time.
 fn undisturbed(what: &str, case: &str, more: &[&str]) -> (BTreeMap<String, Vec<u8>>, Duration) {
     let place = tempfile::tempdir().unwrap();
     let began = Instant::now();
@@ -176,7 +176,7 @@ fn undisturbed(what: &str, case: &str, more: &[&str]) -> (BTreeMap<String, Vec<u
     (results(place.path()), took)
 }
 
-/// Asserts that two runs have left the same, and names the file that differs.
+/// Checks that two runs have written equal files, and names the file that differs.
 #[track_caller]
 fn same(name: &str, found: &BTreeMap<String, Vec<u8>>, expected: &BTreeMap<String, Vec<u8>>) {
     assert!(found.keys().eq(expected.keys()), "{name}: {:?} {:?}", found.keys(), expected.keys());
@@ -185,8 +185,8 @@ fn same(name: &str, found: &BTreeMap<String, Vec<u8>>, expected: &BTreeMap<Strin
     }
 }
 
-/// Kills a command at a random time after it has begun to store, as often as it is not over by then, and goes on with it each time.
-/// Returns how often that was.
+/// Kills a command at random times after its first stored state, and resumes it each time unless it is over. Returns
+/// the number of kills.
 fn kill_and_resume(name: &str, what: &str, more: &[&str], random: &mut Xoshiro256PlusPlus) -> u32 {
     let (expected, took) = undisturbed(what, BASE, more);
     let place = tempfile::tempdir().unwrap();
@@ -198,13 +198,13 @@ fn kill_and_resume(name: &str, what: &str, more: &[&str], random: &mut Xoshiro25
         std::thread::sleep(took.mul_f64(random.random::<f64>()));
         child.kill().unwrap();
         let output = child.wait_with_output().unwrap();
-        // it may have ended before
+        // the command may have ended before the kill
         kills += u32::from(output.status.code().is_none());
-        // it may have been killed after its results were there, while it removed the checkpoint
+        // the command may have been killed after its results were complete, while it removed the checkpoint
         if !folder.join("checkpoint/command").exists() {
             break;
         }
-        // a second kill hits the run that was gone on with
+        // a second kill hits the resumed run
         child = program().arg("resume").arg(&folder).spawn().unwrap();
         if kills >= 2 {
             let output = child.wait_with_output().unwrap();
@@ -229,7 +229,7 @@ fn killed_runs_go_on_with_the_same_bits() {
     let kills = kills + kill_and_resume("replicas", "compare", &replicas, &mut random);
     let factors = ["--factors=model,restitution,seed", "--set=run.duration=0.3 s", "--replicas=2"];
     let kills = kills + kill_and_resume("sensitivity", "sensitivity", &factors, &mut random);
-    // most die on the way: the time is drawn from the whole length of the run
+    // most commands are killed before the end, because the time is drawn from the whole length of the run
     assert!(kills >= 5, "{kills}");
 }
 
@@ -250,7 +250,7 @@ fn a_hundred_kills_lose_nothing() {
     }
 }
 
-/// A run that has just written its second checkpoint, killed; its folder.
+/// Folder of a run that was killed just after it had written its second checkpoint.
 fn killed_after_two(more: &[&str], place: &Path) -> PathBuf {
     let folder = place.join("killed");
     let mut child = start("run", BASE, more, &folder);
@@ -272,7 +272,7 @@ fn copy(from: &Path, to: &Path) {
     }
 }
 
-/// The newer and the older of the two generations: the number stands behind the line that names the program.
+/// The newer and the older of the two stored states. Their number follows the line that names the program.
 fn by_age(folder: &Path) -> [PathBuf; 2] {
     let generation = |path: &PathBuf| {
         let bytes = std::fs::read(path).unwrap();
@@ -318,7 +318,7 @@ fn a_damaged_checkpoint_is_told_and_the_older_one_is_used() {
         assert!(told.contains(&path) && told.contains("the other one is used"), "{name}: {told}");
         same(name, &results(&folder), &expected);
     }
-    // without any state the run begins anew
+    // if no state can be used, the run begins anew
     let both = place.path().join("both");
     copy(&killed, &both);
     by_age(&both).iter().for_each(|path| std::fs::write(path, "x").unwrap());
@@ -343,7 +343,7 @@ fn a_signal_stops_at_the_end_of_the_window_and_a_second_one_at_once() {
         let told = words(&output.stderr);
         assert_eq!(code(&output), Some(130), "{told}");
         assert!(told.contains("\"soft\" was stopped; `diptych resume") && told.contains("goes on from t = "), "{told}");
-        // a report of the part, marked as such, and no summary, which would say that all is there
+        // a report of the completed part, marked as such, and no summary, which would mean that all is complete
         let page = std::fs::read_to_string(folder.join("report.html")).unwrap();
         assert!(page.contains("stopped from outside") && !folder.join("summary.json").exists());
         let again = program().args(["run", BASE, "--quiet", "--out"]).arg(&folder).output().unwrap();
@@ -354,7 +354,7 @@ fn a_signal_stops_at_the_end_of_the_window_and_a_second_one_at_once() {
         assert_eq!(code(&output), Some(0), "{}", words(&output.stderr));
         same(name, &results(&folder), &expected);
     }
-    // a window of so many steps that it will not end within this test
+    // a window of so many steps that it does not end within this test
     let place = tempfile::tempdir().unwrap();
     let folder = place.path().join("results");
     let long = ["--set=run.duration=4000 s", "--set=run.window=2000 s", "--set=run.allow_long=true"];
@@ -372,7 +372,7 @@ fn a_signal_stops_at_the_end_of_the_window_and_a_second_one_at_once() {
     assert!(began.elapsed() < Duration::from_secs(10));
 }
 
-/// Files of a checkpoint whose names begin so.
+/// Number of files of a checkpoint whose names begin with a text.
 fn stored(folder: &Path, begins: &str) -> usize {
     let Ok(entries) = std::fs::read_dir(folder.join("checkpoint")) else { return 0 };
     entries.flatten().filter(|entry| entry.file_name().to_string_lossy().starts_with(begins)).count()
@@ -380,13 +380,13 @@ fn stored(folder: &Path, begins: &str) -> usize {
 
 #[test]
 fn replicas_stop_at_a_signal_and_are_gone_on_with() {
-    // long enough that even a test that has to wait for its turn sees some of them over and others not
+    // so long that even a slow test finds some of the runs over and others not
     let more = ["--model=hard", "--set=run.duration=4 s", "--replicas=5"];
     let (expected, _) = undisturbed("run", BASE, &more);
     let place = tempfile::tempdir().unwrap();
     let folder = place.path().join("results");
     let child = start("run", BASE, &more, &folder);
-    // the first run and a replica are over, another one is under way
+    // the first run and a replica are over, another replica is in progress
     assert!(wait_for(|| stored(&folder, "done-") >= 2 && stored(&folder, "a-") >= 1));
     signal(&child, "-INT");
     let output = child.wait_with_output().unwrap();
@@ -394,14 +394,14 @@ fn replicas_stop_at_a_signal_and_are_gone_on_with() {
     assert_eq!(code(&output), Some(130), "{told}");
     assert!(told.contains("\"hard\" was stopped; `diptych resume") && told.contains("does what is left"), "{told}");
     let over = stored(&folder, "done-");
-    // the one under way is stored too, unless it was just over
+    // the state of the replica in progress is stored too, unless it was just over
     assert!((2..5).contains(&over), "{over} are over");
     assert!(folder.join("report.html").exists() && !folder.join("summary.json").exists());
     let done: Vec<_> = std::fs::read_dir(folder.join("checkpoint")).unwrap().flatten().collect();
     let times = |file: &std::fs::DirEntry| std::fs::metadata(file.path()).and_then(|data| data.modified()).ok();
     let before: Vec<_> = done.iter().filter(|file| file.file_name().to_string_lossy().starts_with("done-")).collect();
     let written: Vec<_> = before.iter().map(|file| times(file)).collect();
-    // a second stop, on the way: those that were over are as they were
+    // a second stop while runs are in progress: the completed ones are unchanged
     let mut child = program().arg("resume").arg(&folder).spawn().unwrap();
     let _ = wait_for(|| stored(&folder, "done-") > over || !folder.join("checkpoint").exists());
     child.kill().unwrap();
@@ -443,7 +443,7 @@ fn another_program_or_a_changed_case_is_refused_by_name() {
     std::fs::write(models.join("own.toml"), set.replace("1038", "1039")).unwrap();
     refused("\"hard\" (scene) has been changed by a file");
     std::fs::write(models.join("own.toml"), set).unwrap();
-    // written by another version: the same file with another name of the program and its checksum
+    // written by another version: the file with another name of the program, and a new checksum
     let command = folder.join("checkpoint/command");
     let own = std::fs::read(&command).unwrap();
     let mut other = own[..own.len() - 4].to_vec();
@@ -453,11 +453,11 @@ fn another_program_or_a_changed_case_is_refused_by_name() {
     other.extend_from_slice(&crc32fast::hash(&other).to_le_bytes());
     std::fs::write(&command, other).unwrap();
     refused("was written by diptych 9.");
-    // one that is damaged has a copy, unless that is damaged too
+    // a damaged command file has a copy, which is used unless it is damaged too
     let copy = folder.join("checkpoint/command-copy");
     [&command, &copy].iter().for_each(|path| std::fs::write(path, &own[..own.len() / 2]).unwrap());
     refused("is damaged");
-    // as it was, it goes on
+    // with the original file the command can be resumed
     std::fs::write(&command, own).unwrap();
     assert_eq!(code(&resume(&folder)), Some(0));
     refused("are complete");
@@ -466,7 +466,7 @@ fn another_program_or_a_changed_case_is_refused_by_name() {
     assert!(words(&output.stderr).contains("holds no run to go on with"));
 }
 
-/// A shell limits the size of files: what a full disk refuses, without one. The limit counts blocks of 512 or 1024 bytes.
+/// A shell limits the size of files, which has the effect of a full disk. The limit counts blocks of 512 or 1024 bytes.
 #[cfg(unix)]
 #[test]
 fn a_disk_that_refuses_leaves_what_is_there() {
@@ -485,7 +485,7 @@ fn a_disk_that_refuses_leaves_what_is_there() {
     let told = words(&limited.stderr);
     assert_eq!(code(&limited), Some(1), "{told}");
     assert!(told.contains("no checkpoint at this time: cannot write") && told.contains("is still stored"), "{told}");
-    // the report does not fit either
+    // the report does not fit on the disk either
     assert!(told.contains("error: cannot write") && told.contains("help: once it can be written"), "{told}");
     assert!(states() == before, "an earlier state has been touched");
     let output = resume(&folder);

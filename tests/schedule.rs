@@ -1,4 +1,5 @@
-//! Are the windows that the schedule chooses short enough for what it promises?
+//! Tests that the windows of the schedule are short enough for the promised accuracy. A window is the time between two
+//! drag kicks.
 
 use crate::support::*;
 use diptych::case::Case;
@@ -18,7 +19,7 @@ use nalgebra::Vector3;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// A tall box of still air with gravity downwards, open along z.
+/// A tall box of gas at rest with gravity downwards, open along z.
 fn still_air(species: Species) -> Scene {
     let mut scene = empty([2.0, 2.0, 300.0], [true, true, false], species, surface(1.0, 0.0));
     scene.gravity = Vector3::new(0.0, 0.0, -9.81);
@@ -31,7 +32,8 @@ fn still_air(species: Species) -> Scene {
     scene
 }
 
-/// A sphere that starts in the middle of the box with `velocity` [m/s] and is followed for `duration` [s].
+/// Experiment of a sphere that starts in the middle of the box with `velocity` [m/s] and is followed for `duration`
+/// [s].
 fn thrown(species: Species, velocity: [f64; 3], duration: f64) -> Experiment {
     let mut experiment = experiment(still_air(species), 1, [0.0; 3], 0.0, Model::Hard, 1);
     experiment.start[0].amount = Amount::Placed(placed(&experiment.scene, &[([1.0, 1.0, 250.0], velocity)]));
@@ -39,7 +41,7 @@ fn thrown(species: Species, velocity: [f64; 3], duration: f64) -> Experiment {
     experiment
 }
 
-/// [m/s] velocity at the end with the windows of the schedule, each cut into `parts`.
+/// [m/s] velocity at the end, with each window of the schedule divided into `parts`.
 fn velocity(experiment: &Experiment, parts: u64) -> Vector3<f64> {
     let schedule = Schedule::new(experiment);
     let mut simulation = Simulation::new(experiment, initial_state(experiment).unwrap());
@@ -48,9 +50,10 @@ fn velocity(experiment: &Experiment, parts: u64) -> Vector3<f64> {
     simulation.particles.velocity[0]
 }
 
-/// Terminal Reynolds numbers of 45, 297, 551 and 1730, at the beginning of the fall, on its way and at its end. Windows a twentieth
-/// as long are off by a four-hundredth, so that they serve as the reference. The coefficient jumps by 0.4 % at Re = 1000, which the
-/// largest sphere passes: for half a window at most the wrong one acts, on a deceleration below g.
+/// Falls of spheres with terminal Reynolds numbers of 45, 297, 551 and 1730, stopped early, halfway and late. The
+/// reference has windows a twentieth as long, whose error is a four-hundredth. The drag coefficient jumps by 0.4 % at
+/// Re = 1000, which the largest sphere passes. There the wrong coefficient acts for half a window at most, on a
+/// deceleration below g.
 #[test]
 fn windows_for_a_fall_from_rest() {
     let sphere = |diameter: f64| Species { diameter, ..large() };
@@ -63,13 +66,14 @@ fn windows_for_a_fall_from_rest() {
             let jump = if fine.norm() > 1000.0 * 1.515e-5 / species.diameter { 0.002 } else { 0.0 };
             let crossing = jump * 9.81 * Schedule::new(&fall).window / fine.norm();
             assert!(error < SPLITTING_ALONE + crossing, "{what}");
-            // nor needlessly short: a tenth of the promise, or a third of the longest window
+            // the window must not be needlessly short: an error of at least a tenth of the limit, or a window of a
+            // third of the longest
             assert!(error > 0.1 * SPLITTING_ALONE, "{what}: the window is too short");
         }
     }
 }
 
-/// A throw across the gas is as fast as its components together, and falls meanwhile.
+/// A sphere thrown across the gas has the speed of all its components together, and falls at the same time.
 #[test]
 fn windows_for_a_throw_across() {
     for duration in [0.05, 1.0] {
@@ -80,7 +84,7 @@ fn windows_for_a_throw_across() {
     }
 }
 
-/// Many spheres that start at rest get no longer windows than one, collisions ask for shorter ones.
+/// Many spheres that start at rest get no longer windows than one sphere; collisions require shorter ones.
 #[test]
 fn windows_for_beads_at_rest() {
     let alone = Schedule::new(&thrown(large(), [0.0; 3], 0.5)).window;
@@ -90,12 +94,12 @@ fn windows_for_beads_at_rest() {
     beads.scene.domain.size = Vector3::new(0.02, 0.02, 0.02);
     let crowded = Schedule::new(&beads).window;
     assert!(crowded < 0.7 * alone, "{crowded} s in a crowd, {alone} s alone");
-    // a hair's breadth from rest is no reason for longer ones
+    // a start nearly at rest is no reason for longer windows
     beads.start[0].velocity_fluctuation = nalgebra::Vector3::repeat(1e-6);
     assert_eq!(Schedule::new(&beads).window, crowded);
 }
 
-/// A crowd in still air without gravity that drag slows down a hundredfold.
+/// Experiment of many spheres in gas at rest without gravity, which drag slows down a hundredfold.
 fn slowing(model: Model) -> Experiment {
     let mut scene = still_air(small());
     scene.gravity = Vector3::zeros();
@@ -106,8 +110,8 @@ fn slowing(model: Model) -> Experiment {
     crowd
 }
 
-/// Windows grow while drag slows the particles down, alike for every model, and are never longer than those of a case that begins where
-/// they are used.
+/// Windows grow while drag slows the particles down, equally for every model. They are never longer than those of a
+/// case that begins with the present state.
 #[test]
 fn windows_grow_while_a_crowd_slows_down() {
     let crowd = slowing(Model::Hard);
@@ -124,7 +128,8 @@ fn windows_grow_while_a_crowd_slows_down() {
             let mut from_here = crowd.clone();
             from_here.start[0].amount = Amount::Placed(simulation.state());
             let own = Schedule::new(&from_here).window;
-            // a whole number of windows lies between two samples: its own may be shorter by one in so many
+            // between two samples there is a whole number of windows, so a separate case may have windows that are
+            // shorter by one in this number
             assert!(window < 1.2 * own, "at sample {sample}: {window} s, from there {own} s");
         }
         let count = schedule.windows_per_sample / together;
@@ -136,7 +141,7 @@ fn windows_grow_while_a_crowd_slows_down() {
     assert!((simulation.time - 1.0).abs() < 1e-9);
 }
 
-/// A start that is moving with the gas, or a gas that goes on driving, has windows of one length.
+/// If the start moves with the gas, or the gas keeps driving the particles, windows have one length.
 #[test]
 fn windows_stay_where_the_gas_keeps_particles_moving() {
     let mut crowd = slowing(Model::Hard);
@@ -147,14 +152,14 @@ fn windows_stay_where_the_gas_keeps_particles_moving() {
         fluid.profile = Profile::Uniform(10.0);
     }
     assert_eq!(Schedule::new(&crowd).longest(), Schedule::new(&crowd).window);
-    // a fall keeps them moving too
+    // gravity keeps the particles moving too
     let mut crowd = slowing(Model::Hard);
     crowd.scene.gravity = Vector3::new(0.0, 0.0, -9.81);
     crowd.start[0].velocity_fluctuation = Vector3::repeat(0.5);
     assert_eq!(Schedule::new(&crowd).longest(), Schedule::new(&crowd).window);
 }
 
-/// A run that is left at the end of every window and gone on with has the same bits, and observers see it at their times.
+/// A run that is stopped after every window and resumed has identical bits, and observers are called at their times.
 #[test]
 fn growing_windows_can_be_left_anywhere() {
     let crowd = slowing(Model::Soft);
@@ -173,12 +178,13 @@ fn growing_windows_can_be_left_anywhere() {
     }
     assert_eq!(simulation.state().fingerprint(), whole.state().fingerprint());
     assert_eq!(again.rows, series.rows);
-    // rows come as often at the end as at the start
+    // rows are as frequent at the end as at the start
     let gaps: Vec<f64> = series.rows.windows(2).map(|rows| rows[1].time - rows[0].time).collect();
     assert!(gaps[..gaps.len() - 1].iter().all(|gap| *gap < 3.0 * gaps[0]), "{gaps:?}");
 }
 
-/// Within one long window every engine tells how far it has come: whoever watches sees other times than its start and its end.
+/// Within one long window every engine reports its progress, so that an observer of the clock finds times between start
+/// and end.
 #[test]
 fn a_long_window_tells_where_it_is() {
     let scene = empty([edge(600, 1.0, 0.05); 3], [true; 3], unit(), surface(0.9, 0.0));
@@ -214,7 +220,7 @@ fn a_long_window_tells_where_it_is() {
     }
 }
 
-/// The cases that come with the project, each once with hard spheres if it can, and its window.
+/// Cases of the project that have hard spheres, each once, and their windows.
 fn shipped() -> Vec<(String, Experiment)> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let files = ["cases", "cases/paper"].map(|folder| std::fs::read_dir(root.join(folder)).unwrap());
@@ -232,7 +238,7 @@ fn shipped() -> Vec<(String, Experiment)> {
     paths.into_iter().map(hard).collect()
 }
 
-/// As many particles in all of the box, of random starts.
+/// The experiment with `count` particles of random starts in the whole box.
 fn with_particles(experiment: &Experiment, count: usize) -> Experiment {
     let mut fewer = experiment.clone();
     let all = experiment.count();
@@ -244,12 +250,12 @@ fn with_particles(experiment: &Experiment, count: usize) -> Experiment {
     fewer
 }
 
-/// The case in a box that is shorter along z, with that many particles in it, about, from another start.
+/// The case in a box that is shorter along z, with about `count` particles, from another start.
 fn shortened(experiment: &Experiment, count: usize, seed: u64) -> Experiment {
     let mut short = with_particles(experiment, count);
     let mut size = experiment.scene.domain.size;
     size.z *= short.count() as f64 / experiment.count() as f64;
-    // as much narrower as it would be too short
+    // if it would be too short along z, the box is made narrower instead
     let least = 10.0 * experiment.scene.species[0].diameter;
     (size.x, size.z) = (size.x * (size.z / least).min(1.0), size.z.max(least));
     short.scene.domain = Domain::new(size, experiment.scene.domain.periodic);
@@ -257,7 +263,7 @@ fn shortened(experiment: &Experiment, count: usize, seed: u64) -> Experiment {
     short
 }
 
-/// The simulation after `windows` of the experiment's windows, each cut into `parts`.
+/// The simulation after `windows` windows of the experiment, each divided into `parts`.
 fn moved(experiment: &Experiment, windows: u64, parts: u64) -> Result<Simulation, Failure> {
     let mut simulation = Simulation::new(experiment, initial_state(experiment).unwrap());
     simulation.run(windows * parts, experiment.run.window.unwrap() / parts as f64)?;
@@ -265,15 +271,15 @@ fn moved(experiment: &Experiment, windows: u64, parts: u64) -> Result<Simulation
     Ok(simulation)
 }
 
-/// A few particles in the whole box of every case, too few to meet often: half the window changes the path of no more than a few
-/// of them by more than is promised for a sphere alone. Who meets a wall meets it between two kicks, which is of first order
-/// in the window for the one sphere and of second order on average.
+/// A few particles in the whole box of every case, which seldom meet. Half the window changes the paths of most of them
+/// by no more than promised for a single sphere. An impact on a wall occurs between two kicks; its error is of first
+/// order in the window for one sphere, and of second order on average.
 #[test]
 fn half_the_window_changes_no_path() {
     let mut looked_at = 0;
     for (name, experiment) in shipped() {
         let few = with_particles(&experiment, 20);
-        // a third of the way across a channel, on which few of the twenty meet
+        // the time in which particles cross a third of a channel, so that few of the twenty meet
         let agitation = experiment.start.iter().map(|population| population.mean_fluctuation()).fold(1e-9, f64::max);
         let across = 0.013 / (agitation * experiment.run.window.unwrap());
         let windows = Schedule::new(&experiment).windows().min(64).min(across as u64);
@@ -293,7 +299,7 @@ fn half_the_window_changes_no_path() {
         let mean = change.iter().sum::<Vector3<f64>>().norm() / change.len() as f64 / fastest;
         let [alone, together] = match &experiment.scene.fluid {
             Some(_) => [SPLITTING_ALONE, SPLITTING],
-            // without drag nothing is split: rounding, which an impact may make a thousand times as large
+            // without drag there is no splitting: only rounding, which an impact may amplify a thousandfold
             None => [1e-12, 1e-12],
         };
         assert!(median < alone && mean < together, "{name}: median {median:.1e}, worst {worst:.1e}, mean {mean:.1e}");
@@ -302,18 +308,19 @@ fn half_the_window_changes_no_path() {
     assert!(looked_at > 25, "{looked_at} cases");
 }
 
-/// The same where they meet and paths are chaotic: agitation and mean velocity in a stretch, each over several starts. A change of the
-/// agitation by 2 to 4 % would be seen. Eight times as long windows, of a splitting of second order, would change 64 times as much: what is
-/// not seen of them is less than a thousandth of windows as they are.
+/// Many particles, which meet and have chaotic paths: agitation and mean velocity over a piece of time, averaged over
+/// several starts. A change of the agitation by 2 to 4 % would be found. The splitting is of second order, so windows
+/// eight times as long change 64 times as much. If their change is not found, that of the present windows is below a
+/// thousandth.
 #[test]
 fn half_the_window_changes_no_average() {
     const STARTS: u64 = 16;
     const LONGER: u64 = 8;
-    // the error of windows as they are is taken away from that of the longer ones
+    // the error of the present windows is subtracted from that of the longer ones
     const TIMES: f64 = (LONGER * LONGER - 1) as f64;
     let mut done: Vec<usize> = Vec::new();
     for (name, experiment) in shipped() {
-        // variants of one scene once, and no beds, which hard spheres cannot be
+        // one variant of each scene, and no beds, which hard spheres cannot compute
         let start = initial_state(&experiment).unwrap();
         let bed = Obstacles::of(&experiment, &start).rest.is_some();
         if experiment.scene.fluid.is_none() || bed || done.contains(&experiment.count()) {

@@ -1,4 +1,4 @@
-//! The schema for editors: what it refuses, and that it refuses nothing that the reader takes.
+//! The schema for editors: values that it refuses. It must accept all that the reader accepts.
 
 use diptych::case::built_in;
 use diptych::case::keys::schema;
@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 const BASE: &str = include_str!("inputs/good/base.toml");
 
-/// Why a value does not fit a schema, as far as schemas of cases go.
+/// Reason why a value does not fit a schema, for the kinds of rules that schemas of cases contain.
 fn misfit(value: &Value, schema: &Value, path: &str) -> Option<String> {
     let kinds = schema["type"].as_array().cloned().unwrap_or_else(|| match &schema["type"] {
         Value::Null => Vec::new(),
@@ -27,7 +27,7 @@ fn misfit(value: &Value, schema: &Value, path: &str) -> Option<String> {
         return wrong("type");
     }
     if let (Some(text), Some(pattern)) = (value.as_str(), schema["pattern"].as_str()) {
-        // \s of this crate is that of ASCII, as the test is
+        // the pattern \s means ASCII white space in this crate, and the tested texts are ASCII
         if !Regex::new(pattern).unwrap().is_match(text) {
             return wrong("pattern");
         }

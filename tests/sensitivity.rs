@@ -1,13 +1,13 @@
-//! What matters most: factors that do much, factors that do nothing, and those that a scene does not have.
+//! The command `sensitivity`: factors that do much, factors that do nothing, and factors that a scene does not have.
 
 use crate::support::{diptych, words};
 use serde_json::Value;
 use std::collections::BTreeMap;
 
-/// A cooling gas of 308 spheres instead of 2000.
+/// Case of a cooling gas of 308 spheres instead of 2000.
 const SMALL_GAS: [&str; 2] = ["cases/cooling-gas.toml", "--set=domain.size=[\"6 mm\", \"6 mm\", \"6 mm\"]"];
 
-/// A channel of 71 particles.
+/// Case of a channel of 71 particles.
 const SMALL_CHANNEL: [&str; 5] = [
     "cases/channel-d.toml",
     "--set=domain.size=[\"4.2 mm\", \"40 mm\", \"6 mm\"]",
@@ -16,7 +16,7 @@ const SMALL_CHANNEL: [&str; 5] = [
     "--set=statistics.slices=10",
 ];
 
-/// All factors of the program's own.
+/// All built-in factors.
 const ALL: [&str; 12] = [
     "model",
     "stiffness",
@@ -32,7 +32,7 @@ const ALL: [&str; 12] = [
     "seed",
 ];
 
-/// Runs a study; gives the exit code, what was said and the summary.
+/// Runs a study; returns the exit code, the printed text and the summary.
 fn study(case: &[&str], arguments: &[&str]) -> (Option<i32>, String, Value) {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out");
@@ -63,7 +63,7 @@ fn share(factor: &Value, observable: &str, of: &str) -> f64 {
     shift[of].as_f64().unwrap() / shift["scale"].as_f64().unwrap()
 }
 
-/// What comes of a command that is refused.
+/// Checks the message of a command that is refused.
 #[track_caller]
 fn refused(arguments: &[&str], what: &str) {
     let folder = tempfile::tempdir().unwrap();
@@ -76,7 +76,8 @@ fn refused(arguments: &[&str], what: &str) {
 
 #[test]
 fn restitution_comes_first_in_a_cooling_gas_and_chance_does_not_matter() {
-    // chance alone is called different from 1 of 45 seeds (20, 40, ... 900), as one in a hundred should be; seed 1 is another such
+    // chance alone is called different for 1 of 45 seeds (20, 40, ... 900), about one in a hundred as it should be;
+    // seed 1 is another one
     let (code, said, summary) =
         study(&SMALL_GAS, &["--set=run.seed=100", "--factors", "model,seed,box,restitution=0.8"]);
     assert_eq!((code, summary["verdict"].as_str()), (Some(3), Some("different")), "{said}");
@@ -85,13 +86,14 @@ fn restitution_comes_first_in_a_cooling_gas_and_chance_does_not_matter() {
     assert!(first.starts_with(begin) && first.contains(" times the margin of 1 %"), "{first}");
     let factors = factors(&summary);
     assert_eq!(summary["factors"][0]["name"], "restitution");
-    // Haff's law: T/T0 = (1 + (1 - e²) G t/6)^-2 with G = 1897/s: over 20 ms its mean is 0.45 with e = 0.9 and 0.31 with e = 0.8
+    // Haff's law: T/T0 = (1 + (1 - e²) G t/6)^-2 with G = 1897/s. Its mean over 20 ms is 0.45 for e = 0.9 and 0.31 for
+    // e = 0.8
     let [restitution, seed] = ["restitution", "seed"].map(|name| &factors[name]);
     let shift = share(restitution, "energy", "difference");
     assert!((-0.35..-0.05).contains(&shift), "{shift}");
     assert!(share(restitution, "energy", "error") < 0.05 && restitution["basis"] == "curves");
     assert_ne!(seed["verdict"], "different");
-    // half a box has half the energy: it is taken for as many particles
+    // half a box contains half the energy, which is converted to an equal number of particles
     assert!(share(&factors["box"], "energy", "difference").abs() < 0.1, "{}", factors["box"]);
     let left_out = summary["left_out"].as_array().unwrap();
     assert!(left_out.iter().all(|one| one["why"] == "not asked for") && left_out.len() == 10, "{left_out:?}");
@@ -106,11 +108,12 @@ fn the_contact_model_matters_in_a_cradle_and_the_stiffness_does_not() {
     assert_eq!(code, Some(3), "{said}");
     let factors = factors(&summary);
     let [model, stiffness, friction] = ["model", "stiffness", "friction"].map(|name| &factors[name]);
-    // touching spheres: the fourth takes 0.2962 m/s of 1 m/s with springs and nothing without, however stiff the springs are
+    // touching spheres: with springs the fourth gets 0.2962 m/s of 1 m/s, and without springs nothing, however stiff
+    // the springs are
     let velocity = |factor: &Value| share(factor, "velocity of one particle", "difference");
     assert!((velocity(model) - 0.2962).abs() < 1e-3 && velocity(stiffness) < 1e-3, "{model} {stiffness}");
     assert_eq!((model["verdict"].as_str(), model["basis"].as_str()), (Some("different"), Some("paths")));
-    // central blows: friction does nothing at all
+    // head-on impacts: friction has no effect at all
     assert!(friction["verdict"] == "equivalent" && velocity(friction) < 1e-12, "{friction}");
     let why = |name: &str| {
         let all = summary["left_out"].as_array().unwrap();
@@ -165,7 +168,7 @@ fn every_factor_of_the_help_text_works() {
             "{factor}"
         );
     }
-    // what softness does is extrapolated from three runs, one of which the contact model has too
+    // the effect of softness is extrapolated from three runs, one of which is also that of the contact model
     assert_eq!(summary["runs"].as_array().unwrap().len(), 14, "{}", summary["runs"]);
     assert_eq!(factors["stiffness"]["runs"][0].as_array().unwrap().len(), 2);
     assert_eq!(factors["stiffness"]["runs"][1], factors["integrator"]["runs"][1]);
@@ -198,14 +201,15 @@ fn a_plan_says_what_would_run_and_runs_nothing() {
         .unwrap();
     let said = words(&output.stdout);
     assert_eq!(output.status.code(), Some(0), "{}", words(&output.stderr));
-    // 8 replicas of the case and of 9 more: soft, two softer, RK2, stepped, restitution, friction, half the box, another seed
+    // 8 replicas of the case and of 9 more runs: soft, two softer, RK2, stepped, restitution, friction, half the box,
+    // another seed
     assert!(said.contains("8 factors, 80 runs (8 replicas of each) of 20.0 ms, 2 at once: about "), "{said}");
     assert!(said.contains("left out: gas, as no gas acts on the particles"), "{said}");
     assert!(said.contains("restitution  e: 0.9 → 0.88  (a measured restitution is known to ± 0.02"), "{said}");
     assert!(!out.exists());
 }
 
-/// Restitution and friction move for all pairs of kinds, and at walls for all that kinds find there.
+/// Restitution and friction change for all pairs of kinds, and at walls for all kinds that touch them.
 #[test]
 fn pairs_of_kinds_move_with_the_others() {
     let folder = tempfile::tempdir().unwrap();
@@ -216,7 +220,7 @@ fn pairs_of_kinds_move_with_the_others() {
     let output = diptych(&[&case[..], &shorter, &factors].concat()).arg(&out).output().unwrap();
     let said = words(&output.stdout);
     assert_eq!(output.status.code(), Some(0), "{}", words(&output.stderr));
-    // contact, small with large, large with large; both plates, and large ones at them
+    // contact, small with large, large with large; both plates, and large spheres at these
     assert!(said.contains("e: 0.94 → 0.92, 0.9 → 0.88, 0.94 → 0.92"), "{said}");
     assert!(said.contains("wall e: 1 → 0.94, 0.9 → 0.88"), "{said}");
     assert!(said.contains("μ: 0 → 0.092, 0.1 → 0.12, 0 → 0.092"), "{said}");

@@ -1,6 +1,8 @@
-//! How often the verdict is wrong: on pairs of equal runs of scenes of every kind, and on made-up averages that differ by a known size.
+//! Rates of wrong verdicts, on pairs of equal runs of scenes of every kind, and on invented averages that differ by a
+//! known amount.
 //!
-//! `cargo test --release --test it -- --ignored --nocapture size_and_power` prints the tables of docs/theory/statistics.md.
+//! The tables of docs/theory/statistics.md are printed by
+//! `cargo test --release --test it -- --ignored --nocapture size_and_power`.
 
 use diptych::case::Case;
 use diptych::outcome::Outcome;
@@ -15,7 +17,7 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 use rayon::prelude::*;
 use std::path::Path;
 
-/// A scene, and with how many replicas pairs of it are compared.
+/// A scene, and the numbers of replicas with which pairs of it are compared.
 struct Scene {
     name: &'static str,
     case: &'static str,
@@ -59,7 +61,7 @@ const SCENES: [Scene; 6] = [
 ];
 
 impl Scene {
-    /// A run from one seed.
+    /// Outcome of a run with one seed.
     fn run(&self, seed: u64) -> Outcome {
         let sets: Vec<String> = self.sets.iter().map(|set| (*set).to_owned()).collect();
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(self.case);
@@ -73,7 +75,7 @@ impl Scene {
     }
 }
 
-/// How many comparisons came to which answer.
+/// Number of comparisons with each answer.
 #[derive(Clone, Copy, Debug, Default)]
 struct Tally {
     different: usize,
@@ -100,7 +102,7 @@ impl Tally {
     }
 }
 
-/// Answers for pairs of equal runs, with so many replicas on either side, drawn from the runs there are.
+/// Answers for pairs of equal runs with `replicas` replicas on either side, drawn from the given runs.
 fn equal_pairs(runs: &[Outcome], replicas: usize, pairs: usize) -> (Tally, [usize; 4]) {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(replicas as u64);
     let mut order: Vec<usize> = Vec::new();
@@ -150,7 +152,7 @@ fn size_and_power_of_equal_pairs() {
     }
 }
 
-/// A series of unit variance with a relaxation time in samples.
+/// A series of unit variance with a relaxation time given in samples.
 fn noise(count: usize, relaxation: f64, random: &mut Xoshiro256PlusPlus) -> Vec<f64> {
     let rho = (-1.0 / relaxation).exp();
     let mut slow: f64 = StandardNormal.sample(random);
@@ -162,7 +164,7 @@ fn noise(count: usize, relaxation: f64, random: &mut Xoshiro256PlusPlus) -> Vec<
     (0..count).map(|_| next()).collect()
 }
 
-/// Where two systems differ, over places -1 ..= 1 of which there are so many.
+/// Difference of two systems at a position -1 ..= 1; the second argument is the number of positions.
 type Shape = fn(f64, usize) -> f64;
 
 const SHAPES: [(&str, Shape); 4] = [
@@ -172,7 +174,7 @@ const SHAPES: [(&str, Shape); 4] = [
     ("one slice", |y, count| f64::from(u8::from((y - 0.41).abs() < 0.99 / count as f64))),
 ];
 
-/// Six profiles and two numbers of a run; the first profile is shifted.
+/// Six profiles and two numbers of an invented run; the first profile is shifted.
 fn profiles(slices: usize, size: f64, shape: Shape, random: &mut Xoshiro256PlusPlus) -> Vec<Observable> {
     let y: Vec<f64> = (0..slices).map(|k| (2 * k + 1) as f64 / slices as f64 - 1.0).collect();
     let names = ["number_density_ratio", "U", "uu", "vv", "ww", "uv", "granular temperature", "pair impacts per time"];
@@ -197,7 +199,7 @@ fn observable(name: &'static str, places: Vec<f64>, parts: Vec<Option<Batches>>)
     Observable { name: name.into(), unit: "", places, parity, fixed_mean: false, scale: 10.0, scale_is: "10", parts }
 }
 
-/// Four curves of twenty instants of so many replicas; the first is shifted.
+/// Four curves of twenty instants from `replicas` replicas; the first is shifted.
 fn curves(replicas: usize, size: f64, shape: Shape, random: &mut Xoshiro256PlusPlus) -> Vec<Observable> {
     let y: Vec<f64> = (0..20).map(|k| (2 * k + 1) as f64 / 20.0 - 1.0).collect();
     let mut one = |(place, name): (usize, &'static str)| {
@@ -211,7 +213,7 @@ fn curves(replicas: usize, size: f64, shape: Shape, random: &mut Xoshiro256PlusP
     ["granular temperature", "energy", "T along y", "impacts"].into_iter().enumerate().map(&mut one).collect()
 }
 
-/// Answers for the shifted observable alone, of `pairs` pairs.
+/// Answers for the shifted observable alone, from `pairs` pairs.
 fn shifted(pairs: u64, margin: f64, run: impl Fn(bool, &mut Xoshiro256PlusPlus) -> Vec<Observable> + Sync) -> Tally {
     let one = |pair: u64| -> Comparison {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(pair);
@@ -222,14 +224,15 @@ fn shifted(pairs: u64, margin: f64, run: impl Fn(bool, &mut Xoshiro256PlusPlus) 
     Tally::of(answers.into_iter())
 }
 
-/// "Equivalent" at exactly the margin in at most 5 % of pairs, with three standard errors of that many.
+/// True if at most 5 % of pairs are called equivalent, with three standard errors. This is required for differences of
+/// exactly the margin.
 fn is_rare(tally: Tally) -> bool {
     let all = tally.all as f64;
     tally.equivalent as f64 <= 0.05 * all + 3.0 * (0.05 * 0.95 * all).sqrt()
 }
 
-/// Answers where replicas come in pieces of four until there are 32, with a look after each piece that ends it if it can; and the mean
-/// number of replicas.
+/// Answers if replicas are added in groups of four up to 32, with a test after each group that stops if it is decided.
+/// Also returns the mean number of replicas.
 fn until_decided(pairs: u64, margin: f64, size: f64, shape: Shape) -> (Tally, f64) {
     let one = |pair: u64| -> (Answer, usize) {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(pair);
@@ -279,7 +282,7 @@ fn table(pairs: u64, sizes: &[f64]) {
     for slices in [15, 40] {
         for (name, shape) in SHAPES {
             for &size in sizes {
-                // a slice has a standard error of some 0.1, twice that of a difference
+                // in a slice the standard error is about 0.1, twice that of a difference
                 let margin = 0.08;
                 let run = |is_shifted: bool, random: &mut Xoshiro256PlusPlus| {
                     profiles(slices, if is_shifted { 10.0 * margin * size } else { 0.0 }, shape, random)
@@ -314,13 +317,14 @@ fn equivalence_at_the_margin_is_rare_wherever_the_difference_is() {
     sequential(100, &[0.0, 1.0]);
 }
 
-/// A longer run or more replicas, as an unresolved comparison advises.
+/// Recommendation of an unresolved comparison: a longer run, or more replicas.
 enum Advice {
     Longer,
     Replicas(usize),
 }
 
-/// Shares of 15 pairs that are unresolved and are decided after what was advised; and the mean of how many times as much that was.
+/// Number of 15 pairs that are unresolved, and number of these that are decided if the recommendation is followed. Also
+/// returns the mean factor on the length or the number of replicas.
 fn advised(scene: &Scene, advice: &Advice, margin: f64) -> (usize, usize, f64) {
     let experiment = |seed: u64| {
         let sets: Vec<String> = scene.sets.iter().map(|set| (*set).to_owned()).collect();

@@ -1,7 +1,8 @@
-//! Large inputs take a time that grows as their size, not as its square.
+//! The time for large inputs must be proportional to their size, not to its square.
 //!
-//! Times depend on the machine, so the bounds are wide: with work that grows as the square each of these takes some twenty
-//! times longer than allowed here on the machine that they were written on, and some twentieth of it without.
+//! Times depend on the machine, so the limits are wide. On the machine where this was written, the tests take about a
+//! twentieth of the limit. If the work were proportional to the square of the size, they would take about twenty times
+//! the limit.
 
 use crate::support::{BASE, diptych, words};
 use diptych::case::Case;
@@ -34,7 +35,7 @@ fn many_variants() {
     });
     let text = base() + &variants.collect::<String>();
     let case = Case::from_text(Path::new("many.toml"), Arc::from(text), &["run.seed=3".into()]).unwrap();
-    // 90 s before the list was left out of the variants, 0.4 s after
+    // 90 s before the list was removed from the variants, 0.4 s after
     within(10, || {
         let variants = case.variants(None).unwrap();
         assert_eq!(variants.len(), 8000);
@@ -73,8 +74,8 @@ fn many_slices() {
     assert_eq!(whole.slices.iter().map(|row| row.samples).sum::<u64>(), 4000);
     let density: f64 = whole.slices.iter().map(|row| row.of(NUMBER_DENSITY).unwrap().value).sum();
     assert!((density / 1e5 - 1.0).abs() < 1e-9, "{density}");
-    // ten times as many slices: ten times the time, a hundred times when every row counted all samples again; the least of
-    // three, so that others on the machine do not count
+    // ten times as many slices must take about ten times the time; it was a hundred times when every row counted all
+    // samples again. The least of three times is used, so that other programs on the machine have less effect
     let least = |slices: usize| (0..3).map(|_| table(slices).1).fold(f64::INFINITY, f64::min);
     let growth = least(100_000) / least(10_000);
     assert!(growth < 40.0, "{growth}");
@@ -90,7 +91,7 @@ fn many_particles_in_one_place() {
     let case = base().replace(random, "file = \"same.csv\"\n").replace("\"12 mm\"", "\"600 mm\"");
     let path = place.path().join("same.toml");
     std::fs::write(&path, case).unwrap();
-    // half a minute when all pairs were looked at, a second after
+    // half a minute when all pairs were examined, a second since then
     within(12, || {
         let output = diptych(&["check"]).arg(&path).output().unwrap();
         let told = words(&output.stderr);

@@ -1,4 +1,5 @@
-//! What lasts between windows is one value: a run that is stored half-way and taken up again has the bits of one that was not.
+//! The state between windows is one value. A run that is stored in the middle and restored has the bits of an
+//! uninterrupted one.
 
 use crate::support::{edge, empty, experiment, plane, small, surface};
 use diptych::contact_law::{ContactLaw, Hertz};
@@ -16,17 +17,17 @@ use diptych::simulation::{Simulation, Snapshot};
 use diptych::statistics::Accumulator;
 use diptych::{Stored, Vector3};
 
-/// [s] length of a window, some 130 soft steps.
+/// [s] length of a window: about 130 soft steps.
 const WINDOW: f64 = 5e-5;
 
-/// Spheres of 406 µm with friction in a periodic cube that they fill to `phi`.
+/// Experiment of spheres of 406 µm with friction in a periodic cube that they fill to `phi`.
 fn crowd(count: usize, phi: f64, fluctuation: f64) -> Experiment {
     let cube = [edge(count, small().diameter, phi); 3];
     let scene = empty(cube, [true; 3], small(), surface(0.8, 0.2));
     experiment(scene, count, [0.0; 3], fluctuation, Model::Hard, 5)
 }
 
-/// The same between a floor and a lid, under gravity that brings them down within some windows.
+/// The crowd between a floor and a lid, under gravity that brings the spheres to the floor within some windows.
 fn falling() -> Experiment {
     let mut falling = crowd(150, 0.2, 0.3);
     let scene = &mut falling.scene;
@@ -40,7 +41,7 @@ fn falling() -> Experiment {
     falling
 }
 
-/// Two sizes, three to one.
+/// A mixture of two sizes, three to one.
 fn mixture() -> Experiment {
     let mut mixture = crowd(200, 0.25, 0.4);
     mixture.scene.species.push(Species { name: "L".into(), diameter: 3.0 * small().diameter, ..small() });
@@ -48,7 +49,7 @@ fn mixture() -> Experiment {
     mixture
 }
 
-/// As many spheres as get a table of the drag law, in a gas that blows them along.
+/// So many spheres that the drag law is tabulated, in a gas that carries them along.
 fn blown() -> Experiment {
     let mut blown = crowd(1100, 0.02, 0.5);
     let drag = Some(Drag::SchillerNaumann(SchillerNaumann));
@@ -69,7 +70,7 @@ fn scenes() -> Vec<(&'static str, Experiment)> {
     ]
 }
 
-/// Every way to run an experiment.
+/// All ways in which an experiment can be run.
 fn ways(of: &Experiment) -> Vec<(String, Experiment)> {
     let mut ways = Vec::new();
     for (name, stepping, contact_time) in [
@@ -98,7 +99,7 @@ fn ways(of: &Experiment) -> Vec<(String, Experiment)> {
     ways
 }
 
-/// All bits of all that lasts.
+/// All bits of the state that lasts between windows.
 fn bits(simulation: &Simulation) -> Stored {
     Stored::of(&simulation.snapshot().unwrap()).unwrap()
 }
@@ -110,7 +111,7 @@ fn a_run_stored_between_two_windows_goes_on_with_the_same_bits() {
         for (way, experiment) in ways(&experiment) {
             let name = format!("{scene}, {way}");
             let mut straight = Simulation::new(&experiment, start.clone());
-            // an odd number, so that what comes and goes every other window is met in both states
+            // an odd number of windows, so that data that change every other window are stored in both states
             let mut stored = Vec::new();
             for windows in [0, 1, 2, 4] {
                 straight.run(windows, WINDOW).unwrap_or_else(|why| panic!("{name}: {why}"));
@@ -162,7 +163,7 @@ fn a_snapshot_whose_particles_do_not_fit_is_refused() {
     assert!(damaged(&|particles| particles.species[7] = 9), "a kind that is not in the scene");
 }
 
-/// Everything that observes a run.
+/// All kinds of observers.
 fn observers(experiment: &Experiment, schedule: &Schedule) -> Vec<Box<dyn Observer>> {
     vec![
         Box::new(Accumulator::new(4, experiment.scene.domain.size.y)),
@@ -180,8 +181,8 @@ fn observers(experiment: &Experiment, schedule: &Schedule) -> Vec<Box<dyn Observ
     ]
 }
 
-/// The number of the layout, and the checksum of what is stored of a run before its first window, with every model and all that observes it. Only types say what
-/// these bytes are: where they change, a file of before would be read as something else.
+/// Number of the storage layout, and checksum of the stored data of a run before its first window, with every model and
+/// observer. Only the types define the meaning of these bytes. If they change, older files would be misread.
 const LAYOUT: (&str, u32) = ("27", 4_210_888_124);
 
 #[test]
@@ -209,7 +210,8 @@ fn lent(observers: &mut [Box<dyn Observer>]) -> Vec<&mut dyn Observer> {
     observers.iter_mut().map(|observer| &mut **observer as &mut dyn Observer).collect()
 }
 
-/// All bits of a run and its observers at the end, left at every `every`th window, stored and gone on with; and how often.
+/// All bits of a run and its observers at the end, if the run is stopped at every `every`th window, stored and resumed.
+/// Also returns the number of stops.
 fn in_parts(experiment: &Experiment, every: u64) -> (Stored, u64) {
     let schedule = Schedule::new(experiment);
     let mut simulation = Simulation::new(experiment, initial_state(experiment).unwrap());
@@ -239,7 +241,7 @@ fn a_run_left_within_a_sample_goes_on_with_the_same_bits_and_so_do_its_observers
         for (name, way) in ways(&experiment).into_iter().filter(|(name, _)| !name.contains("Hertz")) {
             let (whole, never) = in_parts(&way, 1 << 40);
             let (parts, left) = in_parts(&way, 3);
-            // 11 windows after which the run is not over
+            // after every 11 windows, unless the run is over
             assert_eq!((never, left), (0, 3), "{name}");
             assert!(whole == parts, "{name}");
         }

@@ -1,4 +1,5 @@
-//! Many random crowds through every way of stepping: energy and momentum against what the schemes can explain.
+//! Many random crowds in every way of stepping: energy and momentum compared with the errors that the schemes can
+//! explain.
 
 use crate::support::*;
 use diptych::contact_law::ContactLaw;
@@ -14,11 +15,11 @@ use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use std::f64::consts::PI;
 
-/// Largest number of contacts that a sphere of these crowds has at the same time, as squared frequencies see it: n springs at one
-/// sphere raise the largest ω_0² of the linear system at most n-fold (Gershgorin's theorem: its row sums).
+/// Largest number of simultaneous contacts of a sphere in these crowds, as it affects squared frequencies. n springs at
+/// one sphere raise the largest ω_0² of the linear system at most n-fold (Gershgorin's theorem: its row sums).
 const TOGETHER: f64 = 3.0;
 
-/// A crowd of unit spheres, and how soft it is stepped.
+/// A crowd of unit spheres, with stiffness and time step.
 struct Crowd {
     scene: Scene,
     start: Particles,
@@ -28,12 +29,13 @@ struct Crowd {
     /// [s] length of a window.
     window: f64,
     windows: u64,
-    /// For messages.
+    /// Description of the crowd, for messages.
     words: String,
 }
 
-/// The crowd of a seed: volume fraction 0.15 to 0.5, overlaps of 0.2 to 2 % of a diameter, 8 to 25 steps per contact, windows of
-/// 0.5 to 10 contacts; every third with walls and gravity, every second inelastic, every fourth rough.
+/// Crowd of a seed: volume fraction 0.15 to 0.5, overlaps of 0.2 to 2 % of a diameter, 8 to 25 steps per contact,
+/// windows of 0.5 to 10 contacts. Every third has walls and gravity, every second is inelastic, every fourth has
+/// friction.
 fn crowd(seed: u64) -> Crowd {
     let mut draw = Xoshiro256PlusPlus::seed_from_u64(seed);
     let mut log = |low: f64, high: f64| low * (high / low).powf(draw.random::<f64>());
@@ -52,7 +54,7 @@ fn crowd(seed: u64) -> Crowd {
             vec![plane([0.0; 3], [0.0, 1.0, 0.0], contact), plane([0.0, size, 0.0], [0.0, -1.0, 0.0], contact)];
     }
     let start = random(&scene, count, 1.0, seed);
-    // T_c² = π²M/k for e = 1; damping makes it a little longer
+    // T_c² = π²M/k for e = 1; damping makes T_c a little longer
     let stiffness = PI * PI * 0.5 / (contact_time * contact_time);
     let window = windows * contact_time;
     Crowd {
@@ -68,7 +70,8 @@ fn crowd(seed: u64) -> Crowd {
     }
 }
 
-/// [J] and [kg m/s]: what the books leave unexplained at the worst window, and what the scheme and rounding explain there.
+/// Unexplained energy [J] and momentum [kg m/s] at the worst window, and the errors there that the scheme and rounding
+/// explain.
 struct Books {
     energy: f64,
     energy_allowed: f64,
@@ -76,7 +79,7 @@ struct Books {
     momentum_allowed: f64,
 }
 
-/// Takes a crowd through its windows. `gain` is what an impact may gain or lose of M u_n²/2 by the scheme's doing.
+/// Runs a crowd through its windows. `gain` is the share of M u_n²/2 that the scheme may add or remove in an impact.
 fn books(crowd: &Crowd, engine: Box<dyn Engine>, gain: f64) -> Result<(Books, Simulation), String> {
     let mut simulation = Simulation::with_engine(crowd.scene.clone(), crowd.start.clone(), engine);
     let (energy, momentum) = (simulation.energy(), simulation.particles.momentum());
@@ -87,11 +90,12 @@ fn books(crowd: &Crowd, engine: Box<dyn Engine>, gain: f64) -> Result<(Books, Si
         let (record, counters) = (&simulation.record, simulation.counters());
         let (now, ledger) = (simulation.energy(), &record.ledger);
         let fastest = simulation.particles.largest_speed(Vector3::zeros());
-        // changes of a velocity so far: forces and impulses on two, ways into an island and out of it, gravity, frames
+        // number of changes of a velocity so far: forces and impulses on two bodies, entering and leaving an island,
+        // gravity, frames
         let bodies = simulation.windows * crowd.start.len() as u64 + counters.island_members;
         let changes = 2 * (counters.force_evaluations + counters.events) + 4 * bodies;
         let rounding = 2.0 * f64::EPSILON * changes as f64;
-        // M/2 of a pair and of a particle at a wall; what contacts in progress hold comes to no more than the energy
+        // M/2 of a pair and of a particle at a wall; the energy of contacts in progress is at most the total
         let impacts =
             0.25 * record.pairs.normal_speed.sum_of_squares() + 0.5 * record.walls.normal_speed.sum_of_squares();
         let through = energy + ledger.gravity_work.abs() + ledger.dissipated();
@@ -109,16 +113,17 @@ fn books(crowd: &Crowd, engine: Box<dyn Engine>, gain: f64) -> Result<(Books, Si
     Ok((worst, simulation))
 }
 
-/// The ways of stepping by name, with the share of M u_n²/2 that an impact may gain or lose.
+/// Ways of stepping by name, with the share of M u_n²/2 that the scheme may add or remove in an impact.
 ///
-/// With x = ω_0 Δt of the stiffest motion ([`TOGETHER`]): Verlet on the step grid 1/(1 - x²/4) - 1 (see `predict::energy::Bound`); the
-/// classical Runge-Kutta method misses the solution of x'' = -x by x⁵/120 of the amplitude in each of its π/x steps, so the energy by
-/// twice π x⁴/120, and the books of losses by as much again. Hard collisions are exact.
+/// With x = ω_0 Δt of the stiffest motion ([`TOGETHER`]), the share is 1/(1 - x²/4) - 1 for Verlet's method in uniform
+/// steps (see `predict::energy::Bound`). The classical Runge-Kutta method has an error of x⁵/120 of the amplitude of
+/// x'' = -x in each of its π/x steps. So the error of the energy is twice π x⁴/120, and that of the recorded losses is
+/// equally large. Hard collisions are exact.
 fn engines(crowd: &Crowd) -> Vec<(&'static str, Box<dyn Engine>, f64)> {
     let law = LinearSpring { stiffness: crowd.stiffness };
     let x = (TOGETHER * crowd.stiffness / 0.5).sqrt() * crowd.step;
     let (verlet, classical) = (1.0 / (1.0 - 0.25 * x * x) - 1.0, 4.0 * PI * x.powi(4) / 120.0);
-    // where islands would be too large, local stepping is uniform stepping too
+    // if islands would be too large, local stepping uses uniform steps too
     let either = verlet.max(classical);
     let soft = |stepping| -> Box<dyn Engine> {
         Box::new(Soft::new(ContactLaw::linear(law.stiffness), Integrator::VelocityVerlet, crowd.step, stepping))
@@ -132,7 +137,7 @@ fn engines(crowd: &Crowd) -> Vec<(&'static str, Box<dyn Engine>, f64)> {
     ]
 }
 
-/// Soaks the crowds of these seeds; prints the worst of each way of stepping and gives the faults found.
+/// Runs the crowds of these seeds; prints the worst case of each way of stepping and returns the faults.
 fn soak(seeds: std::ops::Range<u64>) -> Vec<String> {
     let mut faults = Vec::new();
     let mut summary: Vec<(&str, u64, u64, f64, f64)> = Vec::new();
@@ -168,7 +173,7 @@ fn soak(seeds: std::ops::Range<u64>) -> Vec<String> {
 
 #[test]
 fn books_balance_in_a_few_random_crowds() {
-    // 53 and 59 failed while a turn that was due at the start of a step was sought at its end
+    // seeds 53 and 59 failed when an event at the start of a step was searched for at its end
     let faults = soak(50..62);
     assert!(faults.is_empty(), "{faults:#?}");
 }

@@ -1,4 +1,4 @@
-//! Small scenes for tests.
+//! Small scenes and functions for tests.
 
 use diptych::case::Case;
 use diptych::communicator::Communicator;
@@ -48,7 +48,7 @@ pub fn empty(size: [f64; 3], periodic: [bool; 3], species: Species, contact: Sur
     }
 }
 
-/// A half-space.
+/// A plane wall that bounds a half-space.
 pub fn plane(point: [f64; 3], normal: [f64; 3], surface: Surface) -> Wall {
     Wall {
         geometry: WallGeometry::Plane(Plane { point: point.into(), normal: normal.into() }),
@@ -110,7 +110,7 @@ pub fn experiment(scene: Scene, count: usize, mean: [f64; 3], fluctuation: f64, 
     }
 }
 
-/// The experiment of a case that is written in a test, with changes, or why it is refused.
+/// Experiment of a case that is written in a test, with changes, or the reason why it is refused.
 pub fn case(text: &str, model: Model, sets: &[&str]) -> Result<Experiment, String> {
     let sets: Vec<String> = sets.iter().map(|set| (*set).to_string()).collect();
     let case = Case::from_text(Path::new("tests/case.toml"), text.into(), &sets).map_err(|why| why.to_string())?;
@@ -137,24 +137,24 @@ pub fn hard() -> Box<dyn Engine> {
     Box::new(Hard::new())
 }
 
-/// The same with islands wherever they can be.
+/// The event-driven engine, with islands wherever possible.
 pub fn islands() -> Box<dyn Engine> {
     Box::new(Hard::with_islands())
 }
 
-/// Time-stepped hard spheres.
+/// Hard spheres in time steps.
 pub fn stepped(theta: f64) -> Box<dyn Engine> {
     Box::new(SteppedHard::new(theta))
 }
 
-/// Runs for `duration` [s] in `windows` windows; ends with the store in the order of ids.
+/// Runs for `duration` [s] in `windows` windows. At the end the particles are in the order of ids.
 pub fn run(scene: &Scene, particles: Particles, engine: Box<dyn Engine>, duration: f64, windows: u64) -> Simulation {
     let (simulation, result) = try_run(scene, particles, engine, duration, windows);
     result.unwrap();
     simulation
 }
 
-/// As `run`, with the failure if there is one.
+/// Runs as `run` does, and also returns the failure if there is one.
 pub fn try_run(
     scene: &Scene,
     particles: Particles,
@@ -168,7 +168,7 @@ pub fn try_run(
     (simulation, result)
 }
 
-/// Diameter 1 m, mass 1 kg: reduced units.
+/// A species of diameter 1 m and mass 1 kg, for reduced units.
 pub fn unit() -> Species {
     Species {
         name: "unit".into(),
@@ -211,42 +211,42 @@ pub fn temperature(particles: &Particles) -> f64 {
     2.0 * particles.kinetic_energy() / (3.0 * (particles.len() as f64 - 1.0) * particles.mass[0])
 }
 
-/// The integrators of uniform stepping.
+/// Both integrators of uniform stepping.
 pub const BOTH: [Integrator; 2] = [Integrator::VelocityVerlet, Integrator::Rk2];
 
-/// The linear spring and dashpot in closed form, worked out here and not by the library.
+/// The linear spring and dashpot in closed form, computed here independently of the library.
 #[derive(Clone, Copy)]
 pub struct LinearSpring {
-    /// [N/m] k_n.
+    /// [N/m] stiffness k_n.
     pub stiffness: f64,
 }
 
 impl LinearSpring {
-    /// [-] ζ.
+    /// [-] damping ratio ζ.
     pub fn damping_ratio(restitution: f64) -> f64 {
         let ln = restitution.ln();
         -ln / std::f64::consts::PI.hypot(ln)
     }
 
-    /// [1/s] ω_0 of an effective mass [kg].
+    /// [1/s] undamped angular frequency ω_0 for an effective mass [kg].
     pub fn angular_frequency(&self, effective_mass: f64) -> f64 {
         (self.stiffness / effective_mass).sqrt()
     }
 
-    /// [1/s] γ_n.
+    /// [1/s] damping γ_n.
     pub fn damping(&self, effective_mass: f64, restitution: f64) -> f64 {
         Self::damping_ratio(restitution) * self.angular_frequency(effective_mass)
     }
 
-    /// [s] T_c.
+    /// [s] contact time T_c.
     pub fn contact_time(&self, effective_mass: f64, restitution: f64) -> f64 {
         let ratio = Self::damping_ratio(restitution);
         std::f64::consts::PI / (self.angular_frequency(effective_mass) * (1.0 - ratio * ratio).sqrt())
     }
 }
 
-/// [-] what an elastic impact on a linear spring gains of the energy M u²/2 by the scheme's doing, worked out here and not by the
-/// library: mean and standard deviation over the phase between touch and step grid.
+/// [-] share of the energy M u²/2 that the scheme adds in an elastic impact on a linear spring, computed here
+/// independently of the library: mean and standard deviation over the phase between touch and step.
 pub fn gain_of_an_impact(integrator: Integrator, steps_per_contact: f64) -> (f64, f64) {
     const PHASES: usize = 2000;
     // unit mass and stiffness: the contact lasts π
@@ -276,12 +276,14 @@ pub fn gain_of_an_impact(integrator: Integrator, steps_per_contact: f64) -> (f64
     (mean, variance.sqrt())
 }
 
-/// What the impacts so far have given an elastic gas of equal spheres [J], by the head-on gain of a scheme, and how far from it
-/// the gas may be [J].
+/// Energy [J] that the scheme has added to an elastic gas of equal spheres in its impacts so far, from the gain in
+/// head-on impacts, and its uncertainty [J].
 ///
-/// The speeds are those that the impacts had. A gas has impacts at random phases, so that the standard error is the deviation of
-/// one impact times the root of the sum of (M u²/2)², which is at most the largest times the sum; four of these. An oblique impact turns its normal by about
-/// the overlap over the diameter, which the head-on gain does not see: 3 % of it. A contact in progress may hold as much as it gains or loses.
+/// The speeds are those of the recorded impacts. Impacts have random phases, so the standard error is the deviation of
+/// one impact times the root of the sum of (M u²/2)². This sum is at most the largest value times the sum of values;
+/// four standard errors are allowed. The normal of an oblique impact turns by about the overlap over the diameter,
+/// which the head-on gain leaves out: 3 % of the gain. A contact in progress may contain as much energy as it gains or
+/// loses.
 pub fn gain_of_a_gas(simulation: &Simulation, integrator: Integrator, steps_per_contact: f64) -> (f64, f64) {
     let (mean, deviation) = gain_of_an_impact(integrator, steps_per_contact);
     let (pairs, half) = (&simulation.record.pairs, 0.25 * simulation.particles.mass[0]);
@@ -291,36 +293,36 @@ pub fn gain_of_a_gas(simulation: &Simulation, integrator: Integrator, steps_per_
     (mean * through, 4.0 * error + 0.03 * (mean * through).abs() + (mean.abs() + deviation) * in_progress)
 }
 
-/// A small case for the binary.
+/// Path of a small case for the program.
 pub const BASE: &str = "tests/inputs/good/base.toml";
 
-/// The binary with these arguments, to be run from the root of the crate.
+/// The program with these arguments, to be run from the root of the crate.
 pub fn diptych(arguments: &[&str]) -> std::process::Command {
     let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_diptych"));
     command.current_dir(env!("CARGO_MANIFEST_DIR")).args(arguments);
     command
 }
 
-/// What a program printed.
+/// Text that a program printed.
 pub fn words(bytes: &[u8]) -> String {
     String::from_utf8(bytes.to_vec()).unwrap()
 }
 
-/// Threads in place of the processes that share a run.
+/// Communicator of one of several threads, which take the place of processes that share a run.
 pub struct Crew {
     rank: usize,
     room: std::sync::Arc<Room>,
 }
 
-/// Where they meet.
+/// Memory that the threads share.
 struct Room {
     barrier: std::sync::Barrier,
-    /// What each has for each.
+    /// Messages of each thread to each other thread.
     post: std::sync::Mutex<Vec<Vec<Vec<u8>>>>,
 }
 
 impl Crew {
-    /// So many.
+    /// Communicators of `size` threads.
     pub fn of(size: usize) -> Vec<std::sync::Arc<dyn Communicator>> {
         let post = std::sync::Mutex::new(vec![Vec::new(); size]);
         let room = std::sync::Arc::new(Room { barrier: std::sync::Barrier::new(size), post });

@@ -1,4 +1,4 @@
-//! Trajectories: what other programs read is what the particles were, bit by bit; what cannot be written stops the run.
+//! Trajectories: files for other programs contain the particles bit by bit; files that cannot be written stop the run.
 
 use crate::support::{edge, empty, experiment, placed, plane, small, surface};
 use diptych::engine::Failure;
@@ -17,14 +17,14 @@ use std::process::Command;
 
 const BOTH: Trajectories = Trajectories { every: 1e-4, format: TrajectoryFormat::Both };
 
-/// The state in the order of ids, the contacts and largest overlap of each particle, and the time.
+/// State in the order of ids, number of contacts and largest overlap of each particle, and time.
 struct Seen {
     time: f64,
     state: Particles,
     touching: Vec<(u16, f64)>,
 }
 
-/// Runs with trajectories into a folder, and notes what an observer at the same times sees.
+/// Runs with trajectories into a folder. Returns the outcome, and the states at the times of the frames.
 fn watched(experiment: &Experiment, folder: &Folder, asked: Trajectories) -> (diptych::Outcome, Vec<Seen>) {
     struct Notes(f64, Vec<Seen>);
     impl diptych::observe::Observer for Notes {
@@ -54,7 +54,7 @@ fn watched(experiment: &Experiment, folder: &Folder, asked: Trajectories) -> (di
     (outcome, notes.1)
 }
 
-/// The bytes of an array of a file of VTK.
+/// Bytes of one array in a VTK file.
 pub fn array<'a>(file: &'a [u8], name: &str) -> &'a [u8] {
     let mark = b"<AppendedData encoding=\"raw\">\n_";
     let begin = file.windows(mark.len()).position(|window| window == mark).unwrap();
@@ -75,7 +75,7 @@ fn flat(vectors: &[Vector3<f64>]) -> Vec<f64> {
     vectors.iter().flatten().copied().collect()
 }
 
-/// A crowd under gravity between walls, so that there are contacts at most instants.
+/// Experiment of a crowd under gravity between walls, which has contacts at most instants.
 fn crowd(model: Model, stepping: SoftStepping) -> Experiment {
     let size = edge(60, 406e-6, 0.25);
     let mut scene = empty([size; 3], [true, false, true], small(), surface(0.9, 0.1));
@@ -105,7 +105,7 @@ fn frames_hold_the_bits_of_the_state() {
         let place = tempfile::tempdir().unwrap();
         let folder = Folder::create(place.path(), true).unwrap();
         let (_, seen) = watched(&crowd, &folder, BOTH);
-        // 21 at whole tenths of a millisecond; the end is one more for the trajectory, which lists it
+        // 21 at whole tenths of a millisecond; the trajectory has one more at the end, which its index lists
         assert_eq!(seen.len(), 21);
         let read = |name: &str| std::fs::read(place.path().join("trajectory").join(name)).unwrap();
         let index = String::from_utf8(read("some.pvd")).unwrap();
@@ -158,7 +158,7 @@ fn check_xyz(text: &str, seen: &Seen, crowd: &Experiment) {
     }
 }
 
-/// Who is in an island: those that meet; the rest flies straight.
+/// Particles that meet are members of an island; others fly straight.
 #[test]
 fn the_solver_of_each_particle_is_told() {
     let scene = empty([0.01; 3], [true; 3], small(), surface(1.0, 0.0));
@@ -173,7 +173,7 @@ fn the_solver_of_each_particle_is_told() {
     let (outcome, _) = watched(&three, &folder, Trajectories { every: 4e-4, ..BOTH });
     let file = std::fs::read(place.path().join("trajectory/some/000001.vtp")).unwrap();
     assert_eq!(outcome.record.pairs.count, 1);
-    // two islands or one calendar, as the engine counts its work
+    // two islands or one calendar, according to the counters of the engine
     let expected = if outcome.counters.islands > 0 { [1, 1, 0] } else { [2, 2, 2] };
     assert_eq!(array(&file, "solver"), expected);
     assert!(outcome.counters.islands > 0);
@@ -203,7 +203,7 @@ fn walls_are_surfaces_within_the_box() {
     let ends = numbers(array(&file, "offsets"), i32::from_le_bytes);
     let walls = numbers(array(&file, "wall"), u32::from_le_bytes);
     assert_eq!(walls.len(), ends.len());
-    // floor and lid whole, a corner line of the slope is no surface, nothing of what is outside
+    // floor and lid are whole, the slope, which touches a corner only, has no surface, and nothing outside is drawn
     assert_eq!((ends[0], ends[1], &walls[..3]), (4, 8, &[0, 1, 4][..]));
     let area = |corners: &[Vector3<f64>]| {
         (1..corners.len() - 1)
@@ -215,7 +215,7 @@ fn walls_are_surfaces_within_the_box() {
     assert!((area(&corners[..4]) / (size.x * size.z) - 1.0).abs() < 1e-12);
     assert!(corners[4..8].iter().all(|corner| corner.y == size.y));
     let body = &corners[8..];
-    // on the surface: at the radius about x, or on the ends
+    // points on the surface: at the radius about x, or on the ends
     assert!(body.len() > 100);
     for corner in body {
         let from = corner - middle;
@@ -228,7 +228,7 @@ fn walls_are_surfaces_within_the_box() {
     }
 }
 
-/// A case of a few spheres for the binary.
+/// Case of a few spheres for the program.
 const CASE: &str = r#"
 [domain]
 size = ["4 mm", "4 mm", "4 mm"]
@@ -264,7 +264,7 @@ fn a_comparison_writes_the_same_times_for_every_variant() {
         text.split("timestep=\"").skip(1).map(|rest| rest.split('"').next().unwrap().to_owned()).collect()
     };
     assert_eq!((times("soft.pvd"), times("soft.pvd").len()), (times("hard.pvd"), 11));
-    // replaced by a run without them: no frame of another run stays, what is not ours does
+    // replaced by a run without trajectories: no frame of the other run remains, but foreign files do
     let own = place.path().join("out/trajectory/hard/own.vtp");
     std::fs::write(&own, "of the user").unwrap();
     assert_eq!(diptych(place.path(), &["run", "case.toml", "--out", "out", "--overwrite", "--quiet"]).0, 0);
@@ -275,7 +275,7 @@ fn a_comparison_writes_the_same_times_for_every_variant() {
 #[test]
 fn a_trajectory_that_cannot_be_written_stops_the_run_with_a_message() {
     let place = tempfile::tempdir().unwrap();
-    // where the frames should go stands a file
+    // a file has the name of the folder for frames
     std::fs::create_dir_all(place.path().join("out/trajectory")).unwrap();
     std::fs::write(place.path().join("out/trajectory/soft"), "in the way").unwrap();
     let (code, told) =
@@ -285,7 +285,7 @@ fn a_trajectory_that_cannot_be_written_stops_the_run_with_a_message() {
     let page = std::fs::read_to_string(place.path().join("out/report.html")).unwrap();
     assert!(page.contains("stopped early"));
     assert_eq!(std::fs::read_to_string(place.path().join("out/trajectory/soft")).unwrap(), "in the way");
-    // once it can be written the comparison is done
+    // as soon as the frames can be written, the comparison can be completed
     assert!(told.contains("once it can be written, `diptych resume"), "{told}");
     assert!(!place.path().join("out/summary.json").exists());
     std::fs::remove_file(place.path().join("out/trajectory/soft")).unwrap();
@@ -301,8 +301,8 @@ fn a_trajectory_that_cannot_be_written_stops_the_run_with_a_message() {
     );
 }
 
-/// A disk for some of the frames: the run ends with a message, the frames that are there are whole and listed, and once there is
-/// room it goes on to what a run leaves that nothing held up.
+/// A disk with room for some of the frames. The run ends with a message, and the frames on the disk are complete and
+/// listed. As soon as there is room, the resumed run gives the files of an uninterrupted one.
 #[cfg(target_os = "linux")]
 #[test]
 #[ignore = "needs a name space with a disk of its own: unshare must be allowed; cargo test --test it trajectory::a_disk_that -- --ignored"]
@@ -341,7 +341,7 @@ fn a_disk_that_is_full_leaves_whole_frames() {
     for name in full.iter().filter(|name| name.ends_with("vtp")) {
         assert!(read("full", &format!("hard/{name}")) == read("whole", &format!("hard/{name}")), "{name}");
     }
-    // the index lists files that are there
+    // the index lists existing files only
     assert!(index.split("file=\"hard/").skip(1).all(|rest| full.contains(&rest[..10].to_owned())), "{index}");
     assert_eq!(frames("resumed"), whole);
     for name in whole.iter().map(|name| format!("hard/{name}")).chain(["hard.pvd".to_owned()]) {
@@ -366,7 +366,7 @@ fn what_is_asked_for_is_checked() {
     assert!(code == 0 && told.contains("is not used"), "{told}");
 }
 
-/// A run that is left on its way, stored, and gone on with leaves the same files as one that nobody disturbed.
+/// A run that is stopped, stored and resumed writes the files of an uninterrupted one.
 #[test]
 fn a_run_that_goes_on_goes_on_with_its_frames() {
     let crowd = crowd(Model::Soft, SoftStepping::Local);
@@ -385,7 +385,7 @@ fn a_run_that_goes_on_goes_on_with_its_frames() {
         };
         assert!(!course.run(&mut simulation, &mut [&mut trajectory], &mut leave).unwrap());
         let pause = course.store(&simulation, &[&mut trajectory]).unwrap();
-        // what is stored is written, whatever becomes of the program now
+        // all frames up to the stored state are written, even if the program ends now
         assert!(parts.path().join("trajectory/some/000009.vtp").exists());
         pause
     });

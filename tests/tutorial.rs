@@ -1,4 +1,4 @@
-//! The commands of docs/tutorial.md, run as they stand there in a folder of their own, those with many replicas with few.
+//! The commands of docs/tutorial.md, run unchanged in a separate folder, except that those with many replicas get few.
 
 use crate::support::words;
 use serde_json::Value;
@@ -6,10 +6,11 @@ use std::io::Write;
 use std::path::Path;
 use std::process::Command;
 
-/// Seeds of each variant in place of those of the page, which take half a minute by a release build.
+/// Number of seeds of each variant, instead of the larger number on the page, which takes half a minute with a release
+/// build.
 const FEW: &str = "4";
 
-/// Blocks of the page in order: language and text.
+/// Code blocks of the page in order: language and text.
 fn blocks(page: &str) -> Vec<(String, String)> {
     let parts = page.split("```").skip(1).step_by(2);
     let block = |part: &str| part.split_once('\n').map(|(language, text)| (language.to_owned(), text.to_owned()));
@@ -30,7 +31,7 @@ fn stored() -> Vec<String> {
 #[test]
 fn every_command_of_the_tutorial_runs() {
     let folder = tempfile::tempdir().unwrap();
-    // what the last command said; nothing where it was shortened
+    // output of the last command; none if the command was shortened
     let mut said = None;
     let (mut commands, mut compared) = (0, 0);
     for (language, block) in blocks(&text("docs/tutorial.md")) {

@@ -1,4 +1,4 @@
-//! Texts, files and links of others: what they may not do to the terminal, the page, a spreadsheet, and the files of the user.
+//! Texts, files and links from others must not affect the terminal, the page, a spreadsheet, and the files of the user.
 
 use crate::support::{diptych, words};
 use diptych::legible;
@@ -8,7 +8,7 @@ use std::path::Path;
 
 const BASE: &str = include_str!("inputs/good/base.toml");
 
-/// Characters that a terminal, a browser or a reader of names may trip over.
+/// Characters that may affect a terminal, a browser or a reader of names.
 const ACTING: [char; 12] = [
     '\u{1b}',
     '\u{7}',
@@ -24,12 +24,12 @@ const ACTING: [char; 12] = [
     '\u{e0041}',
 ];
 
-/// Whether a text has nothing in it that acts but line ends and tabs.
+/// True if the only control characters of a text are line ends and tabs.
 fn is_legible(text: &str) -> bool {
     !text.contains(|c: char| legible::acts(c) && !matches!(c, '\n' | '\t'))
 }
 
-/// What the binary says, on both channels, and its exit code.
+/// Output of the program on both streams, and its exit code.
 fn said(arguments: &[&str], place: &Path) -> (i32, String, String) {
     let output = diptych(arguments).current_dir(place).output().unwrap();
     let (out, err) = (words(&output.stdout), words(&output.stderr));
@@ -92,7 +92,7 @@ fn random_names_and_paths_are_legible_and_do_not_panic() {
         let typed = |text: &str| toml::Value::String(text.into()).to_string();
         let case = BASE.replace("count = 100", &format!("file = {}", typed(&file)));
         let case = case.replace("name = \"glass\"", &format!("name = {}", typed(&name)));
-        // one in two is refused for its key, the others for their file
+        // half of the cases are refused for the key, the others for the file
         let case = if number % 2 == 0 { case + &format!("\n{} = 1\n", typed(&key)) } else { case };
         let sets = [format!("{key}={name}"), format!("run.seed={key}")];
         for sets in [&sets[..0], &sets[..1], &sets[1..]] {
@@ -190,7 +190,7 @@ fn links_do_not_lead_out_of_the_folder_and_pipes_do_not_hang() {
     }
     write(&inner, "case.toml", case("inner.csv"));
     assert_eq!(said(&["check", "case.toml"], &inner).0, 0);
-    // the user's own word
+    // a path that the user typed is accepted
     write(outer, "table.csv", table);
     let own = said(&["check", "case/case.toml", "--set", "particles[0].file=table.csv"], outer);
     assert_eq!(own.0, 0, "{}", own.2);
@@ -218,7 +218,8 @@ fn keys_without_end_are_refused() {
     }
 }
 
-/// The memory of the process is limited, as `ulimit -v` does: 600 MB hold the program, but not what is asked for.
+/// The memory of the process is limited, as by `ulimit -v`: 600 MB are enough for the program, but not for the
+/// requested run.
 #[cfg(target_os = "linux")]
 #[test]
 fn memory_that_is_not_there_is_refused_before() {

@@ -1,4 +1,4 @@
-//! What reports and summaries say: that it is true of what ran, in words.
+//! Sentences of reports and summaries must be true of the runs.
 
 use crate::made_up;
 use crate::support::{BASE, diptych, words};
@@ -6,7 +6,7 @@ use diptych::experiment::Model;
 use diptych::study::judge;
 use std::path::Path;
 
-/// Runs the binary to a good end; gives what it printed.
+/// Runs the program, which must end well; returns its output.
 fn said(arguments: &[&str], folder: &Path) -> String {
     let output = diptych(arguments).arg("--out").arg(folder).output().unwrap();
     assert_eq!(output.status.code(), Some(0), "{arguments:?}: {}", words(&output.stderr));
@@ -51,22 +51,22 @@ set = { "contact.restitution" = 0.75, "run.duration" = "50 ms" }
         "{}",
         line("second")
     );
-    // what is the same in both is said once, and not as if of all what is so in one
+    // properties that both variants share are written once, and properties of one variant are not attributed to all
     assert_eq!(page.matches("<li>Box: ").count(), 1);
     assert_eq!(page.matches("<li>Together they fill").count() + page.matches("<li>Run: ").count(), 0);
-    // the heading of the file speaks of the file
+    // the heading of the file describes the file
     assert!(page.contains("<title>A small channel: the other inputs differ from it by a line or two. [with particles[0].diameter=300 um]</title>"));
 }
 
 #[test]
 fn names_of_columns_stay_in_the_tables() {
     let place = tempfile::tempdir().unwrap();
-    // too short for error bars: what is furthest apart is named
+    // too short for error bars: the largest difference is named
     let told = said(&["compare", BASE, "--set", "run.duration=1 ms", "--set", "run.average_from=0 s"], place.path());
     assert!(told.contains("granular temperature") && !told.contains("number_density_ratio"), "{told}");
 }
 
-/// Whatever the machine is doing: the times are made up.
+/// The times are invented, so that the test does not depend on the machine.
 #[test]
 fn runs_of_a_blink_say_nothing_of_cost() {
     let said = |seconds: f64| {
@@ -136,7 +136,7 @@ restitution = 0.9
     assert!(told.contains("bodies in the box") && told.contains("2.520e-3"), "{told}");
 }
 
-/// A path is kept and written point by point.
+/// A path is stored and written point by point.
 #[test]
 fn a_path_of_too_many_points_is_refused() {
     let place = tempfile::tempdir().unwrap();

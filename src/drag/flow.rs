@@ -1,21 +1,23 @@
-//! The flow of a drag law that has no closed form, by numerical integration.
+//! Slip speed under a drag law that has no closed-form solution, by numerical integration.
 //!
-//! With L = ln(w/w_0), the equation dw/dt = -w/τ(w) becomes dL/dt = -1/τ(w_0 e^L). Its right-hand side stays smooth
-//! and does not grow as the slip dies away, so an explicit method with adaptive steps is enough. The method is
-//! Gragg's modified midpoint rule, extrapolated to step zero after Bulirsch and Stoer (Hairer, Nørsett and Wanner
-//! 1993, Solving Ordinary Differential Equations I, section II.9).
+//! Let w be the slip speed [m/s], w_0 its value at the start, τ the response time [s], and L = ln(w/w_0). The equation
+//! dw/dt = -w/τ(w) becomes dL/dt = -1/τ(w_0 e^L). Its right-hand side stays smooth and does not grow as the slip speed
+//! decays, so an explicit method with adaptive steps is enough. The method is Gragg's modified midpoint rule,
+//! extrapolated to step zero after Bulirsch and Stoer (Hairer, Nørsett and Wanner 1993, Solving Ordinary Differential
+//! Equations I, section II.9).
 
-/// Midpoint sequences of 2, 4, ..., 12 substeps: the extrapolation is of twelfth order in the step.
+/// Number of midpoint sequences, which have 2, 4, ..., 12 substeps. Extrapolation from six sequences is of twelfth
+/// order in the step.
 const SEQUENCES: usize = 6;
-/// [-] error allowed in a step, as a share of |L| at its end. It is ten times smaller than the promised 1e-12,
-/// because the errors of several steps add up.
+/// [-] error allowed in one step, as a share of |L| at the end of the step. It is ten times smaller than the promised
+/// 1e-12, because the errors of several steps add up.
 const TOLERANCE: f64 = 1e-13;
-/// [-] shortest step as a share of the time reached. Shorter steps would be lost in rounding. Where a law jumps,
-/// steps get that short, and the error is the jump times this share.
+/// [-] shortest step, as a share of the time integrated so far. A shorter step would be lost in rounding. Where the
+/// response time jumps, steps become this short, and the error is the jump times this share.
 const SHORTEST: f64 = 8.0 * f64::EPSILON;
 
-/// [-] L after `duration` [s] of dL/dt = `rate`(L) [1/s] from L = 0, with a relative error of 1e-12. It is not a
-/// number where the rate is not a number.
+/// [-] solution L after `duration` [s] of dL/dt = `rate`(L) [1/s] from L = 0, with a relative error of 1e-12. Returns
+/// not-a-number if `rate` does.
 pub(super) fn integrate(rate: &dyn Fn(f64) -> f64, duration: f64) -> f64 {
     let (mut time, mut log) = (0.0, 0.0);
     let mut step = duration.min(1.0 / rate(0.0).abs());
@@ -33,20 +35,21 @@ pub(super) fn integrate(rate: &dyn Fn(f64) -> f64, duration: f64) -> f64 {
             log += change;
             time = if last { duration } else { time + step };
         }
-        // the error of a step goes with the power 2 SEQUENCES - 1 of its length; 0.9 keeps it from being refused by a
-        // hair
+        // the error of a step is proportional to its length to the power 2 SEQUENCES - 1; the factor 0.9 makes it
+        // unlikely that the next step has to be repeated
         let factor = 0.9 * (allowed / error).powf(1.0 / (2 * SEQUENCES - 1) as f64);
-        // an error of 0 gives the greatest factor; so does 0/0 (L does not change at all)
+        // an error of 0 gives the largest factor, 4; so does 0/0, which occurs if L does not change at all
         step *= if factor.is_nan() { 4.0 } else { factor.clamp(0.1, 4.0) };
     }
     log
 }
 
 /// [-] change of L in one step from `start`, and its error: the difference from the extrapolation without the last
-/// sequence. Entries of the last row alone are no safe measure: where a law jumps they may agree by chance.
+/// sequence. The entries of the last row alone do not measure the error safely: where the law jumps they may agree by
+/// chance.
 fn extrapolate(rate: &dyn Fn(f64) -> f64, start: f64, step: f64) -> (f64, f64) {
     let first = rate(start);
-    // the row of Aitken and Neville's scheme in the squares of the substeps
+    // one row of the scheme of Aitken and Neville, which extrapolates in the square of the substep
     let mut row = [0.0; SEQUENCES];
     let (mut best, mut before) = (0.0, 0.0);
     for k in 0..SEQUENCES {
@@ -62,10 +65,10 @@ fn extrapolate(rate: &dyn Fn(f64) -> f64, start: f64, step: f64) -> (f64, f64) {
     (best, (best - before).abs())
 }
 
-/// [-] change of L in one step of `substeps` midpoint steps, the last two averaged (Gragg).
+/// [-] change of L over `step` [s] by `substeps` midpoint steps, of which the last two are averaged (Gragg).
 fn midpoint(rate: &dyn Fn(f64) -> f64, (start, first): (f64, f64), step: f64, substeps: usize) -> f64 {
     let h = step / substeps as f64;
-    // relative to the start, so that a short step keeps its digits
+    // values are relative to the start, so that a short step keeps its digits
     let (mut before, mut now) = (0.0, h * first);
     for _ in 1..substeps {
         let next = before + 2.0 * h * rate(start + now);

@@ -1,12 +1,12 @@
 //! Drag: the force with which the gas pushes a sphere.
 //!
 //! Between two collisions drag is the only force that changes a particle's velocity relative to the gas. The gas
-//! velocity is kept constant for the length of one kick. The slip velocity then keeps its direction, and its
-//! magnitude obeys one scalar equation, dw/dt = -w/τ(w). The exact solution is stable for any length of the kick, and
-//! two half-kicks in a row equal one whole kick. A law gives this solution in closed form where it has one; otherwise
-//! it is integrated numerically to 1e-12.
+//! velocity is kept constant for the length of one kick. The slip velocity then keeps its direction. Its magnitude w
+//! [m/s] obeys one scalar equation, dw/dt = -w/τ(w), with τ the response time [s]. The exact solution is stable for any
+//! length of the kick, and two half-kicks in a row equal one whole kick. A law gives this solution in closed form where
+//! it has one; otherwise the equation is integrated numerically to 1e-12.
 //!
-//! To add a law: one file with `impl DragLaw`, then a `mod` line, a variant of [`Drag`] and an arm of `law`.
+//! To add a law, write one file with `impl DragLaw`. Then add a `mod` line, a variant of [`Drag`] and an arm of `law`.
 
 mod flow;
 mod kick;
@@ -21,7 +21,7 @@ use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// A sphere in a gas, as far as drag is concerned.
+/// Properties of a sphere in a gas on which drag depends.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Sphere {
     /// [s] Stokes response time τ = ρ_p d² / (18 ρ_f ν).
@@ -38,7 +38,8 @@ impl Sphere {
     }
 }
 
-/// A drag law for a sphere. It must give its name, its parameters and the response time; the rest follows from these.
+/// A drag law for a sphere. An implementation must give name, parameters and response time; all else is computed from
+/// these by default.
 ///
 /// ```
 /// use diptych::drag::{DragLaw, Sphere, Stokes};
@@ -88,10 +89,10 @@ pub trait DragLaw: std::fmt::Debug + Send + Sync {
     }
 
     /// [-] ln of the ratio of slip speeds after and before `duration` [s] of drag alone, with the gas velocity
-    /// constant. It is the exact flow of dw/dt = -w/τ(w) from slip speed `slip` >= 0 [m/s], hence -∫dt/τ; <= 0.
+    /// constant. It is the exact solution of dw/dt = -w/τ(w) from slip speed `slip` >= 0 [m/s], hence -∫dt/τ; <= 0.
     ///
     /// The logarithm is returned because a kick needs 1 - ratio, for which the ratio itself is not precise enough. A
-    /// law with a closed form gives it here; otherwise the equation is integrated to 1e-12 of the result.
+    /// law with a closed form overrides this method; by default the equation is integrated to 1e-12 of the result.
     fn log_decay(&self, sphere: &Sphere, slip: f64, duration: f64) -> f64 {
         flow::integrate(&|log| -1.0 / self.response_time(sphere, slip * log.exp()), duration)
     }
@@ -109,12 +110,13 @@ pub trait DragLaw: std::fmt::Debug + Send + Sync {
         3.0 / (4.0 * slope(5e-4 * slip) - slope(1e-3 * slip))
     }
 
-    /// [-] ratio of slip speeds after and before `duration` [s]; in [0, 1].
+    /// [-] ratio of the slip speeds after and before `duration` [s] of drag alone; in [0, 1].
     fn decay(&self, sphere: &Sphere, slip: f64, duration: f64) -> f64 {
         self.log_decay(sphere, slip, duration).exp()
     }
 
-    /// [-] change of the slip velocity in `duration` [s] per slip velocity, ratio - 1 to full precision; in [-1, 0].
+    /// [-] change of the slip velocity in `duration` [s] over the slip velocity: ratio - 1 to full precision, in [-1,
+    /// 0].
     fn change(&self, sphere: &Sphere, slip: f64, duration: f64) -> f64 {
         self.log_decay(sphere, slip, duration).exp_m1()
     }
@@ -123,16 +125,16 @@ pub trait DragLaw: std::fmt::Debug + Send + Sync {
 /// The drag law of a gas: one that a case can name, or one that the calling program provides.
 #[derive(Clone, Debug)]
 pub enum Drag {
-    /// Schiller and Naumann (1935), the paper's.
+    /// The law of Schiller and Naumann (1935), which the paper uses.
     SchillerNaumann(SchillerNaumann),
     /// Stokes drag of creeping flow, whose solution is known in closed form.
     Stokes(Stokes),
-    /// A law of the calling program; a case cannot name it.
+    /// A law that the calling program provides; a case cannot name it.
     Other(Arc<dyn DragLaw>),
 }
 
 impl Drag {
-    /// The law behind the name.
+    /// Returns the drag law of this variant.
     #[inline]
     pub fn law(&self) -> &dyn DragLaw {
         match self {
@@ -152,7 +154,7 @@ impl PartialEq for Drag {
 }
 
 impl Serialize for Drag {
-    /// Writes a drag law as its name; a law with parameters as its table of a case.
+    /// Writes a drag law as its name; a law with parameters is written as a table, as in a case.
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let (name, parameters) = (self.law().name(), self.law().parameters());
         if parameters.is_empty() {

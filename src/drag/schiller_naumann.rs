@@ -1,30 +1,31 @@
-//! Finite Reynolds number: the paper's law.
+//! Drag of a sphere at finite Reynolds number, by the correlation that the paper uses.
 
 use super::{DragLaw, Sphere};
 
-/// [-] exponent p of C_D = 24/Re (1 + 0.15 Re^p): Schiller and Naumann 1935; the paper's Eq. 2.
+/// [-] exponent p of the drag coefficient C_D = 24/Re (1 + 0.15 Re^p): Schiller and Naumann 1935; the paper's Eq. 2.
 const EXPONENT: f64 = 0.687;
-/// [-] factor of the correction: Schiller and Naumann 1935; the paper's Eq. 2.
+/// [-] factor 0.15 of the correction: Schiller and Naumann 1935; the paper's Eq. 2.
 const FACTOR: f64 = 0.15;
 /// [-] Reynolds number up to which the correction holds: the paper's Eq. 2.
 const SWITCH: f64 = 1000.0;
-/// [-] drag coefficient above the switch (Newton's regime): the paper's Eq. 2.
+/// [-] constant drag coefficient C_D above the switch (Newton's regime): the paper's Eq. 2.
 const PLATEAU: f64 = 0.44;
-/// [-] C_D Re of Stokes drag.
+/// [-] product C_D Re of Stokes drag.
 const STOKES: f64 = 24.0;
 
-/// [-] slip Reynolds number from which the user is warned: ten times the end of the formula.
+/// [-] slip Reynolds number from which the user is warned: ten times the upper end of the formula.
 const FAR: f64 = 10.0 * SWITCH;
 
-/// Schiller and Naumann (1935): C_D = 24/Re (1 + 0.15 Re^0.687) up to Re = 1000, 0.44 above. The paper's Eq. 2 names
-/// the correlation; its constants are those of the literature.
+/// Drag law of Schiller and Naumann (1935): C_D = 24/Re (1 + 0.15 Re^0.687) up to Re = 1000, 0.44 above. The paper's
+/// Eq. 2 names the correlation; its constants are those of the literature.
 ///
-/// The switch at Re = 1000 jumps by 0.4 % (C_D = 0.4383 below). Valid for a single rigid sphere in steady motion,
-/// Re < 2e5; no neighbours, no lift, no added mass, no history force.
+/// At the switch, Re = 1000, C_D jumps by 0.4 % (0.4383 below). The law is valid for a single rigid sphere in steady
+/// motion at Re < 2e5. It leaves out neighbours, lift, added mass and history force.
 ///
 /// With s = 0.15 Re^p, p = 0.687 and τ_S the Stokes time, two equations apply. Up to Re = 1000, dw/dt = -(1 + s)
 /// w/τ_S is a Bernoulli equation, linear in w^-p. Above, dw/dt = -C_D Re/24 w/τ_S with C_D = 0.44 is linear in 1/w.
-/// Both are solved in closed form; a flow that starts above Re = 1000 and ends below uses one after the other.
+/// Both are solved in closed form. If the sphere starts above Re = 1000 and ends below, the two solutions follow each
+/// other.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SchillerNaumann;
 
@@ -62,7 +63,7 @@ impl DragLaw for SchillerNaumann {
         if reynolds <= SWITCH {
             return Self::log_decay_below(sphere.stokes_time, reynolds, duration);
         }
-        // d(1/Re)/dt is constant above the switch: Re falls by the factor 1 + growth.
+        // Above the switch d(1/Re)/dt is constant: Re falls by the factor 1 + growth.
         let rate = PLATEAU * reynolds / (STOKES * sphere.stokes_time);
         let growth = rate * duration;
         let to_switch = (reynolds - SWITCH) / SWITCH;
@@ -83,7 +84,7 @@ impl DragLaw for SchillerNaumann {
 
     fn relaxation_time(&self, sphere: &Sphere, slip: f64) -> f64 {
         let reynolds = sphere.reynolds_per_speed * slip;
-        // the deceleration is w + 0.15 Re^p w below the switch, and goes with w² above, both over τ_S
+        // deceleration: (w + 0.15 Re^p w)/τ_S below the switch, proportional to w² above
         let slope = if reynolds <= SWITCH {
             1.0 + (1.0 + EXPONENT) * FACTOR * reynolds.powf(EXPONENT)
         } else {
@@ -117,7 +118,7 @@ mod tests {
 
     #[test]
     fn two_kicks_are_one_kick() {
-        // 18 m/s starts above the switch; the times put the joint before, at and after it.
+        // The sphere of 18 m/s starts above the switch; the times put the joint before, at and after it.
         for slip in [0.0, 1e-6, 0.3, 10.0, 10.1, 12.0, 18.0, 400.0] {
             for (first, second) in [(1e-6, 1e-6), (1e-4, 0.3), (0.5, 0.5), (3.0, 0.01), (20.0, 40.0)] {
                 let half = LAW.decay(&LARGE, slip, first);
@@ -130,7 +131,7 @@ mod tests {
 
     #[test]
     fn flow_solves_the_equation() {
-        // One side of the switch only: Runge-Kutta is of fourth order only where the law is smooth.
+        // Each case stays on one side of the switch: Runge-Kutta is of fourth order only where the law is smooth.
         for (slip, duration) in [(0.01, 2.0), (2.0, 1.0), (10.0, 3.0), (18.0, 0.1), (40.0, 0.05)] {
             let exact = slip * LAW.decay(&LARGE, slip, duration);
             let numeric = integrate(slip, duration, 4000);

@@ -1,8 +1,9 @@
-//! Creeping flow.
+//! Stokes drag of creeping flow.
 
 use super::{DragLaw, Sphere};
 
-/// Stokes drag, C_D = 24/Re: the response time τ does not depend on the slip speed. Valid for Re << 1; used here as the analytic reference.
+/// Stokes drag, C_D = 24/Re: the response time τ does not depend on the slip speed. It is valid for Re << 1, and is
+/// used here as the analytic reference.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Stokes;
 

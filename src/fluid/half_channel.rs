@@ -3,18 +3,20 @@
 use super::k_epsilon::{C_MU, GridNode, KBudget, Section, TurbulenceModel};
 use super::{launder_sharma, wall_functions};
 
-/// A half channel in wall units: lengths in ν/u_τ, velocities in u_τ; hence ν = 1, τ_w = 1, h = Re_τ.
+/// Flow in a half channel in wall units: lengths are in ν/u_τ, velocities in u_τ. So the viscosity ν is 1, the wall
+/// stress τ_w is 1, and the half height h is Re_τ.
 ///
-/// It may also be a pipe of radius h: the stress also falls linearly to the axis. A diffusive flux there goes through
-/// faces whose area falls with the distance from the axis, (1/r) d/dr(r D dφ/dr) = sink φ - source.
+/// The flow may also be that in a pipe of radius h, where the stress falls linearly to the axis as well. In a pipe the
+/// area of a face is proportional to its distance r from the axis: (1/r) d/dr(r D dφ/dr) = sink φ - source for a
+/// quantity φ.
 ///
 /// Values are at cell centres. The face between cells `i - 1` and `i` is face `i`. Face 0 is the wall; the last face
 /// is the centre plane, through which there is no flux.
 #[derive(Clone, Debug)]
 pub(super) struct HalfChannel {
-    /// Channel or pipe.
+    /// Cross-section of the flow: channel or pipe.
     pub section: Section,
-    /// [-] half height h⁺.
+    /// [-] half height h⁺ of the channel, or radius of the pipe.
     pub reynolds_tau: f64,
     /// [-] distance y⁺ of the faces from the wall.
     pub face: Vec<f64>,
@@ -24,37 +26,37 @@ pub(super) struct HalfChannel {
     pub u: Vec<f64>,
     /// [-] turbulent kinetic energy k⁺, over u_τ².
     pub k: Vec<f64>,
-    /// [-] dissipation rate (ε̃ for Launder-Sharma), over u_τ⁴/ν.
+    /// [-] dissipation rate over u_τ⁴/ν: ε, or ε̃ = ε - 2ν (d√k/dy)² for Launder-Sharma.
     pub epsilon: Vec<f64>,
     /// [-] eddy viscosity over ν.
     pub nu_t: Vec<f64>,
 }
 
-/// One steady diffusion-reaction equation: -(D φ')' + sink φ = source in every cell, D = 1 + ν_t/σ.
+/// Steady diffusion-reaction equation of one quantity φ: -(D φ')' + sink φ = source in every cell, D = 1 + ν_t/σ.
 pub(super) struct Equation<'a> {
     /// [-] turbulent Prandtl number σ.
     pub prandtl: f64,
-    /// Coefficient of φ per volume, >= 0.
+    /// Coefficient of φ in the sink, per volume, >= 0.
     pub sink: &'a [f64],
-    /// Source per volume.
+    /// Source of φ per volume.
     pub source: &'a [f64],
-    /// Condition at the wall.
+    /// Condition on φ at the wall.
     pub wall: WallCondition,
 }
 
-/// Condition on a transported quantity at the wall.
+/// Condition on a transported quantity φ at the wall.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum WallCondition {
     /// φ = 0 at the wall itself.
     Zero,
     /// No flux through the wall.
     Insulated,
-    /// φ is known in the first cell.
+    /// φ has this value in the first cell.
     FirstCell(f64),
 }
 
 impl HalfChannel {
-    /// A half channel with faces given as fractions of h (0 first, 1 last) and a first guess of Re_τ.
+    /// A half channel with faces given as fractions of h (0 first, 1 last); `reynolds_tau` is a first guess.
     pub fn new(section: Section, faces: &[f64], reynolds_tau: f64) -> Self {
         let mut channel = Self {
             section,
@@ -67,8 +69,8 @@ impl HalfChannel {
             nu_t: Vec::new(),
         };
         channel.stretch(reynolds_tau);
-        // Any positive start converges. This one has the right size: the mixing length of the logarithmic layer with
-        // van Driest's damping (1956, A+ = 26), k+ = 1/sqrt(C_mu) and its mirror at the centre.
+        // Any positive start converges. This start has the right size: the mixing length of the logarithmic layer with
+        // van Driest's damping (1956, A+ = 26), k+ = 1/sqrt(C_mu), and both reduced towards the centre.
         for &y in &channel.y {
             let damping = 1.0 - (-y / 26.0).exp();
             let nu_t = wall_functions::KAPPA * y * damping * damping * (1.0 - 0.5 * y / reynolds_tau);
@@ -80,14 +82,14 @@ impl HalfChannel {
         channel
     }
 
-    /// Changes Re_τ on the same grid in y/h.
+    /// Changes Re_τ and keeps the grid in y/h.
     pub fn stretch(&mut self, reynolds_tau: f64) {
         let factor = reynolds_tau / self.reynolds_tau;
         self.face.iter_mut().chain(&mut self.y).for_each(|y| *y *= factor);
         self.reynolds_tau = reynolds_tau;
     }
 
-    /// Area at a distance `y` from the wall over that of the wall: 1 in a channel, r/R in a pipe.
+    /// Area of a surface at a distance `y` from the wall, over the area of the wall: 1 in a channel, r/R in a pipe.
     pub fn area(&self, y: f64) -> f64 {
         match self.section {
             Section::Channel => 1.0,
@@ -101,12 +103,12 @@ impl HalfChannel {
         (end - start) * self.area(0.5 * (start + end))
     }
 
-    /// Total shear stress 1 - y/h.
+    /// Total shear stress 1 - y/h, in units of the wall stress.
     pub fn stress(&self, y: f64) -> f64 {
         1.0 - y / self.reynolds_tau
     }
 
-    /// Eddy viscosity at an inner face, linear between the centres.
+    /// Eddy viscosity at an inner face, interpolated linearly between the two cell centres.
     pub fn face_nu_t(&self, face: usize) -> f64 {
         let weight = (self.face[face] - self.y[face - 1]) / (self.y[face] - self.y[face - 1]);
         self.nu_t[face - 1] + weight * (self.nu_t[face] - self.nu_t[face - 1])
@@ -122,12 +124,13 @@ impl HalfChannel {
         }
     }
 
-    /// dU/dy in a cell, from the stress balance.
+    /// Velocity gradient dU/dy in a cell, from the stress balance.
     pub fn shear(&self, cell: usize) -> f64 {
         self.stress(self.y[cell]) / (1.0 + self.nu_t[cell])
     }
 
-    /// Solves one equation for all cells (Thomas' algorithm) into `phi`; returns the largest relative change.
+    /// Solves one equation for all cells (Thomas' algorithm) and writes the solution to `phi`; returns the largest
+    /// relative change of `phi`.
     pub fn solve(&self, equation: &Equation, relaxation: f64, phi: &mut [f64]) -> f64 {
         let count = phi.len();
         let conductance = |face: usize| {
@@ -162,11 +165,11 @@ impl HalfChannel {
             change = change.max((difference / phi[i]).abs());
             phi[i] += relaxation * difference;
         }
-        // max() drops not-a-number, the sum does not.
+        // max() ignores not-a-number, the sum does not.
         if phi.iter().sum::<f64>().is_finite() { change } else { f64::NAN }
     }
 
-    /// Velocity on the centre plane: the parabola with zero slope there through the last two cells.
+    /// Velocity on the centre plane: the parabola through the last two cells, with zero slope on the plane.
     pub fn centre_velocity(&self) -> f64 {
         let last = self.u.len() - 1;
         let near = (self.reynolds_tau - self.y[last]).powi(2);
@@ -174,7 +177,7 @@ impl HalfChannel {
         self.u[last] + (self.u[last] - self.u[last - 1]) * near / (far - near)
     }
 
-    /// The cells in SI units.
+    /// Values of all cells in SI units.
     pub fn nodes(&self, model: TurbulenceModel, wall_unit: f64, friction_velocity: f64) -> Vec<GridNode> {
         (0..self.u.len())
             .map(|i| {
@@ -194,7 +197,7 @@ impl HalfChannel {
             .collect()
     }
 
-    /// Terms of the k equation, integrated.
+    /// Terms of the k equation, integrated over the half channel.
     pub fn k_budget(&self, model: TurbulenceModel) -> KBudget {
         let mut budget = KBudget::default();
         for i in 0..self.u.len() {
@@ -240,9 +243,9 @@ mod tests {
         }
     }
 
-    /// Without turbulence the profile in a pipe is that of Hagen and Poiseuille, U+ = R+/2 (1 - r²/R²), U_b+ = R+/4.
-    /// It is exact to rounding on even cells, whose faces are midway between their centres, and so is the friction
-    /// factor 64/Re.
+    /// Without turbulence the profile in a pipe is that of Hagen and Poiseuille, U+ = R+/2 (1 - r²/R²), U_b+ = R+/4. On
+    /// even cells, whose faces are midway between their centres, the profile and the friction factor 64/Re are exact to
+    /// rounding.
     #[test]
     fn laminar_flow_in_a_pipe_is_hagen_and_poiseuille() {
         let radius = 25.0;
@@ -251,7 +254,7 @@ mod tests {
             let mut pipe = HalfChannel::new(Section::Pipe, &faces, radius);
             pipe.nu_t.fill(0.0);
             let exact = |y: f64| 0.5 * radius * (1.0 - (1.0 - y / radius).powi(2));
-            // the velocity of the first centre follows from that of the wall by the stress midway
+            // the velocity of the first cell follows from the wall at rest and the stress midway between them
             pipe.integrate_momentum(pipe.y[0] * pipe.stress(0.5 * pipe.y[0]));
             for (y, u) in pipe.y.iter().zip(&pipe.u) {
                 assert!((u - exact(*y)).abs() < 1e-12 * radius, "{cells} cells, y = {y}: {u}");

@@ -3,7 +3,7 @@
 //! In a steady, fully developed channel of half width h the pressure gradient alone fixes the total shear stress,
 //! (ν + ν_t) dU/dy = u_τ² (1 - y/h). So the momentum equation is integrated, and only k and ε are iterated. All
 //! equations are solved in wall units (lengths ν/u_τ, velocities u_τ) on a finite-volume half channel. The friction
-//! Reynolds number is adjusted until the flow has the bulk velocity asked for.
+//! Reynolds number is adjusted until the flow has the requested bulk velocity.
 
 use super::half_channel::HalfChannel;
 use super::table::VelocityTable;
@@ -25,22 +25,22 @@ pub(super) const SIGMA_EPSILON: f64 = 1.3;
 const TURBULENT: f64 = 6000.0;
 /// [-] relative accuracy of the bulk velocity, well within the 1e-4 that the studies state.
 const BULK_TOLERANCE: f64 = 1e-10;
-/// [-] largest relative change of k, ε and ν_t in a last sweep.
+/// [-] largest relative change of k, ε and ν_t in the sweep that ends the iteration.
 const SWEEP_TOLERANCE: f64 = 1e-11;
-/// Sweeps over k and ε before giving up; some hundreds are usual.
+/// Largest number of sweeps over k and ε; some hundreds are usual.
 const SWEEPS: usize = 20_000;
-/// Corrections of the friction Reynolds number before giving up; about ten are usual.
+/// Largest number of corrections of the friction Reynolds number; about ten are usual.
 const CORRECTIONS: usize = 60;
-/// [-] exponent of Re_τ ~ Re^0.875 in Dean's correlation (1978): the slope of the correction.
+/// [-] exponent of Re_τ ~ Re^0.875 in Dean's correlation (1978), with which Re_τ is corrected by the bulk velocity.
 const DEAN_EXPONENT: f64 = 0.875;
 
 /// Cross-section of the gas flow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Section {
-    /// Between two parallel walls.
+    /// Gas between two parallel walls.
     Channel,
-    /// Within a round pipe.
+    /// Gas within a round pipe.
     Pipe,
 }
 
@@ -48,15 +48,15 @@ pub enum Section {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum TurbulenceModel {
-    /// Standard k-ε with equilibrium wall functions (Launder and Spalding 1974). The first node lies in the
-    /// logarithmic layer, and the law of the wall replaces the flow below it. The paper's choice. Needs Re >= 10 000.
+    /// Standard k-ε with equilibrium wall functions (Launder and Spalding 1974). The first node lies in the logarithmic
+    /// layer, and the law of the wall replaces the flow below it. The paper uses this model. It needs Re >= 10 000.
     WallFunctions,
-    /// Low-Reynolds-number k-ε (Launder and Sharma 1974), resolved down to the wall. Needs Re >= 6000.
+    /// Low-Reynolds-number k-ε (Launder and Sharma 1974), resolved down to the wall. It needs Re >= 6000.
     LaunderSharma,
 }
 
 impl TurbulenceModel {
-    /// [-] lowest bulk Reynolds number U_b L_y/ν of the model's range.
+    /// [-] lowest bulk Reynolds number U_b L_y/ν for which the model is valid.
     pub fn lowest_reynolds(self) -> f64 {
         match self {
             Self::WallFunctions => wall_functions::LOWEST_REYNOLDS,
@@ -74,7 +74,7 @@ impl std::fmt::Display for TurbulenceModel {
     }
 }
 
-/// The flow at one distance from the nearer wall.
+/// State of the gas at one distance from the nearer wall.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct GridNode {
     /// [m] distance y from the wall.
@@ -95,13 +95,13 @@ pub struct GridNode {
 pub struct ChannelFlow {
     /// Channel or pipe.
     pub section: Section,
-    /// The turbulence model.
+    /// Turbulence model with which the flow was solved.
     pub model: TurbulenceModel,
-    /// [m] full width 2h.
+    /// [m] full width 2h of the channel, or diameter of the pipe.
     pub height: f64,
     /// [m²/s] kinematic viscosity ν.
     pub kinematic_viscosity: f64,
-    /// [m/s] bulk velocity of the profile, law of the wall included.
+    /// [m/s] bulk velocity of the profile, including the law of the wall.
     pub bulk_velocity: f64,
     /// [m/s] velocity on the centre plane.
     pub centre_velocity: f64,
@@ -114,7 +114,7 @@ pub struct ChannelFlow {
     /// U(y) from the wall (0, 0) to the centre plane, as (y [m], U [m/s]): the nodes and, for wall functions, the law
     /// of the wall below the first of them and interpolated points between them.
     pub profile: Vec<(f64, f64)>,
-    /// Number of sweeps over k and ε, all corrections together.
+    /// Number of sweeps over k and ε, summed over all corrections of Re_τ.
     pub iterations: usize,
     /// [-] largest relative change in the last sweep.
     pub residual: f64,
@@ -216,8 +216,8 @@ impl ChannelFlow {
             };
             let table = half_table(&profile)?;
             let carried = match section {
-                Section::Channel => table.integral(), // U_b h/ν: the integral in wall units
-                Section::Pipe => 2.0 * table.integral_towards(channel.reynolds_tau), // over the area, U_b = 2 ∫ U r dr/R²
+                Section::Channel => table.integral(), // U_b h/ν is the integral in wall units
+                Section::Pipe => 2.0 * table.integral_towards(channel.reynolds_tau), // U_b = 2 ∫ U r dr/R² over the area
             };
             let excess = carried / target;
             if (excess - 1.0).abs() < BULK_TOLERANCE {
@@ -244,7 +244,7 @@ impl ChannelFlow {
         Err(format!("k-epsilon channel: no friction velocity for {bulk_velocity} m/s in {CORRECTIONS} corrections"))
     }
 
-    /// U(y) over the half channel as a monotone cubic with zero slope on the centre plane, y from 0 to h.
+    /// Velocity U(y) over the half channel as a monotone cubic with zero slope on the centre plane, y from 0 to h.
     ///
     /// # Errors
     ///
@@ -278,7 +278,7 @@ fn half_table(profile: &[(f64, f64)]) -> Result<VelocityTable, String> {
     VelocityTable::with_end_slopes(profile, [None, Some(0.0)])
 }
 
-/// Sweeps over k and ε until nothing changes; returns the last relative change.
+/// Sweeps over k and ε until they change no more; returns the last relative change.
 fn converge(channel: &mut HalfChannel, model: TurbulenceModel, iterations: &mut usize) -> Result<f64, String> {
     let mut change = f64::INFINITY;
     for _ in 0..SWEEPS {
@@ -297,7 +297,7 @@ fn converge(channel: &mut HalfChannel, model: TurbulenceModel, iterations: &mut 
     Err(format!("k-epsilon channel: {model:?} did not converge, the last relative change is {change:.3e}"))
 }
 
-/// [-] Re_τ from the bulk Reynolds number: C_f = 0.073 Re^(-1/4), Dean 1978; a start for the iteration.
+/// [-] Re_τ from the bulk Reynolds number by C_f = 0.073 Re^(-1/4) (Dean 1978): the start of the iteration.
 fn estimate(reynolds: f64) -> f64 {
     0.5 * reynolds * (0.5 * 0.073 * reynolds.powf(-0.25)).sqrt()
 }

@@ -3,19 +3,19 @@
 use super::half_channel::{Equation, HalfChannel, WallCondition};
 use super::k_epsilon::{C_1, C_2, C_MU, SIGMA_EPSILON, SIGMA_K};
 
-/// Number of cells over the half channel: twice as many change u_τ by less than 0.1 %.
+/// Number of cells over the half channel. Twice as many cells change u_τ by less than 0.1 %.
 pub(super) const CELLS: usize = 240;
-/// [-] y+ of the first cell's centre with `CELLS` cells.
+/// [-] y+ of the centre of the first cell, for `CELLS` cells.
 const FIRST_NODE: f64 = 0.05;
-/// Share of a new k, ε that replaces the old.
+/// Share of the newly computed k and ε in the next iterate; the previous values have the rest.
 const RELAXATION: f64 = 0.7;
 
-/// Faces of cells that grow by a constant factor from the wall, as fractions of h; more cells refine all of them
-/// equally.
+/// Faces of cells that grow by a constant factor from the wall, as fractions of h. A larger number of cells refines all
+/// of them equally.
 pub(super) fn faces(cells: usize, reynolds_tau: f64) -> Vec<f64> {
     let first = 2.0 * FIRST_NODE / reynolds_tau * CELLS as f64 / cells as f64;
     let sum = |growth: f64| (growth.powi(cells as i32) - 1.0) / (growth - 1.0);
-    // The growth factor whose cells add up to h, by bisection; 2 is far above any use.
+    // Bisection for the growth factor whose cells add up to h; 2 is far above any factor in use.
     let (mut low, mut high) = (1.0 + 1e-9, 2.0);
     for _ in 0..200 {
         let middle = 0.5 * (low + high);
@@ -26,12 +26,12 @@ pub(super) fn faces(cells: usize, reynolds_tau: f64) -> Vec<f64> {
     faces
 }
 
-/// Production of k, ν_t (dU/dy)².
+/// Production of k: ν_t (dU/dy)².
 pub(super) fn production(channel: &HalfChannel, cell: usize) -> f64 {
     channel.nu_t[cell] * channel.shear(cell).powi(2)
 }
 
-/// D = 2 ν (d√k/dy)², the difference between ε and ε̃, so that ε̃ = 0 at the wall.
+/// D = 2 ν (d√k/dy)², the difference between the dissipation ε and ε̃, chosen so that ε̃ = 0 at the wall.
 pub(super) fn wall_dissipation(channel: &HalfChannel, cell: usize) -> f64 {
     let slope = |face: usize| match face {
         0 => channel.k[0].sqrt() / channel.y[0],
@@ -57,7 +57,7 @@ fn reynolds_t(channel: &HalfChannel, cell: usize) -> f64 {
     channel.k[cell].powi(2) / channel.epsilon[cell]
 }
 
-/// One sweep: U, k, ε̃, ν_t; returns the largest relative change.
+/// Iterates U, k, ε̃ and ν_t once; returns the largest relative change.
 pub(super) fn sweep(channel: &mut HalfChannel) -> f64 {
     let count = channel.k.len();
     // No slip: the stress at the wall is the velocity of the first cell over its distance.
@@ -90,7 +90,7 @@ pub(super) fn sweep(channel: &mut HalfChannel) -> f64 {
     change
 }
 
-/// U(y): the wall, the cells, the centre plane.
+/// Profile U(y) through the wall, the cell centres and the centre plane.
 pub(super) fn profile(channel: &HalfChannel) -> Vec<(f64, f64)> {
     let nodes = channel.y.iter().copied().zip(channel.u.iter().copied());
     [(0.0, 0.0)].into_iter().chain(nodes).chain([(channel.reynolds_tau, channel.centre_velocity())]).collect()

@@ -7,14 +7,15 @@
 //! U⁺ = ln(1 + κ y⁺)/κ + C (1 - exp(-y⁺/11) - y⁺/11 exp(-y⁺/3)),   C = B - ln(κ)/κ
 //! ```
 //!
-//! with lengths in ν/u_τ and velocities in u_τ. It is used up to the middle plane and mirrored there. A real channel
-//! is some per cent faster in the middle (the wake), and its profile has no kink there; both are left out.
+//! with lengths in ν/u_τ and velocities in u_τ. The formula is used up to the middle plane and mirrored there. A real
+//! channel is some per cent faster in the middle (the wake), and its profile has no kink there; the formula leaves out
+//! both.
 
 use serde::Serialize;
 
-/// [-] y⁺ over which Reichardt's correction of the wall region fades out: Reichardt's value.
+/// [-] y⁺ over which the first of Reichardt's two corrections near the wall fades out: Reichardt's value.
 const OUTER_FADE: f64 = 11.0;
-/// [-] shorter of the two fading distances.
+/// [-] y⁺ over which the second correction fades out, the shorter of the two distances.
 const INNER_FADE: f64 = 3.0;
 /// The two constants of the logarithmic law.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -33,19 +34,19 @@ impl Default for LogConstants {
 }
 
 impl LogConstants {
-    /// C of Reichardt's formula [-].
+    /// Constant C of Reichardt's formula [-].
     fn amplitude(self) -> f64 {
         self.intercept - self.von_karman.ln() / self.von_karman
     }
 
-    /// U⁺ at y⁺ >= 0 [-].
+    /// Velocity U⁺ at y⁺ >= 0 [-].
     fn velocity(self, y: f64) -> f64 {
         let kappa = self.von_karman;
         let wall = 1.0 - (-y / OUTER_FADE).exp() - y / OUTER_FADE * (-y / INNER_FADE).exp();
         (kappa * y).ln_1p() / kappa + self.amplitude() * wall
     }
 
-    /// ∫ U⁺ dy⁺ from the wall to y⁺ = `h` [-].
+    /// Integral ∫ U⁺ dy⁺ from the wall to y⁺ = `h` [-].
     fn flow(self, h: f64) -> f64 {
         let kappa = self.von_karman;
         let logarithm = ((1.0 + kappa * h) * (kappa * h).ln_1p() - kappa * h) / (kappa * kappa);
@@ -58,7 +59,7 @@ impl LogConstants {
 /// A channel between walls at y = 0 and y = `height` in which the logarithmic law holds.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LogLaw {
-    /// κ and B.
+    /// The constants κ and B.
     pub constants: LogConstants,
     /// [m] full width 2h.
     pub height: f64,
@@ -66,7 +67,7 @@ pub struct LogLaw {
     pub kinematic_viscosity: f64,
     /// [m/s] friction velocity u_τ.
     pub friction_velocity: f64,
-    /// [m/s] mean over the width.
+    /// [m/s] mean velocity over the width.
     pub bulk_velocity: f64,
 }
 
@@ -74,7 +75,7 @@ impl LogLaw {
     /// [-] bulk Reynolds number U_b 2h/ν below which a channel is not fully turbulent: Dean 1978, range of his data.
     pub const LOWEST_REYNOLDS: f64 = 6000.0;
 
-    /// A channel with a given friction velocity [m/s]; the bulk velocity follows.
+    /// A channel with a given friction velocity [m/s], from which the bulk velocity is computed.
     ///
     /// # Errors
     /// A number that is not positive, or a bulk Reynolds number below 6000.
@@ -109,7 +110,7 @@ impl LogLaw {
         Ok(Self { constants, height, kinematic_viscosity, friction_velocity, bulk_velocity })
     }
 
-    /// A channel with a given bulk velocity [m/s]; the friction velocity follows.
+    /// A channel with a given bulk velocity [m/s], from which the friction velocity is computed.
     ///
     /// # Errors
     /// As [`LogLaw::with_friction_velocity`].
@@ -119,10 +120,10 @@ impl LogLaw {
         kinematic_viscosity: f64,
         constants: LogConstants,
     ) -> Result<Self, String> {
-        // the flow grows with u_τ: bisection between nothing and a wall stress that no channel has
+        // the flow grows with u_τ: bisection between 0 and the bulk velocity, a u_τ that no channel has
         let (mut low, mut high) = (0.0, bulk_velocity);
         let wanted = 0.5 * bulk_velocity * height / kinematic_viscosity;
-        // 60 halvings: to rounding
+        // 60 halvings reach the rounding error
         for _ in 0..60 {
             let middle = 0.5 * (low + high);
             if constants.flow(0.5 * height * middle / kinematic_viscosity) < wanted {
@@ -153,7 +154,7 @@ mod tests {
         LogLaw::with_friction_velocity(friction_velocity, PAPER.0, PAPER.1, LogConstants::default()).unwrap()
     }
 
-    /// Compares the closed integral with the midpoint rule, whose error is (10⁻⁵)² of the curvature.
+    /// Compares the integral in closed form with the midpoint rule, whose error is (10⁻⁵)² of the curvature.
     #[test]
     fn the_flow_is_the_integral_of_the_velocity() {
         let constants = LogConstants::default();
@@ -165,8 +166,8 @@ mod tests {
         }
     }
 
-    /// Near the wall U⁺ = y⁺ - 0.017 y⁺². Far out the profile exceeds the logarithmic law by 1/(κ² y⁺), which is 0.006 at
-    /// y⁺ = 1000.
+    /// Compares the formula with both limits. Near the wall U⁺ = y⁺ - 0.017 y⁺². Far out the profile exceeds the
+    /// logarithmic law by 1/(κ² y⁺), which is 0.006 at y⁺ = 1000.
     #[test]
     fn both_limits() {
         let constants = LogConstants::default();
@@ -182,7 +183,7 @@ mod tests {
         let law = law(0.80);
         let again = LogLaw::with_bulk_velocity(law.bulk_velocity, PAPER.0, PAPER.1, law.constants).unwrap();
         assert!((again.friction_velocity / 0.80 - 1.0).abs() < 1e-12);
-        // symmetric to rounding of height - y, at rest at both walls and beyond
+        // symmetric to rounding of height - y; zero at both walls and outside them
         assert!((law.velocity(0.013) / law.velocity(0.04 - 0.013) - 1.0).abs() < 1e-12);
         assert_eq!([law.velocity(0.0), law.velocity(0.04), law.velocity(-1.0)], [0.0; 3]);
     }

@@ -3,7 +3,7 @@
 //! The gas is frozen: the particles do not change it. It has a mean streamwise velocity (along z) that depends only
 //! on the wall-normal distance y (the paper's section 2.1), or in a pipe on the distance from the axis.
 //!
-//! To add a profile: one file that ends in a [`Profile`], and an arm where the case is resolved.
+//! To add a profile, write one file with a function that returns a [`Profile`], and an arm where the case is resolved.
 
 mod half_channel;
 mod k_epsilon;
@@ -33,7 +33,7 @@ pub struct Fluid {
     pub kinematic_viscosity: f64,
     /// Streamwise gas velocity against y, or against the distance from the axis of a pipe.
     pub profile: Profile,
-    /// Drag law; `None`: the gas is there but exerts no force.
+    /// Drag law; `None` if the gas exerts no force on the particles.
     pub drag: Option<Drag>,
 }
 

@@ -34,7 +34,7 @@ impl Pipe {
         0.5 * self.flow.height
     }
 
-    /// [m/s] velocity at x and y [m]; 0 from the wall on.
+    /// [m/s] velocity at x and y [m]; 0 at the wall and outside.
     #[inline]
     pub fn velocity_at(&self, x: f64, y: f64) -> f64 {
         let (x, y) = (x - self.center[0], y - self.center[1]);

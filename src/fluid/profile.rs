@@ -1,4 +1,4 @@
-//! The velocity profile the engines read.
+//! Velocity profiles of the gas.
 
 use super::k_epsilon::{ChannelFlow, TurbulenceModel};
 use super::log_law::LogLaw;
@@ -10,11 +10,11 @@ use std::sync::Arc;
 
 /// Streamwise gas velocity u_z(y), y in [0, height].
 ///
-/// A clone shares its tables. Evaluation takes the same time for any y and any number of points.
+/// A clone shares its tables with the original. Evaluation takes equal time for any y and any number of points.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Profile {
-    /// [m/s] the same velocity everywhere.
+    /// [m/s] one velocity at every y.
     Uniform(f64),
     /// A monotone cubic through given points.
     Tabulated(Arc<VelocityTable>),
@@ -26,12 +26,12 @@ pub enum Profile {
     Pipe(Arc<Pipe>),
 }
 
-/// Scales of velocity and length by which flows along smooth walls are similar.
+/// Scales of velocity and length by which flows along smooth walls are similar to each other.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct WallScale {
     /// [m/s] friction velocity u_τ.
     pub friction_velocity: f64,
-    /// [m] ν/u_τ.
+    /// [m] viscous length ν/u_τ.
     pub length: f64,
 }
 
@@ -55,8 +55,9 @@ impl Profile {
     /// The fully developed channel flow with bulk velocity `bulk_velocity` [m/s] between walls at y = 0 and
     /// y = `height` [m], by a k-epsilon model.
     ///
-    /// Exactly symmetric, zero at both walls and outside them. Its integral carries `bulk_velocity` to 1e-10 relative:
-    /// the solver adjusts u_τ to this very profile, for wall functions with the law of the wall below the first node.
+    /// The profile is exactly symmetric, and zero at both walls and outside them. Its mean equals `bulk_velocity` to
+    /// 1e-10 relative, because the solver adjusts u_τ to this very profile. With wall functions the profile contains
+    /// the law of the wall below the first node.
     ///
     /// # Errors
     ///
@@ -104,8 +105,8 @@ impl Profile {
         }
     }
 
-    /// [m/s] streamwise gas velocity at distance `y` [m] from the wall y = 0; outside the profile the value at its
-    /// end. In a pipe it is taken at this y in the plane through the axis.
+    /// [m/s] streamwise gas velocity at distance `y` [m] from the wall y = 0; outside the profile, the value at its
+    /// nearer end. In a pipe, it is the velocity at this y in the plane x = const through the axis.
     #[inline]
     pub fn velocity(&self, y: f64) -> f64 {
         match self {
@@ -134,7 +135,7 @@ impl Profile {
         (0..count).map(|i| i as f64 * step).map(|y| (y, self.velocity(y))).collect()
     }
 
-    /// The solution of a k-epsilon profile, of a channel or of a pipe.
+    /// Solution of the k-epsilon model from which a channel or pipe profile was made; `None` for other profiles.
     pub fn channel_flow(&self) -> Option<&ChannelFlow> {
         match self {
             Self::Uniform(_) | Self::Tabulated(_) | Self::LogLaw(_) => None,

@@ -2,14 +2,16 @@
 
 use serde::Serialize;
 
-/// Bins of the index per node: where nodes are evenly spaced, most bins hold none and the first guess is right.
+/// Number of bins of the index per node. With evenly spaced nodes, most bins contain no node, and the first guess of
+/// the piece is right.
 const BINS_PER_NODE: usize = 16;
 
-/// u(y) through given points: piecewise cubic, continuous slope, no overshoot between points (PCHIP: Fritsch and
-/// Butland 1984, slopes by the weighted harmonic mean of Brodlie); constant outside the points.
+/// Function u(y) through given points: piecewise cubic with continuous slope and no overshoot between points. The
+/// scheme is PCHIP: Fritsch and Butland 1984, slopes by the weighted harmonic mean of Brodlie. The function is constant
+/// outside the points.
 ///
-/// A uniform index over y leads to the piece, so that an evaluation costs the same anywhere: it is done once per
-/// particle and window.
+/// A uniform index over y gives the piece, so that an evaluation costs the same anywhere. One evaluation is needed per
+/// particle and window (time between two exchanges of momentum with the gas).
 #[derive(Clone, Debug, Serialize)]
 pub struct VelocityTable {
     pieces: Vec<CubicPiece>,
@@ -24,7 +26,7 @@ pub struct VelocityTable {
     last: f64,
 }
 
-/// u = value + s (slope + s (square + s cube)), s = y - start, up to y = end.
+/// Cubic piece u = value + s (slope + s (square + s cube)), s = y - start, up to y = end.
 #[derive(Clone, Copy, Debug, Serialize)]
 struct CubicPiece {
     start: f64,

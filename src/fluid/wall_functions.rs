@@ -4,31 +4,32 @@ use super::half_channel::{Equation, HalfChannel, WallCondition};
 use super::k_epsilon::{C_1, C_2, C_MU, SIGMA_EPSILON, SIGMA_K};
 use super::table::VelocityTable;
 
-/// [-] von Kármán's constant κ. With E = 9.0 a common pair, B = ln(E)/κ = 5.36; pairs in use differ (`docs/theory/gas.md`).
+/// [-] von Kármán's constant κ. With E = 9.0 it is a common pair, B = ln(E)/κ = 5.36; pairs in use differ
+/// (`docs/theory/gas.md`).
 pub(super) const KAPPA: f64 = 0.41;
 /// [-] E of U+ = ln(E y+)/κ on a smooth wall, the partner of κ = 0.41.
 const E: f64 = 9.0;
-/// [-] y+ where y+ = ln(E y+)/κ: the viscous sublayer ends there in the two-layer law of the wall; follows from κ and
-/// E.
+/// [-] y+ of the edge of the viscous sublayer in the two-layer law of the wall: the root of y+ = ln(E y+)/κ. It is
+/// computed from κ and E.
 const SUBLAYER: f64 = 11.225_301;
 
-/// [-] bulk Reynolds number below which the half channel has no room for a logarithmic layer and an outer layer of 5
-/// cells.
+/// [-] lowest bulk Reynolds number of the model. Below it, the half channel has no room for a logarithmic layer and an
+/// outer layer of 5 cells.
 pub(super) const LOWEST_REYNOLDS: f64 = 10_000.0;
-/// [-] target for y+ of the first node: the middle of the range where the result does not depend on it.
+/// [-] desired y+ of the first node: the middle of the range where the result does not depend on this y+.
 const FIRST_NODE: f64 = 30.0;
 /// Largest number of cells; the first node then lies above `FIRST_NODE` for Re_τ > 3600, still within 1 % of h from
 /// the wall.
 const MOST_CELLS: usize = 60;
 
-/// Share of a new k, ε that replaces the old.
+/// Share of the newly computed k and ε in the next iterate; the previous values have the rest.
 const RELAXATION: f64 = 0.7;
-/// Points of the logarithmic law below the first node.
+/// Number of points of the logarithmic law below the first node.
 const LAW_POINTS: usize = 24;
-/// Number of parts into which the profile cuts the gap between two nodes.
+/// Number of parts into which the profile divides the distance between two nodes.
 const PARTS: usize = 8;
 
-/// Number of cells over the half channel.
+/// Number of cells over the half channel at a friction Reynolds number.
 pub(super) fn cells(reynolds_tau: f64) -> usize {
     ((reynolds_tau / (2.0 * FIRST_NODE)).round() as usize).clamp(4, MOST_CELLS)
 }
@@ -38,7 +39,7 @@ pub(super) fn faces(cells: usize) -> Vec<f64> {
     (0..=cells).map(|face| face as f64 / cells as f64).collect()
 }
 
-/// u* = C_μ^(1/4) k_P^(1/2), the velocity scale of the wall cell.
+/// Velocity scale of the wall cell, u* = C_μ^(1/4) k_P^(1/2), with k_P the turbulent kinetic energy in the cell.
 fn scale(channel: &HalfChannel) -> f64 {
     C_MU.powf(0.25) * channel.k[0].sqrt()
 }
@@ -52,7 +53,7 @@ pub(super) fn production(channel: &HalfChannel, cell: usize) -> f64 {
     }
 }
 
-/// One sweep: U, k, ε, ν_t; returns the largest relative change.
+/// Iterates U, k, ε and ν_t once; returns the largest relative change.
 pub(super) fn sweep(channel: &mut HalfChannel) -> f64 {
     let count = channel.k.len();
     channel.integrate_momentum(law(channel, channel.y[0]));
@@ -79,14 +80,14 @@ pub(super) fn sweep(channel: &mut HalfChannel) -> f64 {
     change
 }
 
-/// The two-layer law of the wall: U = τ_w y below the sublayer's edge, U = τ_w/(κ u*) ln(E u* y) above.
+/// Velocity U by the two-layer law of the wall: τ_w y below the edge of the sublayer, τ_w/(κ u*) ln(E u* y) above.
 fn law(channel: &HalfChannel, y: f64) -> f64 {
     let scale = scale(channel);
     if y * scale < SUBLAYER { y } else { (E * scale * y).ln() / (KAPPA * scale) }
 }
 
-/// U(y): the law of the wall up to the first node; from there to the centre plane a monotone cubic in ln y through the
-/// nodes, because in y itself it would lose the logarithm between the first two.
+/// Profile U(y). Up to the first node it is the law of the wall. From there to the centre plane it is a monotone cubic
+/// in ln y through the nodes: a cubic in y would not follow the logarithm between the first two nodes.
 ///
 /// # Errors
 ///
@@ -104,7 +105,7 @@ pub(super) fn profile(channel: &HalfChannel) -> Result<Vec<(f64, f64)>, String> 
     y.push(channel.reynolds_tau);
     let centre = channel.centre_velocity();
     let nodes: Vec<_> = y.iter().zip(channel.u.iter().chain([&centre])).map(|(y, u)| (y.ln(), *u)).collect();
-    // dU/d(ln y) at the first node is the law's, 1/(κ u*).
+    // The slope dU/d(ln y) at the first node is that of the law of the wall, 1/(κ u*).
     let table = VelocityTable::with_end_slopes(&nodes, [Some(1.0 / (KAPPA * scale(channel))), Some(0.0)])?;
     for (pair, nodes) in y.windows(2).zip(nodes.windows(2)) {
         profile.push((pair[0], nodes[0].1));

@@ -9,23 +9,25 @@ use crate::work_sharing;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Largest number of particles that are followed; more could not be told apart, nor drawn fast enough.
+/// Largest number of particles that are followed. More particles could not be distinguished in a picture, nor drawn
+/// fast enough.
 const MOST_PARTICLES: usize = 500;
 
 /// Number of particles up to which each can be followed by eye, however far it flies between two frames.
 const FEW: usize = 50;
 
-/// Number of frames of a run.
+/// Smallest and largest number of frames of a run.
 const FRAMES: std::ops::RangeInclusive<usize> = 40..=241;
 
-/// Largest number of particles times frames of all variants together: a few megabytes on a page.
+/// Largest product of the number of particles and the number of frames, over all variants together: a few megabytes on
+/// a page.
 const BUDGET: usize = 90_000;
 
-/// [radii] mean distance that a particle flies between two frames, relative to the others: short enough to see its
-/// collisions.
+/// [radii] mean distance, relative to the other particles, that a particle flies between two frames: short enough to
+/// show its collisions.
 const FLIGHT: f64 = 1.0;
 
-/// [-] factor on that distance that is accepted if the whole run can then be shown.
+/// [-] factor on the distance `FLIGHT` that is accepted if the frames can then cover the whole run.
 const WHOLE: f64 = 5.0;
 
 /// State of the followed particles at one instant.
@@ -35,22 +37,23 @@ pub struct Frame {
     pub time: f64,
     /// [m] centres, inside the box along periodic axes.
     pub position: Vec<Vector3<f32>>,
-    /// [m/s] velocities. With drag, a frame between two samples has the velocities of the window that ends here.
+    /// [m/s] velocities. With drag, a frame between two samples has the velocities of the window that ends at this
+    /// frame. A window is the time between two exchanges of momentum with the gas.
     pub velocity: Vec<Vector3<f32>>,
     /// [m] largest overlap of each particle; 0 for particles without contact.
     pub overlap: Vec<f32>,
-    /// Solver that moved each particle: 0 none (it flew straight), 1 an island, 2 the engine, with all particles at
-    /// once.
+    /// Number of the method that moved each particle: 0 straight flight, 1 the solution of an island (a small group of
+    /// particles that may meet), 2 the engine with all particles at once.
     pub solver: Vec<u8>,
 }
 
-/// Frames of up to 500 particles at up to 241 instants, from the start on. If a run is too long for that, the frames
-/// are close enough in time to show collisions, and end before the run does.
+/// Frames of up to 500 particles at up to 241 instants, from the start on. In a run too long for that number, the
+/// frames are close enough in time to show collisions, and end before the run does.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Frames {
     /// [s] length of the run.
     duration: f64,
-    /// Largest number of followed particles, and of frames.
+    /// Largest number of followed particles, and largest number of frames.
     most: (usize, usize),
     /// [s] time to the next frame.
     spacing: f64,
@@ -65,7 +68,7 @@ pub struct Frames {
 }
 
 impl Frames {
-    /// An observer for one of `variants` that are shown together.
+    /// An observer of one run, where `variants` runs are shown together on a page.
     pub fn new(experiment: &Experiment, variants: usize) -> Self {
         let room = BUDGET / variants.max(1);
         let particles = MOST_PARTICLES.min(room / FRAMES.start()).min(experiment.count().max(1)).max(1);
@@ -78,15 +81,16 @@ impl Frames {
         Self { particles: radius.len(), species: vec![0; radius.len()], radius, frames, ..Self::default() }
     }
 
-    /// Step n: every n-th particle is followed.
+    /// Step n in the ids: every n-th particle is followed.
     fn every(&self) -> usize {
         self.particles.div_ceil(self.most.0.max(1)).max(1)
     }
 
-    /// [s] time to the next frame: evenly spaced over the run if the particles do not fly too far between frames.
+    /// [s] time to the next frame. Frames are evenly spaced over the run if the particles do not fly too far between
+    /// frames.
     fn space(&self, simulation: &Simulation) -> f64 {
         let even = self.duration / self.most.1.saturating_sub(1).max(1) as f64;
-        // decided at the start: frames spaced over the whole run stay so
+        // the spacing is chosen at the start: frames spaced over the whole run stay so
         let goes_on = self.frames.len() > 1 && self.spacing >= even;
         if simulation.count() <= FEW || goes_on {
             return even;
@@ -97,8 +101,8 @@ impl Frames {
 }
 
 impl Frames {
-    /// True if there is room for a last frame at `time` [s]. It shows the last state of a run that is shown as a whole,
-    /// or that has stopped.
+    /// True if there is room for a last frame at `time` [s]. This frame shows the end of a run that is shown as a
+    /// whole, or that has stopped.
     fn lacks(&self, time: f64) -> bool {
         self.frames.len() < self.most.1 && self.frames.last().is_some_and(|frame| frame.time < time)
     }
@@ -109,7 +113,7 @@ impl Observer for Frames {
         (self.frames.len() < self.most.1).then_some(now + self.spacing)
     }
 
-    // with the velocities of the last window, particles flew from the last frame to this one
+    // no drag update is needed: particles flew from the last frame to this one with the velocities of the last window
     fn needs_velocities(&self) -> bool {
         false
     }

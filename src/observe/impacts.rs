@@ -1,4 +1,4 @@
-//! Impacts in each interval between samples, and those of the averaging period.
+//! Impacts in each interval between two samples, and impacts of the averaging period.
 
 use super::{Needs, Observer, plain_data};
 use crate::experiment::{AverageFrom, Experiment};
@@ -8,11 +8,11 @@ use crate::simulation::Simulation;
 use crate::statistics::{Batches, Estimate, FEWEST_BLOCKS, estimate};
 use serde::{Deserialize, Serialize};
 
-/// Number of parts of a run between which a detected start of averaging may lie. It is found to a fortieth of the run,
-/// in the first half of the run ([`judge`](crate::statistics::judge)).
+/// Number of parts of a run at whose ends averaging may start, if the start is detected. The start lies in the first
+/// half of the run and is found to a fortieth of the run ([`judge`](crate::statistics::judge)).
 const MARKS: u64 = 40;
 
-/// Sums over the impacts up to a sample.
+/// Sums over all impacts from the start of the run to a sample.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct ImpactSample {
     count: u64,
@@ -37,7 +37,7 @@ impl ImpactSample {
     }
 }
 
-/// The impacts between particles, or those on walls, up to every sample.
+/// Sums over the impacts of particles with particles, or with walls, from the start to every sample.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct ImpactSeries {
     on_walls: bool,
@@ -46,7 +46,7 @@ pub struct ImpactSeries {
     duration: f64,
     schedule: Schedule,
     samples: Vec<ImpactSample>,
-    /// All impacts up to a time [s], kept at times at which averaging begins or may turn out to have begun.
+    /// Sums over all impacts up to a time [s], stored at times at which averaging begins or may turn out to have begun.
     marks: Vec<(f64, Impacts)>,
 }
 
@@ -75,7 +75,7 @@ impl ImpactSeries {
     /// True if averaging may begin at the sample at `time` [s].
     fn begins(&self, time: f64) -> bool {
         match self.average_from {
-            // 1e-9: rounding of a sum of windows
+            // 1e-9 allows for the rounding of a sum of windows
             AverageFrom::Time(from) => self.marks.is_empty() && time >= from * (1.0 - 1e-9),
             AverageFrom::Steady => {
                 let apart = (self.schedule.samples / MARKS).max(1);
@@ -89,14 +89,14 @@ impl ImpactSeries {
         self.samples.windows(2).map(|pair| pair[1].since(&pair[0]))
     }
 
-    /// Impacts since the first mark (possible start of averaging) at or after `from` [s], or since the last mark if all
-    /// marks are earlier; none without marks.
+    /// Impacts since the first mark (possible start of averaging) at or after `from` [s]. If all marks are earlier,
+    /// impacts since the last mark; without marks, none.
     pub fn since(&self, from: f64, record: &Record) -> Impacts {
         let begun = self.marks.iter().find(|(time, _)| *time >= from * (1.0 - 1e-9)).or(self.marks.last());
         begun.map_or_else(Impacts::default, |(_, before)| self.of(record).since(before))
     }
 
-    /// [1/s] impact rate from sample `first` on.
+    /// [1/s] mean impact rate from sample `first` on.
     pub fn rate(&self, first: usize) -> Option<Estimate> {
         estimate(&self.rates(first))
     }
@@ -107,16 +107,16 @@ impl ImpactSeries {
         self.intervals().skip(first).map(|totals| totals.count as f64 / interval).collect()
     }
 
-    /// Impact rate by blocks of time from sample `first` on, which is at `from` [s]; `None` if no sample follows. The
-    /// rate over an interval is known at the end of the interval.
+    /// Impact rate averaged over blocks of time from sample `first` on, which is at `from` [s]; `None` if no sample
+    /// follows. The time of a rate is the end of its interval.
     pub fn batches(&self, first: usize, from: f64) -> Option<Batches> {
         let interval = self.schedule.interval();
         Batches::of_series(&self.rates(first), interval, from + interval)
     }
 
-    /// Realised restitution: root of the normal energy after over that before, summed over all impacts. Its standard
-    /// error comes from the scatter over the intervals of rebound² - e² approach², the excess returned in each
-    /// interval. `None` without an impact.
+    /// Realised restitution: root of the normal energy after the impacts over the normal energy before, both summed
+    /// over all impacts. Its standard error is computed from the scatter over the intervals of rebound² - e² approach²,
+    /// the excess energy in an interval. `None` without an impact.
     pub fn restitution(&self) -> Option<Estimate> {
         let intervals: Vec<ImpactSample> = self.intervals().collect();
         let before: f64 = intervals.iter().map(|totals| totals.approach).sum();

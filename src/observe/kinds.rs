@@ -1,4 +1,4 @@
-//! Mixtures: averages of each species, and impacts of each pair of kinds.
+//! Averages of each species in a mixture, and impacts of each pair of kinds. A kind is a species or a wall.
 
 use super::motion::Followed;
 use super::{Needs, Observer, plain_data};
@@ -12,7 +12,7 @@ use crate::statistics::{Accumulator, Batches, Estimate, ProfileTable, VelocitySp
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Samples of one species.
+/// Means over the particles of one species at every sample.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct OfSpecies {
     species: u16,
@@ -22,13 +22,13 @@ struct OfSpecies {
     velocity: Vec<f64>,
     /// [m²/s²] granular temperature at every sample; `None` at samples with too few particles.
     temperature: Vec<Option<f64>>,
-    /// [J] mean kinetic energy per degree of freedom at every sample. Empty unless the particles of the species differ
-    /// in mass.
+    /// [J] mean kinetic energy per degree of freedom at every sample. Empty unless masses differ within the species.
     energy: Vec<Option<f64>>,
 }
 
-/// Samples of the species of a scene with several, and impacts of each pair of kinds up to every sample. Nothing is
-/// kept for a scene with one species: the results for all particles are then its results.
+/// Measurements of a scene with several species: means over each species at every sample, and impacts of each pair of
+/// kinds up to every sample. For a scene with one species nothing is stored, since the results for all particles are
+/// those of the species.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Kinds {
     slices: usize,
@@ -49,7 +49,7 @@ pub struct SpeciesAverages {
     pub count: usize,
     /// [1/m³] particles of the species per volume of the box.
     pub number_density: f64,
-    /// [m/s] mean streamwise velocity.
+    /// [m/s] mean streamwise velocity of the species.
     pub velocity: Option<Estimate>,
     /// [m²/s²] granular temperature, about the mean of the species in each slice at the same instant.
     pub temperature: Option<Estimate>,

@@ -1,9 +1,9 @@
 //! Mixing: the share of particles that stay in one layer. Time averages of one run are valid for other runs only if
 //! particles change layers.
 //!
-//! Every particle has fixed signs, drawn from its id. Sums of these signs in layers along y at two instants tell how
-//! many particles are in one layer at both instants: signs of one particle agree, those of two particles cancel on
-//! average.
+//! Every particle has fixed random signs +1 or -1, drawn from its id. The signs are summed in layers along y at two
+//! instants. The product of the two sums of a layer estimates the number of particles that are in the layer at both
+//! instants: signs of one particle multiply to 1, while products of two particles cancel on average.
 
 use super::{Needs, Observer, plain_data};
 use crate::experiment::Experiment;
@@ -13,26 +13,26 @@ use rand::{Rng, SeedableRng};
 use rand_xoshiro::SplitMix64;
 use serde::{Deserialize, Serialize};
 
-/// Sums per layer: the count, and 31 sums of signs. The share of particles that stay then has an error of 1/sqrt(31
-/// layers).
+/// Number of sums per layer: the number of particles, and 31 sums of signs. The share of particles that stay has a
+/// statistical error of 1/sqrt(31 layers).
 const SUMS: usize = 32;
-/// Largest number of layers: the share of particles that stay then has an error of 0.02.
+/// Largest number of layers, for which the share of particles that stay has an error of 0.02.
 const LAYERS: f64 = 64.0;
-/// Smallest number of layers: with fewer, too many particles stay in a layer by chance.
+/// Smallest number of layers. With fewer layers too many particles stay in a layer by chance.
 const FEWEST_LAYERS: f64 = 4.0;
-/// Number of instants before the end with which the layers at the end can be compared.
+/// Number of stored instants before the end, one of which is compared with the end.
 const MARKS: u64 = 8;
 
 /// Sums of signs in layers at one instant.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct LayerSample {
-    /// [s]
+    /// [s] simulated time.
     time: f64,
-    /// A row per layer.
+    /// Sums of each layer: the number of particles, then 31 sums of signs.
     rows: Vec<Vec<f64>>,
 }
 
-/// Layers of the particles at several instants.
+/// Sums of signs in the layers at several instants of a run.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Mixing {
     layers: usize,
@@ -57,8 +57,9 @@ impl Mixing {
         }
     }
 
-    /// [-] share of the particles that are in the same layer at the end as at `from` [s], beyond the share by chance.
-    /// It is 1 for a bed at rest and 0 for a gas that mixes. `None` if there are too few layers or particles to tell.
+    /// [-] share of the particles that are in one layer at `from` [s] and at the end, minus the share expected by
+    /// chance. The value is 1 for a bed at rest and 0 for a gas that mixes. `None` if there are too few layers or
+    /// particles.
     pub fn remembered(&self, from: f64) -> Option<f64> {
         let last = self.marks.last()?;
         let mut before = self.marks.iter().filter(|mark| mark.time < last.time);
@@ -72,7 +73,7 @@ impl Mixing {
     }
 }
 
-/// The row of a particle: one, then its signs.
+/// Contribution of a particle to the sums of its layer: 1, then its signs.
 fn row(id: u32) -> [f64; SUMS] {
     let bits = SplitMix64::seed_from_u64(u64::from(id)).next_u32();
     std::array::from_fn(|k| if k == 0 || bits >> k & 1 == 0 { 1.0 } else { -1.0 })

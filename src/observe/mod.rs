@@ -1,9 +1,11 @@
 //! Measurements while a simulation runs.
 //!
-//! An [`Observer`] sees the simulation at the times that it asks for, and keeps the data that it needs. [`run`] is the
-//! loop over the run: it advances the simulation from sample to sample and shows it to each observer at the requested
-//! times. The data of observers are plain, so that they can be stored with the state of the particles. [`RunLoop`] is
-//! the loop for runs that may be stopped at the end of any window, stored, and resumed.
+//! An [`Observer`] is called with the simulation at the times that it requests, and keeps the data that it needs.
+//! [`run`] is the loop over a run: it advances the simulation from sample to sample and calls each observer at the
+//! requested times. A sample is an instant of the schedule at which measurements are taken. A window is the time
+//! between two exchanges of momentum with the gas. The data of observers are plain, so that they can be stored with the
+//! state of the particles. [`RunLoop`] is the loop for runs that may be stopped at the end of any window, stored, and
+//! resumed.
 
 mod energy;
 mod frames;
@@ -41,7 +43,7 @@ use crate::simulation::Simulation;
 use crate::statistics::Accumulator;
 use crate::stored::{StoreError, Stored};
 
-/// Storing of an observer that consists of plain data.
+/// Implements storing for an observer that consists of plain data.
 macro_rules! plain_data {
     () => {
         fn stored(&self) -> Result<crate::stored::Stored, crate::stored::StoreError> {
@@ -56,74 +58,75 @@ macro_rules! plain_data {
 }
 use plain_data;
 
-/// Data that an observer needs if processes share a run and each has a part of the particles.
+/// Particles that an observer needs if several processes share a run, each with a part of the particles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Needs {
-    /// No particles.
+    /// The observer needs no particles.
     Nothing,
-    /// Sums over all particles, made with [`Simulation::sample`] and the records documented as sums of it. At samples
-    /// that every process shows to its own copy of an observer, the observer works on the local particles. The records
-    /// of the whole run are those of the simulation of the lead process.
+    /// Sums over all particles, computed with [`Simulation::sample`], and those records that are documented as sums. At
+    /// a sample every process calls its copy of the observer with the local particles. Only in the lead process does
+    /// the simulation contain the records of the whole run.
     Sums,
-    /// In every process the local particles, while each process has a part; otherwise the lead has all. As with sums,
-    /// but at any time; the records are not those of the whole run.
+    /// The local particles in every process, while each process has a part of the particles; otherwise all particles in
+    /// the lead process. Unlike for sums, this holds at any time, and the records are not those of the whole run.
     Parts,
     /// Every n-th particle by id (1: all), and the particles in contact with these. [`Simulation::count`] and
-    /// [`Simulation::agitation`] refer to all particles.
+    /// [`Simulation::agitation`] refer to all particles nevertheless.
     Every(u32),
 }
 
-/// Sees a simulation from time to time. It only reads: results are bitwise equal for any observers and times.
+/// Measurement that is called with the simulation at several times of a run. An observer only reads: results are
+/// bitwise equal for any observers and times.
 ///
-/// Every closure that takes a `&Simulation` is an observer of every sample.
+/// Every closure that takes a `&Simulation` is an observer that is called at every sample.
 pub trait Observer: Send {
-    /// [s] next time, after the present `now` [s] (a whole number of windows), at which the observer wants to see the
-    /// simulation. It is shown at the end of the first window that reaches this time. `None`: not again. Every observer
-    /// sees the start. By default, the next sample.
+    /// [s] next time after the present time `now` [s] at which the observer is to be called; `None` if it is not to be
+    /// called again. The call takes place at the end of the first window that reaches this time. Every observer is
+    /// called at the start. By default, returns the time of the next sample.
     fn next(&self, now: f64, schedule: &Schedule) -> Option<f64> {
         Some(now + schedule.interval())
     }
 
-    /// True if velocities must be of the same instant as positions. With drag, they lag behind by up to half a window
-    /// of drag between two samples. To update them for an observer costs as much as the drag of a window.
+    /// True if velocities must belong to the instant of the positions. Between two samples velocities lag behind by up
+    /// to half a window of drag. To update them costs as much as the drag of a window.
     fn needs_velocities(&self) -> bool {
         true
     }
 
-    /// Particles that the observer needs if processes share a run; by default all. It must also work with all
-    /// particles.
+    /// Particles that the observer needs if processes share a run; by default all. The observer must also work if it is
+    /// called with all particles.
     fn sight(&self) -> Needs {
         Needs::Every(1)
     }
 
-    /// Takes the data that the observer needs. Positions and velocities are of one instant if
-    /// [`needs_velocities`](Self::needs_velocities).
+    /// Takes the data that the observer needs from the simulation. Positions and velocities belong to one instant if
+    /// [`needs_velocities`](Self::needs_velocities) returns true.
     fn see(&mut self, simulation: &Simulation);
 
-    /// Reason to stop the run, such as a full disk; asked for at every sample. `None`: the run may continue.
+    /// Reason to stop the run, such as a full disk; called at every sample. `None` if the run may continue.
     fn stop(&self) -> Option<String> {
         None
     }
 
-    /// Particles that the observer needs when the run is over at `now` [s]. An observer that then needs sums sees the
-    /// simulation once more before its [`end`](Self::end). By default, none.
+    /// Particles that the observer needs at the end of the run, `now` [s]. An observer that then needs sums is called
+    /// once more before its [`end`](Self::end). By default, none.
     fn sight_of_end(&self, _now: f64) -> Needs {
         Needs::Nothing
     }
 
-    /// Called when the run is over, or has stopped with a failure: the state is the last one.
+    /// Takes data from the last state of the run, which is over or has stopped with a failure.
     fn end(&mut self, _simulation: &Simulation) {}
 
-    /// Data of the observer, for a run that is resumed after the program has ended. By default none, which suits an
-    /// observer that only displays. An observer that writes files during the run stores its position in them.
-    ///
+    /// Data of the observer, stored so that the run can be resumed after the program has ended. By default there are
+    /// none, which suits an observer that only displays. An observer that writes files during the run stores its
+    /// position in them.
     /// # Errors
     /// The data cannot be stored.
     fn stored(&self) -> Result<Stored, StoreError> {
         Ok(Stored::default())
     }
 
-    /// Continues from the data that an observer of this type, made for the same run, has stored.
+    /// Restores the data that an observer of this type has stored in the same run.
     ///
     /// # Errors
     /// The bytes are not those of such an observer.
@@ -151,10 +154,10 @@ impl Observer for Accumulator {
     plain_data!();
 }
 
-/// Runs a simulation from its start through all windows of its schedule and shows it to the observers at their times.
+/// Runs a simulation through all windows of its schedule, and calls the observers at their times.
 ///
 /// # Errors
-/// The failure that stopped it.
+/// The failure that stopped the run.
 pub fn run(
     simulation: &mut Simulation,
     schedule: &Schedule,

@@ -1,4 +1,4 @@
-//! The streamwise forces on all particles.
+//! Streamwise forces on all particles: drag, weight and wall shear.
 
 use super::{Needs, Observer, plain_data};
 use crate::schedule::Schedule;
@@ -6,30 +6,30 @@ use crate::simulation::Simulation;
 use crate::statistics::{Estimate, estimate};
 use serde::{Deserialize, Serialize};
 
-/// Mean streamwise (z) forces on all particles over the averaging period [N]; `None` if it has no sample. In a steady
-/// flow the forces add up to zero.
+/// Mean streamwise (z) forces on all particles over the averaging period [N]. A force is `None` if the period contains
+/// no sample. In a steady flow the forces add up to zero.
 #[derive(Clone, Copy, Debug, Default, Serialize)]
 pub struct Balance {
     /// [N] mean drag.
     pub drag: Option<Estimate>,
-    /// [N] weight, N m g along z (negative: against the flow).
+    /// [N] weight N m g of all particles along z (negative: against the flow).
     pub weight: f64,
-    /// [N] mean wall shear on the particles.
+    /// [N] mean shear force of the walls on the particles.
     pub wall: Option<Estimate>,
-    /// [N] drag + weight + wall.
+    /// [N] sum of drag, weight and wall force.
     pub residual: Option<Estimate>,
 }
 
-/// Streamwise momentum given to the particles up to every sample.
+/// Streamwise momentum given to all particles from the start to every sample.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct MomentumBooks {
     /// [s] time between samples.
     interval: f64,
     /// [N] weight of all particles along z.
     weight: f64,
-    /// [kg m/s] momentum given by drag.
+    /// [kg m/s] momentum given by drag, at every sample.
     drag: Vec<f64>,
-    /// [kg m/s] momentum given by walls.
+    /// [kg m/s] momentum given by walls, at every sample.
     wall: Vec<f64>,
 }
 
@@ -56,7 +56,7 @@ impl MomentumBooks {
 }
 
 impl Balance {
-    /// True if it is known that no force acts along the stream.
+    /// True if drag, weight and wall force are known to be zero along the stream.
     pub fn is_idle(&self) -> bool {
         let none = |force: Option<Estimate>| force.is_some_and(|force| force.value == 0.0);
         none(self.drag) && self.weight == 0.0 && none(self.wall)

@@ -7,7 +7,7 @@ use crate::statistics::{Batches, Estimate, Steadiness, SteadySeries, VelocitySpr
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Means over all particles at every sample.
+/// Means over all particles at every sample, for the test for a steady state.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Motion {
     /// Number of slices for the temperature.
@@ -16,16 +16,16 @@ pub struct Motion {
     times: Vec<f64>,
     /// [m/s] mean velocity.
     velocity: Vec<Vector3<f64>>,
-    /// [m²/s²] mean square of the velocity about the mean velocity: it drifts as long as the agitation or the profile
-    /// does.
+    /// [m²/s²] mean square of the velocity about the mean velocity. It drifts as long as the agitation or the velocity
+    /// profile does.
     agitation: Vec<f64>,
     /// [m²/s²] parts of the granular temperature along x, y and z; `None` at samples with too few particles.
     temperature: Vec<Option<Vector3<f64>>>,
-    /// [m] mean position along x, y and z, and [m²] mean square of y.
+    /// [m] mean position along x, y and z, and [m²] mean square of y, at every sample.
     place: Vec<[f64; 4]>,
-    /// Number of impacts so far, of pairs and on walls.
+    /// Number of impacts so far, of pairs and on walls, at every sample.
     impacts: Vec<[u64; 2]>,
-    /// True for axes along which a mean position is defined: those that are not periodic.
+    /// True for each axis along which a mean position is defined, that is, which is not periodic.
     bounded: [bool; 3],
     /// [m] lengths of the domain.
     size: Vector3<f64>,
@@ -39,9 +39,9 @@ pub struct Motion {
 pub struct Followed {
     /// Value at every sample.
     pub values: Vec<f64>,
-    /// Scale, as in [`SteadySeries`].
+    /// Scale of the quantity, as in [`SteadySeries`].
     pub scale: f64,
-    /// Smallest drift that counts, as in [`SteadySeries`].
+    /// Smallest drift of the quantity that counts, as in [`SteadySeries`].
     pub step: f64,
 }
 
@@ -51,8 +51,8 @@ impl Followed {
     }
 }
 
-/// [-] share of a diameter: a mean position that drifts by less is at rest, as speeds below a hundredth of sqrt(g d)
-/// are.
+/// [-] largest drift of a mean position that counts as rest, as a share of a diameter. Likewise, speeds below a
+/// hundredth of sqrt(g d) count as rest.
 const PLACE: f64 = 0.01;
 
 impl Motion {
@@ -74,9 +74,9 @@ impl Motion {
         }
     }
 
-    /// Start of averaging, as given or detected, and the result of the test for a steady state from there on. All
-    /// quantities that are compared between steady runs are tested: velocity, temperature, positions and impact rates.
-    /// `more` holds quantities that other observers have seen at the same samples.
+    /// Start of averaging, as given or detected, and the result of the test for a steady state from then on. The test
+    /// covers all quantities that are compared between steady runs: velocity, temperature, positions and impact rates.
+    /// `more` holds quantities that other observers measured at the same samples.
     pub fn steadiness(&self, asked: AverageFrom, more: Vec<Followed>) -> Steadiness {
         let from = match asked {
             AverageFrom::Time(from) => Some(from),
@@ -103,7 +103,7 @@ impl Motion {
         let squares = || self.place.iter().map(|place| place[3]).collect();
         let square = self.size.y * self.size.y;
         all.extend(self.bounded[1].then(|| followed(squares(), square, PLACE * diameter * self.size.y)));
-        // impact rates of bodies at rest, which move more slowly than the rest speed, are not tested
+        // impact rates are not tested for bodies at rest, that is, bodies slower than the rest speed
         let rests = self.agitation.last().is_none_or(|last| *last < speed * speed);
         for which in 0..if rests { 0 } else { 2 } {
             let rates: Vec<f64> =
@@ -114,12 +114,13 @@ impl Motion {
         all
     }
 
-    /// Index of the first sample at `from` [s] or later; the number of samples if all came before.
+    /// Index of the first sample at `from` [s] or later; the number of samples if all samples are earlier.
     pub fn first(&self, from: f64) -> usize {
         self.times.iter().position(|time| *time >= from).unwrap_or(self.times.len())
     }
 
-    /// [m²/s²] granular temperature from sample `first` on; `None` if it is unknown at one of the samples.
+    /// [m²/s²] mean granular temperature from sample `first` on; `None` if the temperature is unknown at one of the
+    /// samples.
     pub fn temperature(&self, first: usize) -> Option<Estimate> {
         estimate(&self.temperatures(first)?)
     }
@@ -128,7 +129,8 @@ impl Motion {
         self.temperature.iter().skip(first).map(|parts| parts.map(|parts| parts.sum() / 3.0)).collect()
     }
 
-    /// The granular temperature by blocks of time from sample `first` on; `None` if it is not known.
+    /// Granular temperature averaged over blocks of time from sample `first` on; `None` if it is unknown at one of the
+    /// samples.
     pub fn batches(&self, first: usize) -> Option<Batches> {
         let interval = self.times.get(1)? - self.times.first()?;
         Batches::of_series(&self.temperatures(first)?, interval, *self.times.get(first)?)

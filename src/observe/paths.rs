@@ -7,10 +7,10 @@ use crate::simulation::Simulation;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Number of instants of a path, whatever the length of the run.
+/// Number of instants at which a path is recorded, whatever the length of the run.
 const INSTANTS: u64 = 1000;
 
-/// A particle at an instant.
+/// State of one particle at one instant.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PathSample {
     /// [s] simulated time.
@@ -27,13 +27,13 @@ pub struct PathSample {
     pub overlap: f64,
 }
 
-/// Paths of all particles of a scene of up to 50, at equal times in every variant of the scene; empty for larger
-/// scenes.
+/// Paths of all particles of a scene of up to 50 particles; empty for larger scenes. The instants are equal in all
+/// variants of the scene.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Paths {
     /// [s] time between instants.
     interval: f64,
-    /// Points in the order of time, then of id.
+    /// States of all particles in the order of time, then of id.
     pub points: Vec<PathSample>,
 }
 
@@ -45,7 +45,7 @@ impl Paths {
 }
 
 impl Paths {
-    /// True if paths end before a time [s].
+    /// True if the paths end before a time [s].
     fn lacks(&self, time: f64) -> bool {
         self.points.last().is_some_and(|point| point.time < time)
     }
@@ -53,7 +53,7 @@ impl Paths {
 
 impl Observer for Paths {
     fn next(&self, now: f64, _schedule: &Schedule) -> Option<f64> {
-        // there are no points if there were too many particles
+        // a scene with too many particles has no points
         (!self.points.is_empty()).then_some(now + self.interval)
     }
 

@@ -10,15 +10,15 @@ use crate::statistics::{Accumulator, ProfileTable};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Sums over the particles in rings of equal area about the axis of the pipe with the gas flow; empty for other gas
-/// flows.
+/// Sums over the particles in rings of equal area about the axis of the pipe through which the gas flows; empty for
+/// other gas flows.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Rings {
     profiles: Option<Accumulator>,
     count: usize,
 }
 
-/// One ring.
+/// One ring about the axis of a pipe, and the gas in it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Ring {
     /// [m] inner radius.
@@ -35,13 +35,13 @@ pub struct RingAverages {
     /// The rings; none if the gas does not flow through a pipe.
     pub rings: Vec<Ring>,
     /// Time averages, in the order of the rings. `y` is the radius [m] that halves the area of the ring. V is the mean
-    /// velocity away from the axis and W that around it; the moments use these components too. Densities are relative
-    /// to the mean of the pipe.
+    /// velocity away from the axis and W the mean velocity around the axis; the moments use these components too.
+    /// Densities are relative to the mean density in the pipe.
     #[serde(skip)]
     pub profiles: ProfileTable,
 }
 
-/// The pipe that the gas flows through.
+/// Pipe through which the gas flows; `None` for other gas flows.
 fn pipe(scene: &Scene) -> Option<&Pipe> {
     match &scene.fluid.as_ref()?.profile {
         Profile::Pipe(pipe) => Some(pipe),
@@ -50,15 +50,15 @@ fn pipe(scene: &Scene) -> Option<&Pipe> {
 }
 
 impl Rings {
-    /// An observer for an experiment, before any sample; there are as many rings as slices.
+    /// An observer for an experiment, before any sample; the number of rings is the number of slices of the case.
     pub fn new(experiment: &Experiment) -> Self {
         let count = experiment.statistics.slices;
-        // rings of equal area are slices of equal height of the square of the radius
+        // in the square of the radius, rings of equal area are slices of equal height
         let profiles = pipe(&experiment.scene).map(|_| Accumulator::new(count, 1.0));
         Self { profiles, count }
     }
 
-    /// Averages from the time `from` [s] on.
+    /// Averages in rings from the time `from` [s] on.
     pub fn averages(&self, scene: &Scene, from: f64) -> RingAverages {
         /// Number of circles per ring at which the gas velocity is taken.
         const CIRCLES: usize = 16;
@@ -90,7 +90,7 @@ impl Observer for Rings {
         for (place, velocity) in simulation.particles.position.iter().zip(&simulation.particles.velocity) {
             let (x, y) = (place.x - x, place.y - y);
             let r = x.hypot(y);
-            // on the axis itself no direction points outwards
+            // at the axis itself no direction points outwards
             let (cos, sin) = if r > 0.0 { (x / r, y / r) } else { (1.0, 0.0) };
             let outwards = velocity.x * cos + velocity.y * sin;
             let around = velocity.y * cos - velocity.x * sin;

@@ -1,4 +1,5 @@
-//! The loop over a run, and a run that is stopped and resumed.
+//! The loop over a run, which can be stopped at the end of any window, stored, and resumed. A window is the time
+//! between two exchanges of momentum with the gas.
 
 use super::{Needs, Observer};
 use crate::engine::Failure;
@@ -12,18 +13,19 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RunLoop {
     schedule: Schedule,
-    /// Number of windows done, in units of the shortest ones.
+    /// Number of windows done, in units of the shortest windows of the schedule.
     done: u64,
-    /// [s] the requested instant at which the current window was cut last; `None`: the run is at the end of a window.
+    /// [s] requested instant at which the current window was last interrupted; `None` if the run is at the end of a
+    /// window.
     cut: Option<f64>,
-    /// [s] next time of each observer: it sees the simulation at or after this time.
+    /// [s] next time of each observer, which is called at or after this time; `None` if it is not called again.
     due: Vec<Option<f64>>,
 }
 
-/// A run that was stopped at the end of a window, with all data needed to resume it with the same bits.
+/// State of a run that was stopped at the end of a window, with all data needed to resume it with the same bits.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Pause {
-    /// The simulation.
+    /// State of the simulation.
     pub snapshot: Snapshot,
     course: RunLoop,
     observers: Vec<Stored>,
@@ -35,11 +37,11 @@ impl RunLoop {
         Self { schedule: *schedule, done: 0, cut: None, due: vec![Some(0.0); observers] }
     }
 
-    /// Runs on, and shows the simulation to the observers at their times. At the end of every window `pause` is asked
-    /// if the run is to stop there. Returns true if the run is over.
+    /// Advances the run and calls the observers at their times. At the end of every window the run stops if `pause`
+    /// returns true. Returns true if the run is over.
     ///
-    /// A stopped run continues when this is called again, here or from a [`Pause`]. A caller that does not continue it
-    /// calls [`settle`](Self::settle).
+    /// A stopped run continues at the next call of this method, also from a [`Pause`]. A caller that does not continue
+    /// the run calls [`settle`](Self::settle).
     ///
     /// # Errors
     /// The failure that stopped the run.
@@ -74,7 +76,7 @@ impl RunLoop {
             if self.done == self.schedule.length() {
                 return Ok(true);
             }
-            // a run that has not moved would be stopped at the same position for ever
+            // a run that has not moved must go on, or it would stop at this position for ever
             if has_moved && pause() {
                 return Ok(false);
             }
@@ -106,8 +108,8 @@ impl RunLoop {
         }
     }
 
-    /// Shows the simulation at `now` [s], between two windows, to the observers whose time has come. Velocities lack a
-    /// half-kick of drag, `kick` [s].
+    /// Calls the observers whose time has come at `now` [s], between two windows. The velocities lack a half-kick of
+    /// drag of duration `kick` [s], which is added for observers that need velocities.
     fn see_between(
         &mut self,
         simulation: &mut Simulation,
@@ -132,20 +134,20 @@ impl RunLoop {
         }
     }
 
-    /// [s] present time according to the schedule. The time of the simulation itself has rounding errors that add up
+    /// [s] present time according to the schedule. The time in the simulation itself has rounding errors that add up
     /// over millions of windows.
     fn now(&self) -> f64 {
         self.cut.unwrap_or(self.done as f64 * self.schedule.window)
     }
 
-    /// Gives the velocities the half-kick of drag that they lack in a run stopped between two samples; for callers that
-    /// do not continue the run.
+    /// Adds to the velocities the half-kick of drag that they lack in a run stopped between two samples. It serves
+    /// callers that do not continue the run.
     pub fn settle(&self, simulation: &mut Simulation) {
         simulation.settle(self.schedule.window * self.schedule.together(self.done) as f64);
     }
 
-    /// Shows a sample to the observers whose time has come. If processes share the run, observers that need sums or
-    /// parts see the local particles in every process.
+    /// Calls the observers whose time has come at a sample. If processes share the run, observers that need sums or
+    /// parts are called with the local particles in every process.
     fn sample(&mut self, simulation: &mut Simulation, observers: &mut [&mut dyn Observer]) {
         let by_parts = |place: &usize| {
             matches!(observers[*place].sight(), Needs::Sums | Needs::Parts) && simulation.is_seen_by_all(*place)
@@ -157,8 +159,8 @@ impl RunLoop {
         self.see(simulation, self.now(), observers, &others);
     }
 
-    /// Shows the observers the end of a run. After a failure of the engine they see all particles. If the run was told
-    /// to stop, observers that need parts see these before.
+    /// Calls the observers at the end of a run. After a failure of the engine they are called with all particles. If a
+    /// run is stopped on request, observers that need parts are called with these first.
     pub fn end(&mut self, simulation: &mut Simulation, observers: &mut [&mut dyn Observer], failure: Option<&Failure>) {
         let sight: Vec<Needs> = observers.iter().map(|observer| observer.sight_of_end(simulation.time)).collect();
         let by_parts = |place: &usize| match sight[*place] {
@@ -179,17 +181,17 @@ impl RunLoop {
         observers.iter_mut().for_each(|observer| observer.end(simulation));
     }
 
-    /// Shows the simulation at `now` [s] to the observers with the given indices, and asks for their next times.
+    /// Calls the observers with the given indices at `now` [s], and stores their next times.
     fn see(&mut self, simulation: &Simulation, now: f64, observers: &mut [&mut dyn Observer], places: &[usize]) {
         for &place in places {
             observers[place].see(simulation);
-            // not twice at one time
+            // an observer is not called twice at one time
             let later = now + 2.0 * self.schedule.rounding();
             self.due[place] = observers[place].next(now, &self.schedule).map(|time| time.max(later));
         }
     }
 
-    /// Indices of the observers that want to see the simulation at `now` [s].
+    /// Indices of the observers that are to be called at `now` [s].
     fn due(&self, now: f64) -> Vec<usize> {
         let reached = now + self.schedule.rounding();
         let is_due = |(place, due): (usize, &Option<f64>)| due.filter(|due| *due <= reached).map(|_| place);
@@ -199,33 +201,34 @@ impl RunLoop {
     /// Stores all data that the run needs to continue from here.
     ///
     /// # Errors
-    /// An engine or an observer of the caller cannot be stored.
+    /// The caller's engine or one of its observers cannot be stored.
     pub fn store(&self, simulation: &Simulation, observers: &[&mut dyn Observer]) -> Result<Pause, StoreError> {
         let observers = observers.iter().map(|observer| observer.stored()).collect::<Result<_, _>>()?;
         Ok(Pause { snapshot: simulation.snapshot()?, course: self.clone(), observers })
     }
 }
 
-/// Lets all processes show their particles to the observers with the given indices, which exist in every process.
+/// Calls the observers with the given indices in every process, each with the local particles. Every process has a copy
+/// of these observers.
 fn show_parts(simulation: &mut Simulation, observers: &[&mut dyn Observer], places: &[usize]) {
     simulation.show_parts(places, |place| observers[place].stored().unwrap_or_default());
 }
 
-/// Gathers the particles that the observers need.
+/// Gathers in the lead process the particles that the observers need.
 fn show(simulation: &mut Simulation, sights: impl Iterator<Item = Needs>) {
     let asked = sights.filter_map(|sight| match sight {
         Needs::Nothing => None,
         Needs::Sums | Needs::Parts => Some(1),
         Needs::Every(every) => Some(every),
     });
-    // observers that follow the same few particles need only these
+    // only if all observers follow the same few particles is it enough to gather these
     if let Some(every) = asked.reduce(|one, other| if one == other { one } else { 1 }) {
         simulation.show(every);
     }
 }
 
 impl Pause {
-    /// Resumes the run of `experiment`. The observers must have been made anew for it, in the same order.
+    /// Resumes the run of `experiment`. The observers must have been newly made for this experiment, in the same order.
     ///
     /// # Errors
     /// The run was stored for another experiment, or with other observers.

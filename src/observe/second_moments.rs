@@ -1,4 +1,5 @@
-//! Budgets of the second moments: the processes that create and remove the agitation of the particles.
+//! Budgets of the second moments of the velocities: the processes that create and remove the agitation of the
+//! particles.
 //!
 //! In a steady flow that depends on y alone, every second moment R_ij = <v_i″ v_j″> of a slice of n particles is
 //! constant:
@@ -10,10 +11,11 @@
 //!     + impacts                                   between particles and on walls
 //! ```
 //!
-//! All four terms are measured independently. The work of impacts follows from the velocities before and after a window
-//! of the engine, minus drag and gravity; this holds for any model. The remainder shows how well the budget closes: it
-//! is due to chance and to the width of the slices. Impacts move momentum over the distance between two centres, which
-//! is part of the impact term.
+//! All four terms are measured independently. The work of impacts is computed from the velocities before and after the
+//! engine has moved the particles through a window, minus drag and gravity; this holds for any model. A window is the
+//! time between two exchanges of momentum with the gas. The remainder shows how well the budget closes: it is due to
+//! chance and to the width of the slices. Impacts carry momentum over the distance between two centres, which is part
+//! of the impact term.
 
 use super::Observer;
 use crate::exact::Groups;
@@ -24,9 +26,9 @@ use crate::statistics::{Estimate, estimate};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// The moments, as pairs of components of (u, v, w) = (streamwise, wall-normal, spanwise).
+/// The four moments, as pairs of components of (u, v, w) = (streamwise, wall-normal, spanwise).
 pub const MOMENTS: [(&str, usize, usize); 4] = [("uu", 0, 0), ("vv", 1, 1), ("ww", 2, 2), ("uv", 0, 1)];
-/// Number of parts of a run with sums of their own; the averaging period starts with one of them.
+/// Number of parts of a run whose sums are stored separately. The averaging period starts with one of the parts.
 const PARTS: u64 = 200;
 /// Number of blocks of time for each standard error.
 const BLOCKS: usize = 20;
@@ -58,39 +60,39 @@ impl<T> From<[T; 5]> for Terms<T> {
     }
 }
 
-/// The budgets of a run, in the order of [`MOMENTS`].
+/// Budgets of the four moments of a run, in the order of [`MOMENTS`].
 #[derive(Clone, Debug, Serialize)]
 pub struct Budgets {
     /// For every slice: its centre y [m], and its terms.
     pub slices: Vec<(f64, [Terms<Estimate>; 4])>,
-    /// Mean over all particles.
+    /// Terms of the budgets, averaged over all particles.
     pub whole: [Terms<Estimate>; 4],
     /// [m²/s³] change of uu + ww by friction at walls, mean over all particles: a part of the impact terms.
     pub wall_friction: Estimate,
     /// [m²/s³] change of vv by the restitution of walls, mean over all particles: a part of the impact term.
     pub wall_restitution: Estimate,
-    /// [s] start of the average.
+    /// [s] start of the averaging period.
     pub from: f64,
 }
 
-/// Sums over the particles of a slice and over windows; velocities (u, v, w) are relative to `reference`.
+/// Sums over the particles of a slice and over several windows; velocities (u, v, w) are relative to `reference`.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 struct MomentSums {
     count: f64,
     velocity: Vector3<f64>,
-    /// v_i v_j, by rows.
+    /// Sum of v_i v_j, by rows.
     square: [[f64; 3]; 3],
-    /// v_i v_j v of the four moments.
+    /// Sum of v_i v_j v for the four moments, v the wall-normal component.
     carried: [f64; 4],
     acceleration: Vector3<f64>,
-    /// a_i v_j + a_j v_i of the four moments.
+    /// Sum of a_i v_j + a_j v_i for the four moments, a the acceleration by drag.
     drag: [f64; 4],
     jump: Vector3<f64>,
-    /// Change of v_i v_j by impacts, of the four moments.
+    /// Sum of the changes of v_i v_j by impacts, for the four moments.
     jumps: [f64; 4],
 }
 
-/// Number of sums, and one more to make a multiple of four.
+/// Number of sums of a slice, and one unused number that makes a multiple of four.
 const TERMS: usize = 32;
 
 impl From<[f64; TERMS]> for MomentSums {
@@ -112,7 +114,7 @@ impl From<[f64; TERMS]> for MomentSums {
 }
 
 /// Contribution of one particle to the sums at the end of a window. The arguments are its velocity, its acceleration by
-/// drag, and its velocities before and after the engine moved it.
+/// drag, and its velocities before and after the engine has moved it.
 fn row([velocity, acceleration, before, after]: [&Vector3<f64>; 4]) -> [f64; TERMS] {
     let mut row = [1.0; TERMS];
     row[1..4].copy_from_slice(velocity.as_slice());
@@ -149,13 +151,13 @@ impl MomentSums {
         self.velocity / self.count
     }
 
-    /// <v_i″ v_j″> [m²/s²].
+    /// Moment <v_i″ v_j″> [m²/s²], with ″ the fluctuation about the mean.
     fn second(&self, i: usize, j: usize) -> f64 {
         let mean = self.mean();
         self.square[i][j] / self.count - mean[i] * mean[j]
     }
 
-    /// <v_i″ v_j″ v″> [m³/s³] of a moment.
+    /// Third moment <v_i″ v_j″ v″> [m³/s³] for one of the four moments.
     fn third(&self, moment: usize) -> f64 {
         let (_, i, j) = MOMENTS[moment];
         let (m, raw) = (self.mean(), |a: usize, b: usize| self.square[a][b] / self.count);
@@ -163,8 +165,8 @@ impl MomentSums {
             + 2.0 * m[i] * m[j] * m[1]
     }
 
-    /// A sum of changes of v_i v_j, relative to the mean velocity: changes of v_i and v_j by themselves only move the
-    /// mean.
+    /// Sum of changes of v_i v_j relative to the mean velocity. Changes of v_i and v_j that only move the mean are
+    /// subtracted.
     fn about(&self, moment: usize, products: f64, single: &Vector3<f64>) -> f64 {
         let (_, i, j) = MOMENTS[moment];
         let mean = self.mean();
@@ -172,18 +174,18 @@ impl MomentSums {
     }
 }
 
-/// Sums over a part of the run.
+/// Sums over one part of the run.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct MomentBlock {
     /// [s] start of the part.
     start: f64,
     windows: u64,
     slices: Vec<MomentSums>,
-    /// [J] energy lost to friction and restitution at walls, and [kg m/s] streamwise momentum given by them.
+    /// [J] energy lost to friction and to restitution at walls, and [kg m/s] streamwise momentum given by walls.
     walls: [f64; 3],
 }
 
-/// Sees the end of every window of a run.
+/// An observer that is called at the end of every window of a run and sums the terms of the budgets.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct SecondMoments {
     slices: usize,
@@ -198,7 +200,7 @@ pub struct SecondMoments {
     parts: Vec<MomentBlock>,
 }
 
-/// (u, v, w) of a vector along x, y, z.
+/// Components (u, v, w) of a vector given along x, y, z.
 fn components(vector: &Vector3<f64>) -> Vector3<f64> {
     Vector3::new(vector.z, vector.y, vector.x)
 }
@@ -225,7 +227,7 @@ impl SecondMoments {
         }
     }
 
-    /// Terms averaged over the parts that begin at `from` [s] or later; `None` if there are none.
+    /// Terms averaged over the parts of the run that begin at `from` [s] or later; `None` if there are none.
     pub fn budgets(&self, from: f64) -> Option<Budgets> {
         let used: Vec<&MomentBlock> = self.parts.iter().filter(|part| part.start >= from * (1.0 - 1e-9)).collect();
         let from = used.first()?.start;
@@ -252,7 +254,7 @@ impl SecondMoments {
         })
     }
 
-    /// The terms from the sums of some parts; `None` if a slice saw no particle.
+    /// Terms computed from the sums of some parts of the run; `None` if a slice contained no particle.
     fn terms(&self, parts: &[&MomentBlock]) -> Option<Derived> {
         let mut sums = vec![MomentSums::default(); self.slices];
         let (mut windows, mut walls) = (0, [0.0; 3]);
@@ -287,7 +289,7 @@ impl SecondMoments {
         std::array::from_fn(|k| {
             let (_, i, j) = MOMENTS[k];
             let production = -here.second(i, 1) * gradient[j] - here.second(j, 1) * gradient[i];
-            // nothing is carried through a wall
+            // no particle carries anything through a wall
             let face = |below: usize| {
                 let carried = |sum: &MomentSums| sum.count * sum.third(k);
                 0.5 * (carried(&sums[below]) + carried(&sums[below + 1]))
@@ -301,7 +303,7 @@ impl SecondMoments {
         })
     }
 
-    /// The part that a window ending at `time` [s] belongs to; starts a new one if needed.
+    /// The part of the run that contains a window ending at `time` [s]; a new part is begun if needed.
     fn part(&mut self, time: f64) -> &mut MomentBlock {
         let length = (self.schedule.length() as f64 / PARTS as f64).max(1.0) * self.schedule.window;
         let begins = |part: &MomentBlock| time - part.start > length * (1.0 + 1e-9);
@@ -315,7 +317,7 @@ impl SecondMoments {
     }
 }
 
-/// Terms that follow from the sums of some parts.
+/// Terms computed from the sums of some parts of the run.
 struct Derived {
     slices: Vec<[Terms<f64>; 4]>,
     whole: [Terms<f64>; 4],
@@ -323,7 +325,8 @@ struct Derived {
     restitution: f64,
 }
 
-/// Differences of the mean velocity per slice [m/s], of second order, one-sided at the ends.
+/// Difference of the mean velocity from slice to slice [m/s]: central differences, one-sided of second order at the
+/// ends.
 fn gradient(sums: &[MomentSums], slice: usize) -> Vector3<f64> {
     let (last, mean) = (sums.len() - 1, |k: usize| sums[k].mean());
     match slice {
@@ -373,7 +376,7 @@ impl Observer for SecondMoments {
                 .map(|fluid| drag(fluid, &sphere(&spheres[species]), &particles.position[place], velocity));
             let push = components(&push.unwrap_or_default());
             let velocity = components(velocity) - reference;
-            // to the order of the splitting: half a kick later and earlier
+            // velocities half a kick later and earlier, exact to the order of the splitting
             let before = std::mem::replace(&mut given[particles.id[place] as usize], velocity + push * half) + fall;
             let slice = ((y / height * count as f64) as usize).min(count - 1);
             slices.add(slice, row([&velocity, &push, &before, &(velocity - push * half)]));

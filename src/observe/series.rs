@@ -9,13 +9,13 @@ use crate::statistics::VelocitySpread;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Largest number of rows of a series, whatever the length of the run: more than a picture can show.
+/// Largest number of rows of a series, whatever the length of the run. A picture cannot show more.
 const MOST: u64 = 1000;
 
-/// Number of rows for a scene of few particles that is sampled less often: enough for a curve.
+/// Number of rows of a scene with few particles and fewer samples than this: enough for a curve.
 const CURVE: u64 = 200;
 
-/// Number of particles up to which a row costs so little that rows may be more frequent than samples.
+/// Largest number of particles for which rows may be more frequent than samples, since a row then costs little.
 const FEW: usize = 10_000;
 
 /// Averages over all particles at one instant.
@@ -23,8 +23,8 @@ const FEW: usize = 10_000;
 pub struct Row {
     /// [s] simulated time.
     pub time: f64,
-    /// [m²/s²] parts of the granular temperature along x, y and z, about the mean velocities of slices; their mean is
-    /// T. `None` if every slice holds at most one particle.
+    /// [m²/s²] parts of the granular temperature T along x, y and z, about the mean velocities of slices; T is their
+    /// mean. `None` if every slice holds at most one particle.
     pub temperature: Option<Vector3<f64>>,
     /// [m/s] mean velocity of the particles.
     pub velocity: Vector3<f64>,
@@ -36,15 +36,16 @@ pub struct Row {
     pub rotation: Option<RotationSums>,
     /// [kg m/s] momentum.
     pub momentum: Vector3<f64>,
-    /// Impacts between particles that have ended since the start.
+    /// Number of impacts between particles that have ended since the start.
     pub pair_impacts: u64,
-    /// Impacts on walls that have ended since the start.
+    /// Number of impacts on walls that have ended since the start.
     pub wall_impacts: u64,
     /// [-] present contacts per particle, with other particles and with walls; 0 if contacts have no duration.
     pub coordination: f64,
-    /// [-] largest overlap of the present contacts over the (smaller) diameter.
+    /// [-] largest overlap of the present contacts, over the diameter of the smaller particle.
     pub largest_overlap: f64,
-    /// [m] centre of mass along x, y and z; `None` without particles, and along a periodic axis, which has no origin.
+    /// [m] centre of mass along x, y and z. `None` without particles, and along a periodic axis, on which a centre of
+    /// mass is not defined.
     pub centre: [Option<f64>; 3],
 }
 
@@ -79,7 +80,7 @@ impl RotationSums {
 }
 
 impl Row {
-    /// [J] kinetic, rotational and elastic energy.
+    /// [J] sum of the kinetic, rotational and elastic energy.
     pub fn energy(&self) -> f64 {
         self.kinetic_energy + self.elastic_energy + self.rotation.map_or(0.0, |rotation| rotation.energy)
     }
@@ -119,13 +120,13 @@ impl Row {
 
 /// Sums over all particles, weighted by mass.
 struct MassSums {
-    /// [kg]
+    /// [kg] mass of all particles.
     mass: f64,
-    /// [kg m]
+    /// [kg m] sum of mass times position.
     moment: Vector3<f64>,
-    /// [kg m/s]
+    /// [kg m/s] momentum.
     momentum: Vector3<f64>,
-    /// [J]
+    /// [J] kinetic energy.
     kinetic_energy: f64,
 }
 
@@ -143,9 +144,9 @@ impl MassSums {
     }
 }
 
-/// [s] time between rows, so that at most `most` rows are kept. It is a whole number of sample intervals. If there are
-/// fewer samples than `least`, it is a part of an interval, but at least a window. Requested instants are used if they
-/// are closer or sufficient for a curve, because all variants have them.
+/// [s] time between rows, so that at most `most` rows are kept. It is a whole number of sample intervals. With fewer
+/// samples than `least`, it is a part of a sample interval, but at least a window. If requested instants are closer in
+/// time or sufficient for a curve, the rows are at these instants, which are equal in all variants.
 pub(super) fn interval(schedule: &Schedule, least: u64, most: u64) -> f64 {
     let between = |all: u64, rows: u64| all.div_ceil(rows.max(1)).max(1) as f64;
     let own = if schedule.samples >= least {
@@ -158,8 +159,8 @@ pub(super) fn interval(schedule: &Schedule, least: u64, most: u64) -> f64 {
     asked.map_or(own, |asked| if duration / asked >= CURVE as f64 - 0.5 { asked } else { asked.min(own) })
 }
 
-/// Averages over all particles at equal times in every variant of a scene. It keeps at most a thousand rows, and one
-/// for the end.
+/// Averages over all particles at times that are equal in every variant of a scene. At most a thousand rows are kept,
+/// and one for the end.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Series {
     /// Number of slices for the temperature.
@@ -179,7 +180,7 @@ impl Series {
 }
 
 impl Series {
-    /// True if there is no row at a time [s] or later.
+    /// True if the last row is earlier than a time [s].
     fn lacks(&self, time: f64) -> bool {
         self.rows.last().is_none_or(|row| row.time < time)
     }

@@ -1,4 +1,4 @@
-//! Columns of the averages over time: one table for `series.csv`, verdicts and pictures.
+//! Columns of the averages over time. `series.csv`, verdicts and pictures use this one table.
 
 use super::series::Row;
 use nalgebra::Vector3;
@@ -12,20 +12,21 @@ pub struct SeriesColumn {
     pub name: &'static str,
     /// SI unit; empty for a number.
     pub unit: &'static str,
-    /// True if the quantity is a sum over all particles.
+    /// True if the quantity is a sum over all particles, false if it is a mean.
     pub is_sum: bool,
-    /// Scale of its differences in a verdict on curves over time; `None` if verdicts do not compare it.
+    /// Scale of the differences of the quantity in a verdict on curves over time; `None` if verdicts do not compare it.
     pub scale: Option<CurveScale>,
-    /// Function that reads the quantity off a row; `None` if the scene does not have it.
+    /// Function that returns the quantity of a row; `None` if the scene does not have it.
     pub of: fn(&Row) -> Option<f64>,
 }
 
-/// Scale of the differences of a quantity in a verdict on curves over time.
+/// Scale by which a verdict on curves over time divides the differences of a quantity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CurveScale {
-    /// Largest value.
+    /// Largest value of the quantity.
     LargestValue,
-    /// Largest change, or the agitation where that is larger: for a velocity, whose value depends on the frame.
+    /// Largest change of the quantity, or the agitation where it is larger. This serves velocities, whose value depends
+    /// on the frame of reference.
     LargestChange,
 }
 
@@ -36,7 +37,7 @@ impl SeriesColumn {
     }
 }
 
-/// Component of a vector that only some scenes have.
+/// One component of a vector that only some scenes have.
 fn part(of: Option<Vector3<f64>>, axis: usize) -> Option<f64> {
     of.map(|vector| vector[axis])
 }

@@ -14,43 +14,44 @@ use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 use std::ops::Range;
 
-/// Largest number of samples of a run: more would improve neither averages nor errors.
+/// Largest number of samples that are used; more samples would improve neither averages nor errors.
 const MOST_SAMPLES: u64 = 400;
 
 /// Time averages of the stress in the particles. Components are in the order xx, yy, zz, xy, xz, yz; a pressure is
 /// positive.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Stress {
-    /// [Pa] Σ m c c over the volume of the box, with c the velocity about the mean of the slice at the same instant.
+    /// [Pa] Σ m c c over the volume of the box, with c the velocity relative to the mean of its slice at the same
+    /// instant.
     pub kinetic: [Option<Estimate>; 6],
     /// [Pa] time average of Σ r f over the volume of the box. r points from one centre to the other of two particles in
-    /// contact, and f is the force between them. A collision is a force of no duration.
+    /// contact, and f is the force between them. A collision counts as a force of no duration.
     pub contact: [Option<Estimate>; 6],
-    /// [Pa] a third of the trace of the kinetic and the contact part.
+    /// [Pa] a third of the trace of the sum of the kinetic and the contact part.
     pub pressure: Option<Estimate>,
-    /// [-] pressure over its kinetic part: the compressibility factor Z of a gas at rest.
+    /// [-] pressure over its kinetic part; for a gas at rest this is the compressibility factor Z.
     pub compressibility: Option<Estimate>,
-    /// [-] bodies in contact with a particle at an instant, walls included; `None` for hard spheres, which have no
-    /// lasting contacts.
+    /// [-] mean number of bodies in contact with a particle at an instant, walls included. `None` for hard spheres,
+    /// which have no lasting contacts.
     pub coordination: Option<Estimate>,
     /// [-] volume fraction of the particles in each slice, from y = 0 up.
     pub volume_fraction: Vec<Option<Estimate>>,
 }
 
-/// Sums at one instant.
+/// Sums over all particles at one instant.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct StressSample {
     /// [J] Σ m c c.
     kinetic: [f64; 6],
     /// [J s] Σ r f, integrated over time since the start.
     contact: [f64; 6],
-    /// [-] bodies in contact per particle.
+    /// [-] mean number of bodies in contact with a particle.
     touched: f64,
     /// [m³] volume of particles within each slice.
     filled: Vec<f64>,
 }
 
-/// Stress and volume fraction at every sample.
+/// Measurement of the stress and the volume fraction at every sample.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Stresses {
     /// Step n: every n-th sample of the run is used.
@@ -78,7 +79,7 @@ impl Stresses {
         }
     }
 
-    /// Averages from sample `first` of the run on.
+    /// Time averages from sample `first` of the run on.
     pub fn averages(&self, first: usize) -> Stress {
         let samples = self.samples.get(first.div_ceil(self.every as usize)..).unwrap_or_default();
         let kinetic = |k: usize| samples.iter().map(|sample| sample.kinetic[k] / self.volume).collect::<Vec<_>>();
@@ -87,7 +88,7 @@ impl Stresses {
                 |pair: &[StressSample]| (pair[1].contact[k] - pair[0].contact[k]) / (self.interval * self.volume);
             samples.windows(2).map(within).collect::<Vec<_>>()
         };
-        // kinetic and contact part of an interval: the mean of its ends, and the change within it
+        // kinetic part of an interval: the mean of its two ends; contact part: the change within the interval
         let traces: Vec<(f64, f64)> = samples
             .windows(2)
             .map(|pair| {
@@ -133,14 +134,14 @@ impl Observer for Stresses {
     plain_data!();
 }
 
-/// Components xx, yy, zz, and the means of xy and yx, xz and zx, yz and zy.
+/// Components xx, yy, zz of a tensor, and the means of xy and yx, xz and zx, yz and zy.
 fn six(m: &Matrix3<f64>) -> [f64; 6] {
     let mean = |i: usize, j: usize| 0.5 * (m[(i, j)] + m[(j, i)]);
     [mean(0, 0), mean(1, 1), mean(2, 2), mean(0, 1), mean(0, 2), mean(1, 2)]
 }
 
-/// [J] Σ m c c about the mean velocity of each slice, and [m³] the volume of particles in each slice. The result does
-/// not depend on the number of threads or the order of the particles.
+/// [J] Σ m c c about the mean velocity of each slice, and [m³] volume of the particles in each slice. The result
+/// depends neither on the number of threads nor on the order of the particles.
 fn sums(all: Sample, domain: &Domain, slices: usize) -> ([f64; 6], Vec<f64>) {
     let particles = all.particles;
     let thickness = domain.size.y / slices as f64;
@@ -163,7 +164,7 @@ fn sums(all: Sample, domain: &Domain, slices: usize) -> ([f64; 6], Vec<f64>) {
         }
         filled
     };
-    // no more pieces than there is work for: each has all sums of its own
+    // no more pieces than the work justifies, since each piece has a copy of all sums
     let pieces = particles.len().div_ceil(CHUNK).clamp(1, 2 * rayon::current_num_threads());
     let start = |k: usize| particles.len() * k / pieces;
     let mut filled = vec![ExactSum::default(); slices];
@@ -173,9 +174,9 @@ fn sums(all: Sample, domain: &Domain, slices: usize) -> ([f64; 6], Vec<f64>) {
     all.total(&mut filled.iter_mut().collect::<Vec<_>>());
     let mut kinetic = [0.0; 6];
     for [count, mass, x, y, z, products @ .., _] in sums {
-        // a single particle equals its mean
+        // a slice with a single particle has no motion about its mean
         if count > 1.0 {
-            // the mean of n takes 1/n of the squares with it
+            // the mean of n velocities contains 1/n of the squares, which are added again
             let whole = count / (count - 1.0);
             let of_mean = [x * x, y * y, z * z, x * y, x * z, y * z];
             for (sum, (product, mean)) in kinetic.iter_mut().zip(products.iter().zip(of_mean)) {
@@ -186,11 +187,11 @@ fn sums(all: Sample, domain: &Domain, slices: usize) -> ([f64; 6], Vec<f64>) {
     (kinetic, filled.iter().map(|layers| layers.value() * thickness.powi(3)).collect())
 }
 
-/// Adds the volume of a sphere to the layers that it lies in. Lengths are in units of the thickness of a layer; layer k
-/// lies between k and k + 1.
+/// Adds the volume of a sphere to the layers in which it lies. Lengths are in units of the thickness of a layer; layer
+/// k lies between k and k + 1.
 fn fill(filled: &mut [ExactSum], y: f64, radius: f64, periodic: bool) {
     let whole = 4.0 / 3.0 * PI * (radius * radius * radius);
-    // most lie within one layer; the cast sends negative numbers to 0
+    // most spheres lie within one layer; the cast turns negative numbers into 0
     if y >= radius
         && (y - radius) as u32 == (y + radius) as u32
         && let Some(volume) = filled.get_mut(y as u32 as usize)
@@ -199,7 +200,7 @@ fn fill(filled: &mut [ExactSum], y: f64, radius: f64, periodic: bool) {
         return;
     }
     let (low, high) = ((y - radius).floor(), (y + radius).floor());
-    // below a height h over its lowest point a sphere has the volume π h² (3 r - h)/3
+    // the part of a sphere below a height h over its lowest point has the volume π h² (3 r - h)/3
     let below = |level: f64| {
         let h = (level - (y - radius)).clamp(0.0, 2.0 * radius);
         PI * h * h * (3.0 * radius - h) / 3.0
@@ -209,7 +210,7 @@ fn fill(filled: &mut [ExactSum], y: f64, radius: f64, periodic: bool) {
     for layer in low as i64..=high as i64 {
         let until = if layer == high as i64 { whole } else { below(layer as f64 + 1.0) };
         let place = if periodic { layer.rem_euclid(count) } else { layer };
-        // a part of the sphere outside the box fills none of it
+        // the part of the sphere outside the box is not counted
         if let Some(volume) = usize::try_from(place).ok().and_then(|place| filled.get_mut(place)) {
             volume.add(until - already);
         }

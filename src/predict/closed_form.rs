@@ -1,6 +1,6 @@
-//! Scenes whose course has a closed form: a cooling gas, a fall in a gas, one bouncing sphere, and a row of spheres
-//! that pass an impulse on. All are of hard spheres; soft spheres of finite stiffness lag behind by the duration of
-//! their contacts.
+//! Scenes whose motion has a closed-form solution: a cooling gas, a fall in a gas, one bouncing sphere, and a row of
+//! spheres that pass an impulse on. All solutions are for hard spheres; soft spheres of finite stiffness lag behind by
+//! the duration of their contacts.
 
 use super::flow::terminal_slip;
 use super::gas::{AgitationSpread, Component, gas};
@@ -8,13 +8,13 @@ use crate::fluid::Profile;
 use crate::scene::{Kind, Scene};
 use nalgebra::Vector3;
 
-/// Smallest number of particles that counts as a gas.
+/// Smallest number of particles that is treated as a gas.
 const FEWEST: usize = 100;
 
-/// A cooling gas of equal spheres: nothing drives it, and inelastic collisions take its energy.
+/// A cooling gas of equal spheres. Inelastic collisions remove its energy, and nothing replaces it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cooling {
-    /// [m²/s²] granular temperature at the start.
+    /// [m²/s²] granular temperature T at the start.
     temperature: f64,
     /// [1/s] collisions of a particle per time at the start, by Enskog's theory.
     rate: f64,
@@ -51,19 +51,19 @@ impl Cooling {
         (1.0 + (1.0 - self.square) * self.rate * time / 6.0).powi(-2)
     }
 
-    /// [m²/s²] granular temperature at `time` [s], as long as the gas stays homogeneous.
+    /// [m²/s²] granular temperature at `time` [s]. It is valid as long as the gas stays homogeneous.
     pub fn temperature(&self, time: f64) -> f64 {
         self.temperature * self.left(time)
     }
 
-    /// [1/s] collisions of all pairs per time at `time` [s], proportional to the root of the temperature.
+    /// [1/s] collisions of all pairs per time at `time` [s], which are proportional to the root of the temperature.
     pub fn pair_rate(&self, time: f64) -> f64 {
         self.pair_rate * self.left(time).sqrt()
     }
 }
 
-/// [m/s] settling velocity of a single sphere: the gas velocity plus the slip at which drag carries the weight.
-/// `None` without gravity or drag, in a gas that is not uniform, or for several species of spheres.
+/// [m/s] settling velocity of a single sphere: the gas velocity plus the slip velocity at which drag carries the
+/// weight. `None` without gravity or drag, in a gas that is not uniform, or for several species of spheres.
 pub fn settling_velocity(scene: &Scene) -> Option<Vector3<f64>> {
     let fluid = scene.fluid.as_ref()?;
     let (drag, [species], Profile::Uniform(gas)) = (fluid.drag.as_ref()?, scene.species.as_slice(), &fluid.profile)
@@ -74,14 +74,14 @@ pub fn settling_velocity(scene: &Scene) -> Option<Vector3<f64>> {
     Some(Vector3::z() * *gas + down * terminal_slip(drag, fluid, species, scene.gravity.norm()))
 }
 
-/// Free flight between two bounces, upwards and back.
+/// Free flight of the sphere between two bounces.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct BounceFlight {
     /// [s] start of the flight.
     begin: f64,
-    /// [m] height of the centre at the start, against gravity.
+    /// [m] height of the centre at the start of the flight, measured upwards.
     height: f64,
-    /// [m/s] upward velocity at the start.
+    /// [m/s] upward velocity at the start of the flight.
     velocity: f64,
 }
 
@@ -96,10 +96,10 @@ pub struct Bouncing {
 }
 
 impl Bouncing {
-    /// Follows a sphere from a position [m] with a velocity [m/s] for `duration` [s], as long as its bounces can be
-    /// told apart. `None` with drag, without gravity, or if a wall is not a plane perpendicular to gravity.
+    /// Follows a sphere from a position [m] with a velocity [m/s] for `duration` [s], as long as its bounces are far
+    /// enough apart in time. `None` with drag, without gravity, or if a wall is not a plane perpendicular to gravity.
     pub fn of(scene: &Scene, [position, velocity]: [Vector3<f64>; 2], duration: f64) -> Option<Self> {
-        /// [-] shortest flight that is followed, as a share of the duration: shorter ones cannot be seen.
+        /// [-] shortest flight that is followed, as a share of `duration`; shorter flights cannot be seen in a picture.
         const SHORTEST: f64 = 1e-5;
         let dragged = scene.fluid.as_ref().is_some_and(|fluid| fluid.drag.is_some());
         let ([species], false) = (scene.species.as_slice(), dragged || scene.has_sizes()) else { return None };
@@ -143,8 +143,8 @@ impl Bouncing {
         self.flights.iter().skip(1).map(|flight| flight.begin)
     }
 
-    /// Position [m] and velocity [m/s] along gravity, as vectors, at `time` [s]; `None` after the last bounce that
-    /// was followed.
+    /// Position [m] and velocity [m/s] of the sphere at `time` [s], both as vectors along gravity. `None` after the
+    /// last bounce that was followed.
     pub fn at(&self, time: f64) -> Option<[Vector3<f64>; 2]> {
         let next = self.flights.partition_point(|flight| flight.begin <= time);
         let flight = self.flights[..next].last()?;
@@ -157,24 +157,25 @@ impl Bouncing {
     }
 }
 
-/// Equal elastic spheres in a row that collide head on. They exchange their velocities, so that free flights go
-/// straight through the row and only change bodies (Jepsen 1965, J. Math. Phys. 6, 405). Touching spheres pass an
-/// impulse on at once.
+/// Equal elastic spheres in a row that collide head on. In a collision two spheres exchange their velocities. So
+/// straight flights continue through the row, and only the sphere on each flight changes (Jepsen 1965, J. Math. Phys.
+/// 6, 405). Touching spheres pass an impulse on at once.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Chain {
     /// [-] unit vector along the row.
     along: Vector3<f64>,
     /// [m] diameter of the spheres.
     diameter: f64,
-    /// Position of each sphere in the order along the row.
+    /// Position of each sphere in the order along the row, 0 for the first.
     rank: Vec<usize>,
-    /// Coordinates along the row [m], less the diameters of the spheres before, and velocities along the row [m/s].
+    /// Coordinate [m] and velocity [m/s] of each flight along the row. The diameters of the spheres before it are
+    /// subtracted from the coordinate.
     free: Vec<[f64; 2]>,
 }
 
 impl Chain {
-    /// A row of spheres from their positions [m] and velocities [m/s]. `None` unless the spheres are equal, elastic
-    /// and in a straight row, move along it, and nothing else acts on them.
+    /// A row of spheres from their positions [m] and velocities [m/s]. `None` unless the spheres are equal, elastic, in
+    /// a straight row and in motion along it, and no other force acts on them.
     pub fn of(scene: &Scene, start: &[[Vector3<f64>; 2]]) -> Option<Self> {
         let ([species], [_, _, ..]) = (scene.species.as_slice(), start) else { return None };
         let dragged = scene.fluid.as_ref().is_some_and(|fluid| fluid.drag.is_some());
@@ -183,7 +184,7 @@ impl Chain {
             return None;
         }
         let along = (start[1][0] - start[0][0]).try_normalize(0.0)?;
-        // rounding of positions that were typed in a unit
+        // 1e-9 allows for the rounding of positions that were typed in a unit
         let off = |vector: &Vector3<f64>, size: f64| (vector - along * vector.dot(&along)).norm() > 1e-9 * size;
         let straight = start.iter().all(|[x, v]| !off(&(x - start[0][0]), species.diameter) && !off(v, v.norm()));
         if !straight || (0..3).any(|axis| scene.domain.periodic[axis] && along[axis] != 0.0) {
@@ -201,7 +202,7 @@ impl Chain {
         Some(Self { along, diameter, rank, free })
     }
 
-    /// Position [m] and velocity [m/s] along the row, as vectors, of a sphere at `time` [s].
+    /// Position [m] and velocity [m/s] along the row of one sphere at `time` [s], both as vectors.
     pub fn at(&self, sphere: usize, time: f64) -> Option<[Vector3<f64>; 2]> {
         let rank = *self.rank.get(sphere)?;
         let mut now: Vec<[f64; 2]> = self.free.iter().map(|[x, v]| [x + v * time, *v]).collect();

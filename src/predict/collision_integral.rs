@@ -1,4 +1,4 @@
-//! Collision integral of soft spheres: how well they turn each other's velocities.
+//! Collision integral of soft spheres: how effectively collisions turn the velocities of the particles.
 //!
 //! Collisions even out the agitation of the three directions at the rate p/η of a gas of pressure p and viscosity η.
 //! In Chapman and Enskog's theory of a dilute gas this rate is proportional to the collision integral Ω^(2,2) of the
@@ -15,16 +15,17 @@
 
 use std::f64::consts::{PI, SQRT_2};
 
-/// Intervals of Simpson's rule along a path; its integrand varies by a factor of two.
+/// Number of intervals of Simpson's rule along a path; the integrand varies by a factor of two.
 const PATH: usize = 16;
-/// Intervals over the impact parameter; the finest feature are grazing contacts, within an overlap of the edge.
+/// Number of intervals over the impact parameter. The finest detail is due to grazing contacts, within an overlap of
+/// the edge.
 const ANGLES: usize = 256;
-/// Intervals over the speed, 0 to `FASTEST`.
+/// Number of intervals over the speed, from 0 to `FASTEST`.
 const SPEEDS: usize = 64;
-/// [-] reduced speed beyond which γ⁷ exp(-γ²) holds less than 1e-12 of its integral.
+/// [-] largest reduced speed γ of the quadrature. Beyond it γ⁷ exp(-γ²) holds less than 1e-12 of its integral.
 const FASTEST: f64 = 6.5;
 
-/// Simpson's rule with an even number of intervals.
+/// Integrates a function from 0 to `end` by Simpson's rule with an even number of intervals.
 fn simpson(end: f64, intervals: usize, of: impl Fn(f64) -> f64) -> f64 {
     let step = end / intervals as f64;
     let weight = |k: usize| match k {
@@ -46,21 +47,21 @@ fn simpson(end: f64, intervals: usize, of: impl Fn(f64) -> f64) -> f64 {
 /// φ = ∫ b dr/(r² sqrt(1 - b²/r² - (1-r)²/a²))   from the turning point to r = 1.
 /// ```
 ///
-/// Valid for a < 1: deeper impacts pass the centre.
+/// Valid for a < 1. In a deeper impact the spheres would pass through each other's centres.
 pub fn deflection(impact: f64, depth: f64) -> f64 {
     if impact >= 1.0 {
         return 0.0;
     }
     // turning point r = 1 - a w: (1 - a w)² (1 - w²) = b² falls with w
     let (mut low, mut high) = (0.0, 1.0);
-    // 60 halvings: to rounding
+    // 60 halvings reach the rounding error
     for _ in 0..60 {
         let w: f64 = 0.5 * (low + high);
         if (1.0 - depth * w).powi(2) * (1.0 - w * w) > impact * impact { low = w } else { high = w }
     }
     let w = 0.5 * (low + high);
     let turn = 1.0 - depth * w;
-    // r = turn + (1 - turn) t² takes the root at the turning point out of the integrand
+    // the substitution r = turn + (1 - turn) t² removes the root at the turning point from the integrand
     let path = |t: f64| {
         let left = 1.0 - t * t;
         let r = 1.0 - depth * w * left;
@@ -70,9 +71,9 @@ pub fn deflection(impact: f64, depth: f64) -> f64 {
     PI - 2.0 * impact.asin() - 2.0 * simpson(1.0, PATH, path)
 }
 
-/// [-] Q at one speed over that of hard spheres, 3 ∫ sin²χ b db with b over the diameter.
+/// [-] effective cross-section Q at one speed over that of hard spheres: 3 ∫ sin²χ b db with b over the diameter.
 fn turned(depth: f64) -> f64 {
-    // b = sin θ spreads the grazing impacts
+    // the substitution b = sin θ resolves grazing impacts
     let of = |theta: f64| {
         let (impact, cosine) = theta.sin_cos();
         deflection(impact, depth).sin().powi(2) * impact * cosine
@@ -83,11 +84,12 @@ fn turned(depth: f64) -> f64 {
 /// [-] Ω^(2,2) of soft spheres over that of hard ones, proportional to the rate at which collisions even out the
 /// agitation of different directions. It is 1 without softness, and to first order 1 - π sqrt(2π)/4 s.
 ///
-/// `softness` is s = sqrt(m T/k)/d [-] with the granular temperature T; κ_n = sqrt(2/π) s. The decrease is to first
-/// order π/4 of the cross-section that spheres of Barker and Henderson's diameter would lose, 2 (1 - d_eff/d) =
-/// sqrt(2π) s. Valid for a dilute gas and s up to 0.15, beyond which impacts of γ = 4.7 pass the centre.
+/// `softness` is s = sqrt(m T/k)/d [-] with the granular temperature T; the overlap number is κ_n = sqrt(2/π) s.
+/// Spheres of Barker and Henderson's diameter d_eff would have a cross-section smaller by 2 (1 - d_eff/d) = sqrt(2π) s.
+/// To first order the decrease of Ω^(2,2) is π/4 of that. Valid for a dilute gas and s up to 0.15, beyond which impacts
+/// of γ = 4.7 pass the centre.
 pub fn viscosity_integral(softness: f64) -> f64 {
-    // ∫ γ⁷ exp(-γ²) dγ from 0 on is Γ(4)/2
+    // the integral ∫ γ⁷ exp(-γ²) dγ from 0 to infinity is Γ(4)/2
     const NORM: f64 = 3.0;
     let of = |gamma: f64| gamma.powi(7) * (-gamma * gamma).exp() * turned((SQRT_2 * softness * gamma).min(1.0));
     simpson(FASTEST, SPEEDS, of) / NORM
@@ -97,7 +99,7 @@ pub fn viscosity_integral(softness: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Hard spheres: χ = π - 2 asin b, and the integral is 1, to the error of the three rules (1e-6).
+    /// For hard spheres χ = π - 2 asin b, and the integral is 1, to the error of the three rules (1e-6).
     #[test]
     fn without_softness_spheres_are_hard() {
         for impact in [0.0, 0.3, 0.9, 0.999] {
@@ -114,13 +116,13 @@ mod tests {
         assert!((deflection(0.0, 0.2) - PI).abs() < 1e-12);
         for impact in [0.2, 0.5, 0.8] {
             let [one, half] = [2e-3, 1e-3].map(|a| (PI - 2.0 * f64::asin(impact) - deflection(impact, a)) / a);
-            // Richardson: what is left is of second order in a
+            // Richardson's extrapolation; the remainder is of second order in a
             assert!((2.0 * half - one - PI * impact).abs() < 2e-4, "{impact}: {half}");
         }
     }
 
-    /// Compares with the path of two spheres on a spring by time steps, independent of the quadrature (Störmer and
-    /// Verlet, 2000 steps per contact).
+    /// Compares with the path of two spheres on a spring, computed by time steps independently of the quadrature
+    /// (Störmer and Verlet, 2000 steps per contact).
     #[test]
     fn the_angle_is_that_of_a_path() {
         for (impact, depth) in [(0.3f64, 0.05f64), (0.7, 0.2), (0.95, 0.1)] {
@@ -143,7 +145,8 @@ mod tests {
         }
     }
 
-    /// 1 - Ω to first order is π sqrt(2π)/4 s (docs/theory/softness.md); second order by halving.
+    /// The decrease 1 - Ω is to first order π sqrt(2π)/4 s (docs/theory/softness.md). Halving s removes the second
+    /// order.
     #[test]
     fn first_order_in_the_softness() {
         let lost = |s: f64| (viscosity_integral(0.0) - viscosity_integral(s)) / s;

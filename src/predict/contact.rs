@@ -11,43 +11,42 @@ use rustc_hash::FxHashSet;
 use serde::Serialize;
 use std::f64::consts::PI;
 
-/// [-] largest displacement in one step over the diameter, CFL_p^col: the lowest value the paper prints (Table 1, B
-/// and E).
+/// [-] largest displacement in one step over the diameter, CFL_p^col: the lowest value in the paper (Table 1, B and E).
 const CFL_COLLISION: f64 = 0.01;
 
-/// [-] largest displacement in one step over a cell of the gas's grid, CFL_p: the paper's Table 1.
+/// [-] largest displacement in one step over the cell size of the gas's grid, CFL_p: the paper's Table 1.
 const CFL_PARTICLE: f64 = 1.5;
 
-/// One kind of contact: two species, or a species and a wall surface.
+/// One kind of contact: between two species, or between a species and a wall surface.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ContactKind {
     /// Names of the two touching bodies.
     pub name: String,
     /// True if the other body is a wall.
     pub wall: bool,
-    /// Properties of the two bodies that a contact law needs.
+    /// Properties of the two bodies on which a contact law depends.
     #[serde(flatten)]
     pub bodies: Bodies,
-    /// [m] smaller diameter, the unit in which overlaps are given.
+    /// [m] diameter of the smaller body, the unit in which overlaps are given.
     pub diameter: f64,
-    /// Normal speeds at impact.
+    /// Distribution of the normal speeds of impact.
     pub speeds: ImpactSpeeds,
 }
 
-/// Distribution of the normal speeds at impact.
+/// Distribution of the normal speeds of impact.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ImpactSpeeds {
-    /// A Maxwellian gas: impacts have the density u/s² exp(-u²/(2s²)), at a wall as between particles. Where the
-    /// velocity variance differs with position or direction, so does s².
+    /// Speeds of a Maxwellian gas. Impacts have the density u/s² exp(-u²/(2s²)), u the normal speed, at a wall as
+    /// between particles. Where the velocity variance differs with position or direction, so does s².
     Gas {
         /// [m²/s²] variance s² of the relative normal velocity, on average: kT (1/m_p + 1/m_q).
         variance: f64,
-        /// [-] shares of the impacts, each with its s over the mean s.
+        /// [-] shares of the impacts; each share has one s, given over the mean s.
         #[serde(skip)]
         parts: Vec<[f64; 2]>,
     },
-    /// Speeds counted in a short run, where few collisions make a distribution that is not Maxwellian.
+    /// Speeds counted in a short run. The distribution of a few collisions is not Maxwellian.
     Measured {
         /// [m²/s²] variance s² of the relative normal velocity.
         variance: f64,
@@ -55,7 +54,7 @@ pub enum ImpactSpeeds {
         #[serde(skip)]
         speeds: Histogram,
     },
-    /// A few bodies: the fastest impact that their energy allows.
+    /// Speed of the fastest impact that the energy of a few bodies allows.
     Bodies {
         /// [m/s] normal speed of the fastest impact.
         speed: f64,
@@ -68,7 +67,7 @@ impl ImpactSpeeds {
         Self::Gas { variance, parts: vec![[1.0, 1.0]] }
     }
 
-    /// [m/s] speed that the fraction `q` of the impacts stays below.
+    /// [m/s] speed that the fraction `q` of the impacts does not reach.
     pub fn quantile(&self, q: f64) -> f64 {
         match self {
             Self::Gas { variance, parts } => {
@@ -91,7 +90,7 @@ impl ImpactSpeeds {
         }
     }
 
-    /// [m/s] mean speed at impact: s sqrt(π/2), between equal spheres sqrt(πT).
+    /// [m/s] mean speed of impact: s sqrt(π/2), between equal spheres sqrt(πT).
     pub fn mean(&self) -> f64 {
         match self {
             Self::Gas { variance, parts } => {
@@ -107,7 +106,7 @@ impl ImpactSpeeds {
         /// Number of quantiles that represent a measured distribution.
         const QUANTILES: u32 = 256;
         match self {
-            // a linear spring: its overlaps are proportional to the speed
+            // a linear spring has overlaps proportional to the speed
             _ if p == 1.0 => self.mean(),
             Self::Gas { variance, parts } => {
                 let unit = (2.0 * variance).powf(0.5 * p) * libm::tgamma(1.0 + 0.5 * p);
@@ -126,41 +125,41 @@ impl ImpactSpeeds {
     pub fn of_random_pairs(&self) -> f64 {
         match self {
             Self::Gas { variance, .. } | Self::Measured { variance, .. } => (2.0 / PI * variance).sqrt(),
-            // the ratio to the mean of impacts in a gas, in the absence of a better one
+            // no ratio is known for a few bodies: the ratio for a gas is used
             Self::Bodies { speed } => 2.0 / PI * speed,
         }
     }
 }
 
-/// Predictions of a contact law for one kind of contact.
+/// Predictions for one kind of contact under a contact law.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ContactPrediction {
-    /// The kind of contact.
+    /// Kind of contact.
     #[serde(flatten)]
     pub contact: ContactKind,
     /// [N/m] stiffness of a linear spring; [N/m^1.5] of Hertz's law.
     pub stiffness: f64,
-    /// [s] contact time T_c (Eq. 7), at the mean speed of impact if it depends on the speed.
+    /// [s] contact time T_c (Eq. 7). If it depends on the speed, that at the mean speed of impact.
     pub contact_time: f64,
-    /// [-] κ_n: largest overlap of an elastic impact at u_r over d. For a linear spring it is u_r/d sqrt(M/k_n), with
-    /// u_r = sqrt(4T/π) of Eq. 8, corrected.
+    /// [-] overlap number κ_n: largest overlap of an elastic impact at the speed u_r, over d. For a linear spring it is
+    /// u_r/d sqrt(M/k_n), with u_r = sqrt(4T/π) of Eq. 8, corrected.
     pub kappa: f64,
     /// [m/s] mean normal speed of impacts.
     pub impact_speed: f64,
-    /// [-] mean of the largest overlaps over the diameter.
+    /// [-] mean over the impacts of the largest overlap over the diameter.
     pub mean_overlap: f64,
-    /// [-] overlap that 99 % of the contacts stay below, over the diameter.
+    /// [-] largest overlap over the diameter that 99 % of the contacts do not reach.
     pub overlap_99: f64,
-    /// [-] time steps per contact N_c, at the chosen time step.
+    /// [-] number of time steps per contact N_c, at the chosen time step.
     pub steps: f64,
-    /// [-] mean realised restitution of the chosen integrator; none if the contact does not end.
+    /// [-] mean restitution that the chosen integrator realises; `None` if the contact does not end.
     pub realised_restitution: Option<f64>,
     /// [-] mean square of the realised restitution.
     pub realised_mean_square: Option<f64>,
 }
 
-/// All possible kinds of contact of a scene. `pair` and `at_wall` give the speeds for two species and for a species
-/// at a wall. Walls of equal surfaces are one kind; a species with one particle has no contact with itself.
+/// All possible kinds of contact of a scene. `pair` returns the speeds for two species, and `at_wall` those for a
+/// species at a wall. Walls of equal surfaces are one kind. A species with one particle has no contact with itself.
 pub fn contacts(
     scene: &Scene,
     counts: &[usize],
@@ -185,7 +184,7 @@ pub fn contacts(
         let mut meetings: FxHashSet<[u64; 4]> = FxHashSet::default();
         for wall in (0..scene.walls.len() as u32).filter(|_| there(p, 1)) {
             let Meeting { surface, stiffness_ratio, at_mass } = scene.meeting(p as u16, Kind::Wall(wall));
-            // no mass is negative
+            // -1 stands for no mass, since no mass is negative
             let numbers = [surface.restitution, surface.friction, stiffness_ratio, at_mass.unwrap_or(-1.0)];
             if !meetings.insert(numbers.map(f64::to_bits)) {
                 continue;
@@ -203,7 +202,7 @@ pub fn contacts(
 }
 
 impl ContactKind {
-    /// Constants of a law between the two bodies.
+    /// Constants of a law for these two bodies.
     pub fn spring(&self, law: &ContactLaw) -> Spring {
         law.between(&self.bodies)
     }
@@ -213,13 +212,13 @@ impl ContactKind {
         law.greatest_overlap(&self.spring(law), speed)
     }
 
-    /// [-] κ_n under a contact law.
+    /// [-] overlap number κ_n under a contact law.
     pub fn kappa(&self, law: &ContactLaw) -> f64 {
         let elastic = law.between(&Bodies { restitution: 1.0, ..self.bodies });
         law.greatest_overlap(&elastic, self.speeds.of_random_pairs()) / self.diameter
     }
 
-    /// [-] factor by which the law must be stiffer for 99 % of the impacts to stay below `overlap` diameters.
+    /// [-] factor by which a law must be stiffer so that 99 % of the impacts stay below `overlap` [-] diameters.
     pub fn stiffening_for(&self, law: &ContactLaw, overlap: f64) -> f64 {
         let now = self.largest_overlap(law, self.speeds.quantile(0.99)) / self.diameter;
         law.stiffening(now / overlap)
@@ -257,15 +256,15 @@ impl ContactKind {
     }
 }
 
-/// All possible kinds of contact of an experiment, at its fastest impacts.
+/// All possible kinds of contact of an experiment, each with the speed of its fastest impacts.
 pub fn at_fastest_impacts(experiment: &Experiment) -> Vec<ContactKind> {
     let speed = fastest_impact(experiment);
     let speeds = || ImpactSpeeds::Bodies { speed };
     contacts(&experiment.scene, &experiment.counts(), |_, _| speeds(), |_| speeds())
 }
 
-/// Shortest possible contacts of a scene [s], which the time step must resolve. Effective masses differ, so pairs and
-/// walls do.
+/// Shortest possible contacts of a scene [s], which the time step must resolve. Pairs and walls have different contact
+/// times, because their effective masses differ.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactTimes {
     /// [s] shortest contact between two particles; `None` if there are fewer than two.
@@ -277,7 +276,7 @@ pub struct ContactTimes {
 impl ContactTimes {
     /// Contact times of an experiment with `particles` particles under a contact law, at the fastest impacts.
     pub fn of(experiment: &Experiment, law: &ContactLaw, particles: usize) -> Self {
-        // of the smallest possible spheres
+        // contacts of the smallest possible spheres are the shortest
         let extremes = experiment.scene.at_extremes();
         let (scene, speed) = (&extremes[0], fastest_impact(experiment));
         let time = |bodies: Bodies| law.contact_time(&law.between(&bodies), speed);
@@ -294,19 +293,21 @@ impl ContactTimes {
     }
 }
 
-/// [-] agitation that a channel flow maintains, over the gas velocity in the middle. Measured in the channel cases of
-/// this project (0.4 m/s at 17.7 m/s).
+/// [-] agitation that a channel flow maintains, over the gas velocity on the centre plane. It was measured in the
+/// channel cases of this project (0.4 m/s at 17.7 m/s).
 pub const AGITATION: f64 = 0.025;
 
-/// [m/s] normal speed that hardly any impact of an experiment exceeds, from its start, gravity and gas; more than 0.
+/// [m/s] normal speed that hardly any impact of an experiment exceeds; more than 0. It is estimated from start, gravity
+/// and gas.
 ///
-/// It determines the time step for laws whose contacts last longer at lower speed. The duration of a Hertzian contact
-/// is proportional to u^(-1/5), so an estimate that is wrong by a factor of two changes the step by 13 %.
+/// The time step is computed from this speed for laws whose contacts last longer at lower speed. The duration of a
+/// Hertzian contact is proportional to u^(-1/5), so an estimate that is wrong by a factor of two changes the step by 13
+/// %.
 pub fn fastest_impact(experiment: &Experiment) -> f64 {
-    /// Standard deviations that the relative velocity in a Maxwellian gas exceeds once in a million collisions:
-    /// exp(-u²/4s²).
+    /// Number of standard deviations that the relative velocity in a Maxwellian gas exceeds once in a million
+    /// collisions: exp(-u²/4s²).
     const FASTEST: f64 = 7.5;
-    /// [m/s] for bodies that do not move at all: the speed after a fall from 1 µm.
+    /// [m/s] speed for bodies that do not move at all: that after a fall from 1 µm.
     const AT_REST: f64 = 5e-3;
     let scene = &experiment.scene;
     let frame = along_walls(scene, mean_velocity(experiment));
@@ -323,7 +324,7 @@ pub fn fastest_impact(experiment: &Experiment) -> f64 {
     (start * start + 2.0 * height + (FASTEST * AGITATION * gas).powi(2)).sqrt()
 }
 
-/// [m/s] mean velocity of the start: motion along walls causes no impacts.
+/// [m/s] mean velocity of all particles at the start. A common motion along walls causes no impacts.
 fn mean_velocity(experiment: &Experiment) -> Vector3<f64> {
     let sum = |population: &Population| match &population.amount {
         Amount::Placed(placed) => placed.velocity.iter().sum(),
@@ -354,7 +355,7 @@ pub struct StepScales {
     pub fluid_cell: Option<f64>,
 }
 
-/// Every limit on the soft time step, the shortest first, which is the binding one.
+/// All limits on the soft time step, the shortest first. The shortest is the binding one.
 pub fn step_limits(contacts: &[ContactPrediction], motion: &StepScales) -> Vec<StepLimit> {
     let mut limits = Vec::new();
     for row in contacts {
@@ -383,7 +384,7 @@ pub fn step_limits(contacts: &[ContactPrediction], motion: &StepScales) -> Vec<S
 mod tests {
     use super::*;
 
-    /// The paper's small sphere: 406 µm, 1038 kg/m³; T of case D from u_r = 0.79 m/s.
+    /// A pair of the paper's small spheres: 406 µm, 1038 kg/m³; T of case D from u_r = 0.79 m/s.
     fn pair() -> ContactKind {
         ContactKind {
             name: "S pair".into(),
@@ -400,8 +401,8 @@ mod tests {
         }
     }
 
-    /// Rayleigh distribution of the overlaps, computed independently for three stiffnesses; T is given with four
-    /// digits.
+    /// Compares with a Rayleigh distribution of the overlaps, computed independently for three stiffnesses; T is given
+    /// with four digits.
     #[test]
     fn overlaps_in_a_gas() {
         for (stiffness, mean, most) in
@@ -418,7 +419,7 @@ mod tests {
             assert!((row.mean_overlap / row.kappa - 0.5 * PI).abs() < 1e-12);
             assert!((pair().stiffening_for(&ContactLaw::linear(stiffness), row.overlap_99) - 1.0).abs() < 1e-12);
         }
-        // κ_n of the paper's case D
+        // overlap number κ_n of the paper's case D
         let scheme =
             Scheme::of(crate::experiment::Integrator::VelocityVerlet, crate::experiment::SoftStepping::Uniform);
         assert!((pair().predict(&ContactLaw::linear(3000.0), 1e-6, scheme).kappa / 0.004791 - 1.0).abs() < 5e-4);

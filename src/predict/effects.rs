@@ -1,27 +1,27 @@
-//! Physical effects: which of them a scene needs, and which can be left out.
+//! Physical effects that a scene may need, with their sizes, and which of them can be left out.
 
 use super::RunPrediction;
 use crate::scene::Scene;
 use serde::Serialize;
 
-/// [-] mass loading from which the gas feels the particles. A rule of thumb: with a tenth of the gas's mass the
-/// particles carry about a tenth of its momentum.
+/// [-] mass loading (mass of particles over mass of gas) from which the particles change the gas. This is a rule of
+/// thumb: at a mass loading of a tenth the particles carry about a tenth of the momentum of the gas.
 const TWO_WAY: f64 = 0.1;
 
-/// [-] mass loading above which a gas that does not feel the particles is a wrong model: the particles carry more
+/// [-] mass loading above which a gas that is not changed by the particles is a wrong model: the particles carry more
 /// momentum than the gas.
 pub const FROZEN: f64 = 1.0;
 
-/// An effect, with its size in the scene.
+/// A physical effect, with its size in the scene.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Effect {
     /// Name of the effect.
     pub name: &'static str,
-    /// Meaning of the number of the effect.
+    /// Definition of `number` in words.
     pub measure: &'static str,
-    /// [-] size of the effect; none where the scene gives no number for it.
+    /// [-] size of the effect; `None` if the scene gives no number for it.
     pub number: Option<f64>,
-    /// [-] number below which the effect can be left out.
+    /// [-] value of `number` below which the effect can be left out.
     pub threshold: f64,
     /// Source of the threshold.
     pub source: &'static str,
@@ -30,7 +30,7 @@ pub struct Effect {
 }
 
 impl Effect {
-    /// True if the effect can be left out; an effect with an unknown number cannot.
+    /// True if the effect can be left out. An effect with an unknown number cannot.
     pub fn negligible(&self) -> bool {
         self.number.is_some_and(|number| number < self.threshold)
     }
@@ -41,7 +41,7 @@ pub fn effects(scene: &Scene, plan: &RunPrediction) -> Vec<Effect> {
     if plan.particles == 0 {
         return Vec::new();
     }
-    // critical damping: a contact without end has no duration to compare with
+    // at critical damping a contact does not end, so there is no duration to compare with
     let times = plan.contacts.iter().map(|row| row.contact_time).filter(|time| time.is_finite());
     let longest = times.reduce(f64::max);
     let slowest = plan.contacts.iter().map(|row| row.impact_speed).reduce(f64::min);
@@ -50,7 +50,8 @@ pub fn effects(scene: &Scene, plan: &RunPrediction) -> Vec<Effect> {
     let against_target = |name, measure, number, modelled| against_target(plan, name, measure, number, modelled);
     let mut list = vec![against_target(
         "rotation",
-        // 2/7 = 1/(1 + m r²/I) with I = 2/5 m r²: the share that a solid sphere that sticks passes on to its spin
+        // 2/7 = 1/(1 + m r²/I) with I = 2/5 m r²: the share of the tangential speed that a solid, sticking sphere
+        // passes on to its spin
         "share of the tangential speed that an impact at 45 degrees passes between translation and spin, min(μ(1+e), 2/7)",
         Some(slip),
         scene.rotation.is_some(),
@@ -80,7 +81,7 @@ pub fn effects(scene: &Scene, plan: &RunPrediction) -> Vec<Effect> {
     list
 }
 
-/// An effect that matters if it is as large as the relative error of the plan.
+/// An effect that matters if its number is at least the relative error of the plan.
 fn against_target(
     plan: &RunPrediction,
     name: &'static str,

@@ -1,24 +1,24 @@
-//! Kinetic theory of the particles as a gas.
+//! Kinetic theory of the particles, treated as a dense gas of hard spheres.
 //!
-//! Enskog's theory of hard spheres is exact in the dilute limit and good to about 1 % up to a volume fraction of
-//! 0.45. It holds for many particles with nearly Maxwellian and uncorrelated velocities; not for a bed, a row or a
-//! few bodies.
+//! Enskog's theory of hard spheres is exact in the dilute limit, and accurate to about 1 % up to a volume fraction of
+//! 0.45. It holds for many particles with nearly Maxwellian and uncorrelated velocities. It does not hold for a bed, a
+//! row or a few bodies.
 
 use crate::contact_law::{Bodies, ContactLaw};
 use crate::scene::{Scene, Species, Surface};
 use serde::Serialize;
 use std::f64::consts::PI;
 
-/// [-] volume fraction above which spheres order: freezing (Hoover and Ree 1968, J. Chem. Phys. 49, 3609). The
-/// contact value of the fluid is valid up to it.
+/// [-] volume fraction above which spheres order: freezing (Hoover and Ree 1968, J. Chem. Phys. 49, 3609). The formula
+/// for the contact value is valid up to it.
 pub const FREEZING: f64 = 0.494;
 
-/// The particles as a gas. Rates per particle are means over all species.
+/// Predictions of kinetic theory for the particles. Rates per particle are means over all species.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Gas {
     /// [-] volume fraction of the whole box.
     pub volume_fraction: f64,
-    /// [-] contact value of the pair distribution (the mean over pairs, weighted by their collisions).
+    /// [-] contact value of the pair distribution: the mean over pairs, weighted by their collisions.
     pub contact_value: f64,
     /// [1/s] collisions of all pairs per time.
     pub pair_rate: f64,
@@ -30,20 +30,21 @@ pub struct Gas {
     pub mean_free_path: f64,
 }
 
-/// One species of the gas.
+/// One species of the gas, or the particles of one size of a species.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Component {
     /// Number of particles.
     pub count: usize,
     /// [m] diameter.
     pub diameter: f64,
-    /// [m²/s²] variance of a velocity component, T = kT/m.
+    /// [m²/s²] variance of a velocity component: granular temperature T.
     pub variance: f64,
 }
 
 impl Component {
-    /// The `count` particles of a species, with a variance of velocity components [m²/s²]. If sizes differ, they are
-    /// sixteen components with equal numbers of particles, each with the median diameter of its part.
+    /// Components of `count` particles of a species, with one variance of velocity components [m²/s²]. If the sizes
+    /// differ, they are divided into sixteen components with equal numbers of particles, each with the median diameter
+    /// of its part.
     pub fn of(species: &Species, count: usize, variance: f64) -> Vec<Self> {
         const PARTS: usize = 16;
         let Some(sizes) = &species.sizes else { return vec![Self { count, diameter: species.diameter, variance }] };
@@ -56,42 +57,42 @@ impl Component {
     }
 }
 
-/// A slice of the scene between two distances from the wall, as measured.
+/// Measurements in a slice of the scene between two distances from the wall.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Slice {
     /// [-] share of the particles in the slice.
     pub particles: f64,
-    /// [-] share of the slice in the volume available to centres.
+    /// [-] volume available to centres in the slice, as a share of that in the whole scene.
     pub room: f64,
     /// [m²/s²] variances of the velocity components along x, y, z.
     pub variance: [f64; 3],
 }
 
-/// Spread of the agitation over positions and directions, relative to a uniform gas with an equal mean. All numbers
-/// are ratios [-].
+/// Spread of the agitation over positions and directions, relative to a uniform gas of equal mean agitation. All
+/// numbers are ratios [-]; s is the standard deviation of the normal relative velocity.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AgitationSpread {
-    /// Collisions of pairs over those of the uniform gas.
+    /// Rate of pair collisions over that of the uniform gas.
     pub pair_rate: f64,
-    /// Wall impacts over those of the uniform gas, for walls perpendicular to y.
+    /// Rate of wall impacts over that of the uniform gas, for walls perpendicular to y.
     pub wall_rate: f64,
-    /// Shares of the pair collisions, each with its s over the mean s.
+    /// Shares of the pair collisions; each share has one s, given over the mean s.
     pub pairs: Vec<[f64; 2]>,
-    /// Shares of the wall impacts, each with its s over the mean s.
+    /// Shares of the wall impacts; each share has one s, given over the mean s.
     pub walls: Vec<[f64; 2]>,
 }
 
 impl AgitationSpread {
-    /// Equal agitation everywhere and in all directions.
+    /// Agitation that is equal everywhere and in all directions.
     pub fn even() -> Self {
         Self { pair_rate: 1.0, wall_rate: 1.0, pairs: vec![[1.0, 1.0]], walls: vec![[1.0, 1.0]] }
     }
 
-    /// The spread over slices along y, the first and the last of them at walls. Velocities are taken as Gaussian with
-    /// the variances of the slice and independent components. A collision along n then happens at a rate ∝ s(n) =
-    /// sqrt(Σ n_i² σ_i²).
+    /// Spread of the agitation over slices along y, the first and the last of which touch walls. Velocities are taken
+    /// as Gaussian with the variances of the slice and independent components. A collision with normal n then happens
+    /// at a rate ∝ s(n) = sqrt(Σ n_i² σ_i²).
     pub fn of(slices: &[Slice]) -> Self {
-        /// Directions per angle; the integrand is smooth.
+        /// Number of values of each angle in the quadrature; the integrand is smooth.
         const ANGLES: usize = 12;
         let slices: Vec<&Slice> = slices.iter().filter(|slice| slice.particles > 0.0 && slice.room > 0.0).collect();
         let mean = slices.iter().map(|slice| slice.particles * slice.variance.iter().sum::<f64>() / 3.0).sum::<f64>();
@@ -101,7 +102,7 @@ impl AgitationSpread {
         for slice in &slices {
             let weight = slice.particles * slice.particles / slice.room / (ANGLES * ANGLES) as f64;
             for (i, j) in (0..ANGLES * ANGLES).map(|k| (k / ANGLES, k % ANGLES)) {
-                // equal areas of an octant: cosine to z, and the angle around it
+                // points of equal area on an octant of the unit sphere: cosine to z, and the angle around z
                 let (cosine, (sine, other)) = (angle(i), (0.5 * PI * angle(j)).sin_cos());
                 let across = 1.0 - cosine * cosine;
                 let [x, y, z] = slice.variance;
@@ -135,18 +136,19 @@ pub fn contact_value(a: f64, b: f64, volume_fraction: f64, second_moment: f64) -
     1.0 / free + 3.0 * ratio / (free * free) + 2.0 * ratio * ratio / (free * free * free)
 }
 
-/// Prediction of kinetic theory for these particles in the box of the scene.
+/// Predicts rates and mean free path by kinetic theory, for these components in the box of the scene.
 ///
-/// Pairs collide at the rate n_i n_j σ² g sqrt(8π (T_i + T_j)) per volume, half of it for equal species, less 1/N for
-/// a finite number. Flat walls keep centres half a diameter away. Within one collision distance σ of a wall they also
-/// hide a quarter of the directions, on average. The density is otherwise taken as uniform, unless `spread` says
-/// more. Wall impacts: n Z sqrt(T/2π) per area (the contact theorem), Z = 1 + 4 φ g.
+/// Pairs collide at the rate n_i n_j σ² g sqrt(8π (T_i + T_j)) per volume, half of it for equal species, less 1/N for a
+/// finite number N. Here n is the number density, σ the collision distance and g the contact value. Flat walls keep
+/// centres half a diameter away. Within a distance σ of a wall they also hide a quarter of the directions, on average.
+/// The density is otherwise taken as uniform, unless `spread` was measured. Wall impacts: n Z sqrt(T/2π) per area (the
+/// contact theorem), Z = 1 + 4 φ g.
 pub fn gas(scene: &Scene, components: &[Component], spread: &AgitationSpread) -> Gas {
     let volume = scene.domain.volume();
     let total: f64 = components.iter().map(|c| c.count as f64).sum();
     let sphere = |c: &Component| c.count as f64 * PI / 6.0 * c.diameter.powi(3);
     let volume_fraction = components.iter().map(sphere).sum::<f64>() / volume;
-    // centres of a species fill less than the box
+    // the centres of a species have less room than the box
     let room: Vec<CentreVolume> = components.iter().map(|c| CentreVolume::of(scene, c.diameter)).collect();
     let density: Vec<f64> = components.iter().zip(&room).map(|(c, room)| c.count as f64 / room.volume).collect();
     let moment = |power: i32| -> f64 {
@@ -189,16 +191,16 @@ pub fn gas(scene: &Scene, components: &[Component], spread: &AgitationSpread) ->
     }
 }
 
-/// Volume available to centres.
+/// Volume available to the centres of spheres of one diameter.
 struct CentreVolume {
-    /// [m³]
+    /// [m³] volume available to the centres.
     volume: f64,
     /// [m²] area of the flat walls.
     wall_area: f64,
 }
 
 impl CentreVolume {
-    /// Volume of the domain less half a diameter at each flat wall along an axis. Other walls are ignored.
+    /// Volume of the domain without half a diameter at each flat wall along an axis. Other walls are ignored.
     fn of(scene: &Scene, diameter: f64) -> Self {
         let mut size = scene.domain.size;
         let mut area = 0.0;
@@ -213,16 +215,16 @@ impl CentreVolume {
         Self { volume: size.product(), wall_area: area }
     }
 
-    /// Share of the directions of collision that walls hide: within `reach` [m] of a wall the part 1/4 on average.
+    /// Share of the collision directions that walls hide: within `reach` [m] of a wall it is 1/4 on average.
     fn hidden(&self, reach: f64) -> f64 {
         (0.25 * reach * self.wall_area / self.volume).min(1.0)
     }
 }
 
-/// [-] apparent decrease of the diameter of soft spheres of one species, over the diameter. It is the difference
-/// between the diameter and that of Barker and Henderson (1967, J. Chem. Phys. 47, 4714) at temperature T [m²/s²];
-/// for a linear spring sqrt(π m T/(2 k))/d. The cross-section is smaller by twice that. The effect on the collision
-/// rate depends on the density of the gas (docs/theory/softness.md).
+/// [-] apparent decrease of the diameter of soft spheres of one species, over the diameter d. The apparent diameter is
+/// that of Barker and Henderson (1967, J. Chem. Phys. 47, 4714) at the temperature T [m²/s²]. For a linear spring the
+/// decrease is sqrt(π m T/(2 k))/d. The cross-section is smaller by twice that. The effect on the collision rate
+/// depends on the density of the gas (docs/theory/softness.md).
 pub fn softness(law: &ContactLaw, species: &Species, temperature: f64) -> f64 {
     // the stored energy does not depend on the restitution
     let surface = Surface { restitution: 1.0, friction: 0.0 };
@@ -230,18 +232,17 @@ pub fn softness(law: &ContactLaw, species: &Species, temperature: f64) -> f64 {
     law.thermal_overlap(&spring, species.mass() * temperature) / species.diameter
 }
 
-/// [-] factor by which a law must be stiffer for the cross-section to be smaller by no more than the share `error`
-/// [-].
+/// [-] factor by which a law must be stiffer so that the cross-section decreases by no more than the share `error` [-].
 pub fn stiffening_for(law: &ContactLaw, species: &Species, temperature: f64, error: f64) -> f64 {
     law.stiffening(2.0 * softness(law, species, temperature) / error)
 }
 
-/// Largest number of particles that collisions join within a time in which each suffers `collisions` [-] of them,
-/// among `count` particles. Fewer than one cluster beyond this size is expected. `None`: clusters grow without bound
-/// (one collision each).
+/// Size of the largest cluster of particles that collisions join within a time in which each particle suffers
+/// `collisions` [-]. Among `count` particles, fewer than one larger cluster is expected. `None` if clusters grow
+/// without bound (one collision per particle or more).
 ///
-/// Clusters of a random graph of mean degree c have Borel-distributed sizes, P(s) = (cs)^(s-1) e^(-cs)/s! (Borel
-/// 1942), as seen from a particle. Counted per cluster it is P(s)/s.
+/// The clusters are those of a random graph of mean degree c. Seen from a particle, their sizes s have Borel's
+/// distribution, P(s) = (cs)^(s-1) e^(-cs)/s! (Borel 1942). Counted per cluster, it is P(s)/s.
 pub fn largest_island(collisions: f64, count: usize) -> Option<usize> {
     if collisions >= 1.0 {
         return None;
@@ -255,7 +256,7 @@ pub fn largest_island(collisions: f64, count: usize) -> Option<usize> {
         let s = size as f64;
         factorial += s.ln();
         rest -= ((s - 1.0) * (collisions * s).ln() - collisions * s - factorial).exp();
-        // clusters larger than this: their particles over their size
+        // number of larger clusters: the particles in them over their size
         if count as f64 * rest.max(0.0) / (s + 1.0) < 1.0 {
             return Some(size);
         }
@@ -294,7 +295,8 @@ mod tests {
         }
     }
 
-    /// Γ σ/sqrt(T) of Enskog with Carnahan and Starling's contact value, tabulated independently.
+    /// Collision rate Γ σ/sqrt(T) by Enskog's theory with Carnahan and Starling's contact value, tabulated
+    /// independently.
     #[test]
     fn collision_rates() {
         for (fraction, rate) in
@@ -310,9 +312,9 @@ mod tests {
         }
     }
 
-    /// A slit 12 diameters wide, by event-driven runs of another code: pair rate 0.996 and 2.365, wall pressure 0.1633
-    /// and 0.4262 (both walls, P = 2 m u n u per impact). Tolerance: their error of 1 %, and the density that is not
-    /// uniform.
+    /// Compares with event-driven runs of another code in a slit 12 diameters wide: pair rate 0.996 and 2.365, wall
+    /// pressure 0.1633 and 0.4262 (both walls, P = 2 m u n u per impact). The tolerance allows for their error of 1 %,
+    /// and for a density that is not uniform.
     #[test]
     fn a_slit() {
         for (count, rate, pressure) in [(200, 0.996, 0.1633), (400, 2.365, 0.4262)] {
@@ -325,9 +327,9 @@ mod tests {
         }
     }
 
-    /// Motion along one axis only: s = sqrt(3) |cos θ|, so rates are sqrt(3)/2 of those of the uniform gas. The mean
-    /// of s over collisions is <s²>/<s> = 2/sqrt(3). Twice as dense in one half as in the other: (4 + 1)/2 over
-    /// (3/2)².
+    /// Motion along one axis only: s = sqrt(3) |cos θ|, so rates are sqrt(3)/2 of those of the uniform gas. The mean of
+    /// s over collisions is <s²>/<s> = 2/sqrt(3). In a gas twice as dense in one half as in the other, the rate is (4 +
+    /// 1)/2 over (3/2)² that of the uniform gas.
     #[test]
     fn uneven_gases() {
         let even = Slice { particles: 0.5, room: 0.5, variance: [2.0; 3] };
@@ -356,7 +358,7 @@ mod tests {
         assert!((mixed.contact_value / pure.contact_value - 1.0).abs() < 1e-12);
     }
 
-    /// 1 - d_eff/σ of the paper's cases B, D, E, G, computed independently to two digits.
+    /// Decrease 1 - d_eff/σ in the paper's cases B, D, E, G, computed independently to two digits.
     #[test]
     fn soft_spheres_are_smaller() {
         for (mass, t, stiffness, diameter, shrink) in [
@@ -380,7 +382,7 @@ mod tests {
     fn islands() {
         assert_eq!(largest_island(0.0, 1000), Some(1));
         assert_eq!(largest_island(1.0, 1000), None);
-        // twos: N c/2 of them; 1000 particles with 1e-3 collisions each make half a pair
+        // clusters of two: N c/2 are expected; 1000 particles with 1e-3 collisions each make half a pair
         assert_eq!(largest_island(1e-4, 1000), Some(1));
         assert_eq!(largest_island(1e-2, 1000), Some(2));
         assert!(largest_island(0.5, 100_000) > largest_island(0.1, 100_000));

@@ -1,22 +1,22 @@
 //! Accuracy with which time steps resolve a contact.
 //!
-//! A step maps overlap and approach speed (x, v) of a contact to those Δt later. In the units of a contact law (mass
-//! and elastic constant 1, see [`Law::unit`]) this map depends only on the restitution and the number of steps per
-//! contact N_c. So nothing here depends on the size of the particles; the speed of impact matters only through N_c.
-//! The motion is along the normal only: an oblique impact also turns its normal during the contact, by about the
-//! overlap over the diameter.
+//! A time step maps overlap and approach speed (x, v) of a contact to their values Δt later. In the units of a contact
+//! law (mass and elastic constant 1, see [`Law::unit`]) this map depends only on the restitution and the number of
+//! steps per contact N_c. So the results in this file do not depend on the size of the particles, and on the speed of
+//! impact only through N_c. The motion is along the normal only. In an oblique impact the normal also turns during the
+//! contact, by about the overlap over the diameter.
 
 use crate::contact_law::{ContactLaw, Spring, damping_ratio};
 use crate::experiment::{Integrator, SoftStepping};
 use std::f64::consts::PI;
 
-/// Number of impacts with different phases between touch and step, for averages.
+/// Number of impacts over which results are averaged. They differ in phase: the time from the last step to the touch.
 const PHASES: usize = 200;
 
-/// A contact that lasts this many times too long does not end.
+/// Factor on the contact time after which a contact is taken not to end.
 const ENDLESS: f64 = 20.0;
 
-/// Method of one time step.
+/// Method that advances a contact by one time step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
     /// Velocity Verlet with the dashpot at the half-step velocity.
@@ -27,18 +27,19 @@ pub enum Method {
     FourthOrder,
 }
 
-/// A method, and the way in which it finds the beginning and the end of a contact.
+/// Method of the time step, and way in which the beginning and the end of a contact are found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Scheme {
     /// Method of one time step.
     pub method: Method,
-    /// True if contacts begin and end at their exact instants (local stepping), false if at the next step (uniform).
+    /// True if contacts begin and end at their exact instants (local stepping), false if they do so at the next step
+    /// (uniform stepping).
     pub exact_instants: bool,
 }
 
 impl Scheme {
-    /// The scheme that the soft engine uses with these settings. `Auto` stands for local stepping, which it is unless
-    /// the scene is crowded.
+    /// The scheme that the soft engine uses with these settings. `Auto` is treated as local stepping, which `Auto` uses
+    /// unless the scene is crowded.
     pub fn of(integrator: Integrator, stepping: SoftStepping) -> Self {
         let exact_instants = stepping != SoftStepping::Uniform;
         let method = match (integrator, exact_instants) {
@@ -50,21 +51,21 @@ impl Scheme {
     }
 }
 
-/// Restitution that a scheme gives where `restitution` was asked for. All values are ratios of speeds [-].
+/// Restitution that a scheme realises when the law is set to `restitution`. All values are ratios of speeds [-].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Realised {
-    /// Mean over the phases between touch and step.
+    /// Mean of the restitution over the phases, that is, over the times from the last step to the touch.
     pub mean: f64,
     /// Smallest value over the phases.
     pub least: f64,
     /// Largest value over the phases.
     pub largest: f64,
-    /// Mean square over the phases, which determines the energy of a gas.
+    /// Mean square over the phases, on which the energy of a gas depends.
     pub mean_square: f64,
 }
 
-/// [-] ω_0 Δt of a step that goes N_c times into the contact time of a linear spring and dashpot: π / (N_c sqrt(1 -
-/// ζ²)) (Eqs. 7 and 9).
+/// [-] ω_0 Δt for a step that is 1/N_c of the contact time of a linear spring and dashpot: π / (N_c sqrt(1 - ζ²)) (Eqs.
+/// 7 and 9).
 pub fn reduced_step(restitution: f64, steps_per_contact: f64) -> f64 {
     let ratio = damping_ratio(restitution);
     PI / (steps_per_contact * (1.0 - ratio * ratio).sqrt())
@@ -77,11 +78,11 @@ struct GapState {
     v: f64,
 }
 
-/// Force that accelerates the gap.
+/// Contact force, by which the gap is accelerated.
 struct GapForce<'a> {
     law: &'a ContactLaw,
     spring: Spring,
-    /// True if the force acts on an overlap only; otherwise it always acts, as within a contact.
+    /// True if the force acts only while there is an overlap; false if it acts always, as in the middle of a contact.
     one_sided: bool,
 }
 
@@ -94,11 +95,11 @@ impl GapForce<'_> {
         (elastic + viscous) / self.spring.effective_mass
     }
 
-    /// State one step later.
+    /// State of the contact after a step `dt`.
     fn step(&self, method: Method, from: GapState, dt: f64) -> GapState {
         let GapState { x, v } = from;
         match method {
-            // velocities are at half steps, where two half-kicks make one kick
+            // velocities belong to half steps, where two half-kicks make one kick
             Method::VelocityVerlet => {
                 let x = x + v * dt;
                 GapState { x, v: v + self.acceleration(x, v) * dt }
@@ -125,8 +126,8 @@ impl GapForce<'_> {
     }
 }
 
-/// [-] spectral radius of the step map of the linear oscillator with damping ratio `damping` ζ [-]; above 1,
-/// oscillations grow. `step` is ω_0 Δt.
+/// [-] spectral radius of the step map of the linear oscillator with damping ratio `damping` ζ [-]. Above 1,
+/// oscillations grow. `step` is ω_0 Δt [-].
 pub fn growth(method: Method, damping: f64, step: f64) -> f64 {
     let law = ContactLaw::linear(1.0);
     let spring = Spring { effective_mass: 1.0, restitution: 0.0, stiffness: 1.0, dashpot: 2.0 * damping };
@@ -140,14 +141,15 @@ pub fn growth(method: Method, damping: f64, step: f64) -> f64 {
     if discriminant < 0.0 { determinant.sqrt() } else { half_trace.abs() + discriminant.sqrt() }
 }
 
-/// [-] largest ω_0 Δt up to which no oscillation with damping ratio `damping` ζ [-] grows; 0 if there is none (below
-/// 0.01 counts as none).
+/// [-] largest ω_0 Δt up to which no oscillation with damping ratio `damping` ζ [-] grows; 0 if there is no such step
+/// above 0.01.
 ///
-/// Velocity Verlet: 2 (sqrt(1+ζ²) - ζ). Heun: the root of θ³/4 - ζ θ² + 2 ζ² θ - 2 ζ; without damping there is none,
-/// because a step gains θ⁴/8 of the amplitude.
+/// For velocity Verlet it is 2 (sqrt(1+ζ²) - ζ). For Heun's method it is the root of θ³/4 - ζ θ² + 2 ζ² θ - 2 ζ, θ =
+/// ω_0 Δt. Without damping there is no such step of Heun's method, because each step increases the amplitude by the
+/// share θ⁴/8.
 pub fn stability_limit(method: Method, damping: f64) -> f64 {
-    /// Rounding of the map's trace and determinant, far below the gain of Heun's method at the smallest step
-    /// (1.25e-9).
+    /// Rounding of the trace and the determinant of the map. It is far below the gain of Heun's method at the smallest
+    /// step (1.25e-9).
     const ROUNDING: f64 = 1e-12;
     const SMALLEST: f64 = 0.01;
     let grows = |step: f64| growth(method, damping, step) > 1.0 + ROUNDING;
@@ -165,11 +167,11 @@ pub fn stability_limit(method: Method, damping: f64) -> f64 {
     low
 }
 
-/// Restitution of one isolated impact of two bodies with that spring at that normal speed [m/s], in `steps` steps per
-/// contact N_c. `None` if the contact does not end: the step is beyond the scheme's stability, or the restitution is 0.
+/// Restitution of one isolated impact of two bodies under the law at a normal speed [m/s], with `steps` steps per
+/// contact N_c. `None` if the contact does not end: the step is unstable, or the restitution is 0.
 ///
-/// On the step grid the touch falls anywhere within a step: 200 equally spaced phases. With exact instants there is
-/// one.
+/// In uniform steps the touch may fall anywhere within a step, so 200 equally spaced phases are computed. With exact
+/// instants there is one phase.
 pub fn realised_restitution(
     scheme: Scheme,
     law: &ContactLaw,
@@ -199,8 +201,8 @@ pub fn realised_restitution(
     Some(realised)
 }
 
-/// [-] rebound speed over that of an approach at `speed` [m/s] that touches a fraction `before` of a step [s] after the
-/// end of one.
+/// [-] rebound speed over approach speed in uniform steps. The approach at `speed` [m/s] touches a fraction `before` of
+/// a step [s] after the end of a step.
 fn on_the_grid(force: &GapForce, speed: f64, method: Method, (step, before): (f64, f64), longest: u64) -> Option<f64> {
     let mut state = GapState { x: before * (speed * step), v: -speed };
     for _ in 0..longest {
@@ -212,8 +214,8 @@ fn on_the_grid(force: &GapForce, speed: f64, method: Method, (step, before): (f6
     None
 }
 
-/// [-] rebound speed over that of an approach at `speed` [m/s], from the instant of touch to the instant at which the
-/// overlap is gone.
+/// [-] rebound speed over approach speed, with exact instants. The contact lasts from the instant of touch, at `speed`
+/// [m/s], to the instant at which the overlap is gone.
 fn with_exact_instants(force: &GapForce, speed: f64, method: Method, step: f64, longest: u64) -> Option<f64> {
     let mut state = GapState { x: 0.0, v: -speed };
     for _ in 0..longest {
@@ -232,18 +234,18 @@ fn with_exact_instants(force: &GapForce, speed: f64, method: Method, step: f64, 
     None
 }
 
-/// [-] relative change of the granular temperature of a homogeneous gas per collision that a particle suffers: (<e²>
-/// - 1)/3, with the mean square of the realised restitution. Positive: the scheme heats.
+/// [-] relative change of the granular temperature of a homogeneous gas per collision that a particle suffers: (<e²> -
+/// 1)/3, with the mean square of the realised restitution. If positive, the scheme heats the gas.
 ///
-/// A collision takes (1 - e²)/4 of m u_n², and the mean of u_n² over collisions is 4T (Maxwellian). Two particles of
-/// mean energy 3mT/2 share the loss. The law is linear, so e does not depend on the speed; oblique impacts count with
-/// their normal part.
+/// A collision removes (1 - e²)/4 of m u_n², and the mean of u_n² over collisions is 4T (Maxwellian). Two particles of
+/// mean energy 3mT/2 share the loss. The law is linear, so e does not depend on the speed. Oblique impacts count with
+/// their normal velocity.
 pub fn heating_per_collision(realised: &Realised) -> f64 {
     (realised.mean_square - 1.0) / 3.0
 }
 
-/// A linear spring and dashpot of that restitution, with mass and stiffness 1: all linear impacts of one restitution
-/// look alike in its units.
+/// Linear spring and dashpot with a given restitution, in units of mass and stiffness. In these units all linear
+/// impacts of one restitution are equal.
 pub fn unit_spring(restitution: f64) -> Spring {
     let dashpot = 2.0 * damping_ratio(restitution);
     Spring { effective_mass: 1.0, restitution, stiffness: 1.0, dashpot }
@@ -262,7 +264,8 @@ mod tests {
         realised_restitution(scheme, &LINEAR, (&unit_spring(e), 1.0), steps).expect("the contact ends")
     }
 
-    /// Amplification factors of the methods at λ = -ζ ± i sqrt(1-ζ²), computed independently; three digits are given.
+    /// Compares with amplification factors of the methods at λ = -ζ ± i sqrt(1-ζ²), computed independently to three
+    /// digits.
     #[test]
     fn stability_limits() {
         for (method, e, limit) in [
@@ -289,22 +292,22 @@ mod tests {
         for e in [1.0, 0.8, 0.3, 0.05] {
             let z = damping_ratio(e);
             let closed = 2.0 * ((1.0 + z * z).sqrt() - z);
-            // the tolerance on the radius moves the crossing by its square root where damping is absent
+            // without damping, the tolerance on the radius moves the crossing by its square root
             assert!((stability_limit(Method::VelocityVerlet, z) - closed).abs() < 2e-6, "{e}");
         }
     }
 
-    /// An undamped spring under Heun gains (1 + θ⁴/4)^½ per step; exactly half a period later it gained this to the
-    /// power π/θ.
+    /// An undamped spring gains the factor (1 + θ⁴/4)^½ per step of Heun's method. After half a period the gain is this
+    /// factor to the power π/θ.
     #[test]
     fn growth_of_heun_without_damping() {
         let step = PI / 7.7;
         assert!((growth(Method::Heun, 0.0, step).powf(7.7) - 1.02694).abs() < 1e-5);
     }
 
-    /// Rows "Heun" and "Verlet (half)" for steps of Tc/5 to Tc/50: mean, least, largest over 200 phases of an
-    /// independent computation. Tolerances: 0.002 from Nc = 10 on, 0.01 below (other phases); 0.01 for the extremes
-    /// where few are quoted.
+    /// Compares with an independent computation: rows "Heun" and "Verlet (half)" for steps of Tc/5 to Tc/50 with mean,
+    /// least and largest value over 200 phases. Tolerances: 0.002 from Nc = 10 on, 0.01 below (other phases); 0.01 for
+    /// the extremes where few digits are known.
     #[test]
     fn realised_restitution_on_the_grid() {
         for (scheme, e, steps, mean, least, largest) in [
@@ -336,13 +339,13 @@ mod tests {
                 "{scheme:?} {e} {steps}: {found:?}"
             );
         }
-        // one-sided rows: strongly damped contacts
+        // one-sided force: strongly damped contacts
         assert!((of(ON_GRID_HEUN, 0.1, 10.0).mean - 0.091).abs() < 0.01);
         assert!((of(ON_GRID_VERLET, 0.1, 10.0).mean - 0.0596).abs() < 0.01);
     }
 
-    /// Energy gained per elastic contact under Heun at the step ratios of the channel's cases, and the share of the
-    /// dissipation that is left where e < 1; linear maps computed independently, to the digits given.
+    /// Compares with linear maps computed independently: the energy gained per elastic contact with Heun's method at
+    /// the step ratios of the channel cases. Where e < 1, the share of the dissipation that is left.
     #[test]
     fn heating() {
         for (steps, gain) in [(7.735, 0.0465), (10.94, 0.0169)] {
@@ -357,14 +360,14 @@ mod tests {
         assert!(heating_per_collision(&of(ON_GRID_VERLET, 1.0, 7.735)).abs() < 5e-4);
     }
 
-    /// With exact instants the error is that of the integrator: of fourth order. It is of fifth order without
-    /// damping, where a step loses θ⁶/144 of the amplitude and a contact has π/θ steps.
+    /// With exact instants the error is that of the integrator, of fourth order. Without damping it is of fifth order:
+    /// a step loses θ⁶/144 of the amplitude, and a contact has π/θ steps.
     #[test]
     fn local_stepping_converges_with_its_order() {
         let miss = |e: f64, steps: f64| (of(LOCAL, e, steps).mean - e).abs();
         for (e, ratio) in [(1.0, 32.0), (0.5, 16.0)] {
             let found = miss(e, 20.0) / miss(e, 40.0);
-            // less the next order of the step
+            // the next order of the step is subtracted
             assert!((found / ratio - 1.0).abs() < 0.15, "{e}: {found}");
         }
         assert!((miss(1.0, 20.0) / ((PI / 20.0).powi(5) * PI / 144.0) - 1.0).abs() < 0.02);

@@ -1,8 +1,8 @@
 //! Predictions before a run.
 //!
-//! They are closed forms and quadratures of a scene's numbers: nothing runs, nothing is written. Each prediction
-//! names its source and what it leaves out. A [`RunPrediction`] combines them with the measurements of a short
-//! calibration, and a [`Recommendation`] is derived from it.
+//! Predictions are closed forms and quadratures of a scene's numbers; they need no run and write no file. The
+//! documentation of each prediction names its source and the effects that it leaves out. A [`RunPrediction`] combines
+//! predictions with the measurements of a short calibration run, and a [`Recommendation`] is derived from it.
 
 pub mod closed_form;
 pub mod collision_integral;
@@ -33,26 +33,26 @@ pub struct Agitation {
     pub source: String,
 }
 
-/// A short run of the case's own physics in a smaller periodic box, with its results.
+/// Short run of the case with its own physics in a smaller periodic box, and the results of this run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Calibration {
     /// Number of particles in the short run.
     pub particles: usize,
     /// [s] simulated time.
     pub simulated: f64,
-    /// True if the averaged part was steady.
+    /// True if the state was steady during the averaging time.
     pub steady: bool,
-    /// [1/s] collisions of a particle per time, and standard error; each `None` if unknown.
+    /// [1/s] collisions of a particle with others per time, and the standard error; each is `None` if unknown.
     pub collision_rate: [Option<f64>; 2],
-    /// [1/s] wall impacts of a particle per time, and standard error; each `None` if unknown.
+    /// [1/s] wall impacts of a particle per time, and the standard error; each is `None` if unknown.
     pub wall_rate: [Option<f64>; 2],
     /// [-] relative standard error of the granular temperature of a slice (median over slices).
     pub temperature_error: Option<f64>,
-    /// [s] length of the averaged part.
+    /// [s] averaging time.
     pub averaged: f64,
     /// [m] edges of the smaller box.
     pub size: [f64; 3],
-    /// Reason why the engine stopped, if it did.
+    /// Reason why the engine stopped early; `None` if it did not.
     pub failure: Option<String>,
 }
 
@@ -61,17 +61,17 @@ pub struct Calibration {
 pub struct PredictedCost {
     /// The model.
     pub model: EngineChoice,
-    /// [s] wall time of the whole run; none if it fails.
+    /// [s] wall time of the whole run; `None` if the model fails.
     pub wall_seconds: Option<f64>,
     /// Number of windows that were timed.
     pub windows_timed: u64,
-    /// [byte] largest memory of the process; none where the system does not report it.
+    /// [byte] largest memory of the process; `None` if the system does not report it.
     pub memory: Option<f64>,
-    /// Reason why the model cannot run, if it cannot.
+    /// Reason why the model cannot run; `None` if it can.
     pub failure: Option<String>,
 }
 
-/// Size and length of a run that reach the wanted error.
+/// Size and length of a run with which averages reach the desired error.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Averaging {
     /// [m] smallest edges along periodic axes; the other edges are those of the case.
@@ -80,14 +80,14 @@ pub struct Averaging {
     pub particles: usize,
     /// [s] averaging time in that box.
     pub duration: f64,
-    /// [s] averaging time in the box of the case.
+    /// [s] averaging time in the box of the case, for an equal error.
     pub duration_as_given: f64,
 }
 
-/// All predictions before the run.
+/// All predictions for a run, made before it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RunPrediction {
-    /// [-] relative error wanted.
+    /// [-] relative error desired for averages.
     pub target_error: f64,
     /// Number of particles.
     pub particles: usize,
@@ -95,51 +95,51 @@ pub struct RunPrediction {
     pub duration: f64,
     /// [s] window h.
     pub window: f64,
-    /// Strength of the random motion.
+    /// Strength of the random motion of the particles.
     pub agitation: Agitation,
-    /// The contact law that contacts are predicted for, in words.
+    /// Contact law, in words, for which contacts are predicted.
     pub contact_law: String,
-    /// Method of the soft time steps that contacts are predicted for.
+    /// Integrator of the soft time steps for which contacts are predicted.
     pub integrator: String,
-    /// Contacts under the case's contact law, or the one recommended if it has none.
+    /// Predicted contacts under the contact law of the case, or under the recommended law if the case has none.
     pub contacts: Vec<contact::ContactPrediction>,
     /// Limits on the soft time step, the binding one first.
     pub step_limits: Vec<contact::StepLimit>,
-    /// Kinetic theory; none for a few bodies.
+    /// Predictions of kinetic theory; `None` for a few bodies.
     pub gas: Option<gas::Gas>,
     /// [-] fraction of the time that a particle is in contact.
     pub time_in_contact: Option<f64>,
-    /// Particles of the largest island expected in a window; none if islands join without bound or the theory does not
-    /// apply.
+    /// Number of particles in the largest island (group of particles that may meet) expected in a window. `None` if
+    /// islands join without bound or the theory does not apply.
     pub largest_island: Option<usize>,
     /// [-] apparent decrease of the diameter of soft spheres, over the diameter.
     pub softness: Option<f64>,
-    /// The floor on which particles gather under gravity.
+    /// Floor on which particles gather under gravity; `None` if there is none.
     pub rest: Option<rest::Rest>,
-    /// [-] overlap of the lowest contact under the weight above it, over the diameter.
+    /// [-] overlap of the lowest contact under the weight of the particles above it, over the diameter.
     pub static_overlap: Option<f64>,
     /// True if particles overlap at the start.
     pub starts_overlapping: bool,
     /// True if the start has rows of touching particles.
     pub in_a_row: bool,
-    /// Number of particles that lie on something at the start.
+    /// Number of particles that lie on a wall or on other particles at the start.
     pub lying: usize,
-    /// The gas around the particles, by species.
+    /// Response of each species to the gas.
     pub flow: Vec<flow::Flow>,
-    /// Effects, and which of them can be left out.
+    /// Physical effects, with their sizes, and which of them can be left out.
     pub effects: Vec<effects::Effect>,
-    /// The short calibration run.
+    /// Results of the short calibration run; `None` if there was none.
     pub calibration: Option<Calibration>,
     /// Cost of each model.
     pub costs: Vec<PredictedCost>,
-    /// Size and length of a run for the wanted error; none where nothing is steady.
+    /// Size and length of a run for the desired error; `None` if the scene has no steady state.
     pub averaging: Option<Averaging>,
-    /// Predictions instead of averages where nothing is steady.
+    /// Predictions that replace averages if the scene has no steady state.
     pub transient: Option<Transient>,
 }
 
 impl RunPrediction {
-    /// Obstacles from the start, as `check` finds them too.
+    /// Obstacles to each model at the start, which `check` finds too.
     pub fn obstacles(&self) -> Obstacles {
         Obstacles {
             rest: self.rest.clone(),
@@ -155,9 +155,9 @@ impl RunPrediction {
     }
 }
 
-/// Shortest side that is trusted to hold independent particles [m]: 10 diameters, and two mean free paths or the
-/// width between the walls, whichever is less. This is a rule of this program: within two free paths most of a
-/// particle's velocity is forgotten.
+/// Shortest side of a box for which its particles are taken as independent [m]. It is at least 10 diameters, and at
+/// least two mean free paths or the width between the walls, whichever is less. This is a rule of this program: within
+/// two free paths a particle loses most of the memory of its velocity.
 pub fn shortest_side(diameter: f64, mean_free_path: f64, height: f64) -> f64 {
     let path = if mean_free_path.is_finite() { 2.0 * mean_free_path } else { height };
     (10.0 * diameter).max(path.min(height))

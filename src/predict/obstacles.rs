@@ -1,4 +1,4 @@
-//! Obstacles to each model, as far as scene and start show them before a run. `plan` and `check` both use them.
+//! Obstacles to each model that scene and start show before a run. `plan` and `check` both use them.
 
 use super::contact::{ContactKind, ImpactSpeeds, contacts};
 use super::flow::{flows, lift};
@@ -10,18 +10,19 @@ use nalgebra::Vector3;
 /// Properties of the start of a run that may rule out an engine.
 #[derive(Clone, Debug)]
 pub struct Obstacles {
-    /// The floor on which particles gather under gravity.
+    /// Floor on which particles gather under gravity; `None` if there is none.
     pub rest: Option<Rest>,
-    /// True if particles overlap.
+    /// True if particles overlap at the start.
     pub overlapping: bool,
     /// True if the start has rows of touching particles.
     pub in_a_row: bool,
-    /// Number of particles that lie on something.
+    /// Number of particles that lie on a wall or on other particles.
     pub lying: usize,
 }
 
 impl Obstacles {
-    /// Obstacles of a start. How near neighbours in a row may be follows from the contact law, if the case names one.
+    /// Obstacles at a start. If the case names a contact law, neighbours in a row count as near by the overlaps of this
+    /// law.
     pub fn of(experiment: &Experiment, start: &Particles) -> Self {
         let scene = &experiment.scene;
         let given = experiment.start.iter().flat_map(|population| match &population.amount {
@@ -54,7 +55,7 @@ impl Obstacles {
     pub fn against_hard(&self, experiment: &Experiment) -> Vec<String> {
         let duration = experiment.run.duration;
         let mut list = Vec::new();
-        // with a contact time, collisions that come too soon are elastic: a bed hovers instead of resting
+        // with a contact time, collisions in quick succession are elastic: a bed hovers instead of resting
         let rests = |rest: &&Rest| rest.time < duration && experiment.hard.contact_time.is_none();
         if let Some(rest) = self.rest.as_ref().filter(rests) {
             list.push(if rest.time > 0.0 {
@@ -94,13 +95,13 @@ pub fn against_soft(experiment: &Experiment) -> Vec<String> {
     list
 }
 
-/// Each reason with the model that it rules out.
+/// Reasons as lines of text, each with the name of the model that it rules out.
 pub fn named(hard: &[String], soft: &[String]) -> Vec<String> {
     let of = |name: &str, list: &[String]| list.iter().map(|why| format!("{name}: {why}")).collect::<Vec<_>>();
     [of("hard spheres", hard), of("soft spheres", soft)].concat()
 }
 
-/// All kinds of contact of a few bodies, at the fastest impact that the start allows, or at `fall` [m/s] if that is
+/// All kinds of contact of a few bodies, with the fastest impact that the start allows, or `fall` [m/s] if that is
 /// faster.
 pub fn bodies(experiment: &Experiment, start: &Particles, fall: f64) -> Vec<ContactKind> {
     let (apart, fastest) = speeds(start);
@@ -108,7 +109,7 @@ pub fn bodies(experiment: &Experiment, start: &Particles, fall: f64) -> Vec<Cont
     contacts(&experiment.scene, &experiment.counts(), pair, |_| ImpactSpeeds::Bodies { speed: fastest.max(fall) })
 }
 
-/// [m/s] upper limit of the difference of two velocities, and the largest speed.
+/// [m/s] upper limit of the difference of two velocities, and largest speed of a particle.
 fn speeds(particles: &Particles) -> (f64, f64) {
     /// Largest number of particles for which all pairs are examined.
     const ALL_PAIRS: usize = 2000;

@@ -1,10 +1,10 @@
-//! Distribution of overlaps in a Maxwellian gas.
+//! Distribution of the overlaps of contacts in a Maxwellian gas.
 //!
-//! Impacts have normal speeds with the density u/s² exp(-u²/(2s²)), s² = 2T between equal spheres and T at a wall.
-//! The largest overlap of an impact grows as a power of its speed. For a linear spring this is the first power (the
-//! paper's Eq. 10), so overlaps are Rayleigh distributed as the speeds are. An engine that tests every Δt first
-//! detects a contact at a random phase of its steps. The overlap is then u times a time that is uniform between 0 and
-//! Δt, for every contact law.
+//! Impacts have normal speeds u with the density u/s² exp(-u²/(2s²)). Here s² = 2T between equal spheres and T at a
+//! wall. The largest overlap of an impact is proportional to a power of its speed. For a linear spring this is the
+//! first power (the paper's Eq. 10), so overlaps are Rayleigh distributed as the speeds are. An engine that tests for
+//! contacts every Δt first detects a contact at a random phase of its steps. The overlap is then u times a time that is
+//! uniform between 0 and Δt, for every contact law.
 
 use super::contact::{ContactKind, ImpactSpeeds};
 use crate::contact_law::ContactLaw;
@@ -12,22 +12,22 @@ use libm::erfc;
 use serde::Serialize;
 use std::f64::consts::{PI, SQRT_2};
 
-/// Overlaps of one kind of contact, over the diameter [-].
+/// Distribution of the overlaps of one kind of contact, over the diameter [-].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Overlaps {
-    /// [-] largest overlap at the normal speed s.
+    /// [-] largest overlap of an impact at the normal speed s.
     maximum: f64,
-    /// [-] distance covered at the speed s in one time step.
+    /// [-] distance covered in one time step at the speed s.
     first: f64,
-    /// [-] power of the overlap that the speed is proportional to: (n+1)/2 for an elastic force of power n.
+    /// [-] exponent p with speed ∝ overlap^p: (n+1)/2 for an elastic force ∝ overlap^n.
     power: f64,
-    /// [-] κ_n = u_r/(ω_0 d) of the paper's Eq. 9, u_r = s sqrt(2/π).
+    /// [-] overlap number κ_n = u_r/(ω_0 d) of the paper's Eq. 9, u_r = s sqrt(2/π).
     pub kappa: f64,
 }
 
 impl Overlaps {
-    /// Overlaps of a kind of contact under a contact law, tested every `time_step` [s]. `None` unless the speeds are
-    /// those of a Maxwellian gas, equal everywhere and in all directions.
+    /// Distribution for a kind of contact under a contact law, where contacts are tested every `time_step` [s]. `None`
+    /// unless the speeds are those of a Maxwellian gas, equal everywhere and in all directions.
     pub fn of(contact: &ContactKind, law: &ContactLaw, time_step: f64) -> Option<Self> {
         let ImpactSpeeds::Gas { variance, parts } = &contact.speeds else { return None };
         let even = parts.iter().all(|[_, s]| *s == 1.0);
@@ -40,7 +40,7 @@ impl Overlaps {
         })
     }
 
-    /// [-] density of the largest overlap at `x` [-].
+    /// [-] probability density of the largest overlap at `x` [-].
     pub fn maximum_density(&self, x: f64) -> f64 {
         let z = x / self.maximum;
         let speed = z.powf(self.power);
@@ -52,7 +52,7 @@ impl Overlaps {
         -(-0.5 * (x / self.maximum).powf(2.0 * self.power)).exp_m1()
     }
 
-    /// [-] density of the first detected overlap at `x` [-].
+    /// [-] probability density of the first detected overlap at `x` [-].
     pub fn first_density(&self, x: f64) -> f64 {
         (0.5 * PI).sqrt() / self.first * erfc(x / (SQRT_2 * self.first))
     }
@@ -69,7 +69,7 @@ mod tests {
     use super::*;
     use crate::contact_law::Bodies;
 
-    /// Case D of the paper: 406 um, 1038 kg/m³, u_r = 0.79 m/s, T = π/4 u_r².
+    /// Overlaps in case D of the paper: 406 um, 1038 kg/m³, u_r = 0.79 m/s, T = π/4 u_r².
     fn case_d(stiffness: f64) -> Overlaps {
         let (d, temperature) = (406e-6_f64, 0.25 * PI * 0.79 * 0.79);
         let mass = 1038.0 * PI / 6.0 * d.powi(3);
@@ -89,7 +89,7 @@ mod tests {
         Overlaps::of(&contact, &ContactLaw::linear(stiffness), 1e-6).expect("a gas")
     }
 
-    /// Mean as the integral of the share that lies above: ∫ (1 - F) dx.
+    /// Mean of a distribution, as the integral of the share above: ∫ (1 - F) dx.
     fn mean(share: impl Fn(f64) -> f64, until: f64) -> f64 {
         let h = until / 20_000.0;
         (0..20_000).map(|k| h * (1.0 - share((f64::from(k) + 0.5) * h))).sum()
@@ -97,7 +97,7 @@ mod tests {
 
     #[test]
     fn overlaps_of_case_d_are_those_of_kinetic_theory() {
-        // quadrature of the same gas, computed elsewhere, rounded to the last digit given
+        // values from a quadrature for an equal gas, computed independently and rounded to the last digit given
         for (stiffness, average, deep, share) in [(300.0, 0.023798, 0.05, 0.0312), (3000.0, 0.007525, 0.01, 0.2499)] {
             let overlaps = case_d(stiffness);
             let found = mean(|x| overlaps.maximum_share(x), 10.0 * average);
@@ -119,7 +119,8 @@ mod tests {
             let slope = |share: &dyn Fn(f64) -> f64| (share(x + 1e-7) - share(x - 1e-7)) / 2e-7;
             let largest = slope(&|x| overlaps.maximum_share(x)) - overlaps.maximum_density(x);
             let first = slope(&|x| overlaps.first_share(x)) - overlaps.first_density(x);
-            // rounding of a share over the step of the difference: 1e-16/1e-7; densities are of the order of 100
+            // tolerance: rounding of a share over the step of the difference, 1e-16/1e-7, and densities of the order of
+            // 100
             assert!(largest.abs() < 1e-6 && first.abs() < 1e-4, "{largest} {first}");
         }
     }

@@ -1,6 +1,6 @@
 //! Recommendation of an engine, a stiffness and a time step, with reasons.
 //!
-//! It depends on the scene, not on measured times: a case gets one answer on every machine.
+//! The recommendation depends on the scene, not on measured times: every machine gives one answer for a case.
 
 use super::RunPrediction;
 use super::contact::ContactKind;
@@ -12,49 +12,49 @@ use crate::contact_law::ContactLaw;
 use crate::experiment::Experiment;
 use serde::Serialize;
 
-/// [-] mean overlap over diameter up to which the flow did not change: the paper's λ* (Eq. 13).
+/// [-] mean overlap over diameter up to which the flow did not change in the paper: λ* (Eq. 13).
 const DEEPEST: f64 = 0.05;
 
-/// Steps per contact to choose from, upwards from the least of the paper's range T_c/50 ... T_c/15 (section 3.4).
+/// Numbers of steps per contact from which the recommendation chooses. They begin at the lower end of the paper's range
+/// T_c/50 ... T_c/15 (section 3.4).
 const STEPS: [f64; 6] = [15.0, 20.0, 30.0, 50.0, 100.0, 200.0];
 
 /// [-] share of the time in contact from which local stepping costs more than uniform stepping. Costs of local over
-/// uniform stepping from `diptych plan cases/dense-gas.toml` with lower stiffnesses (medians of four on a busy
-/// machine): 0.9 at a share of 0.04, 1.0 at 0.06 and 1.6 at 0.12. At a volume fraction of 0.4 they were 0.7 at 0.02,
-/// 0.8 at 0.04 and 5.7 at 0.12.
+/// uniform stepping were measured with `diptych plan cases/dense-gas.toml` at lower stiffnesses (medians of four on a
+/// busy machine). They were 0.9 at a share of 0.04, 1.0 at 0.06 and 1.6 at 0.12. At a volume fraction of 0.4 they were
+/// 0.7 at 0.02, 0.8 at 0.04 and 5.7 at 0.12.
 const CROWDED: f64 = 0.06;
 
-/// Cost per particle, in time steps, of a search for particles that may touch in a window. Local stepping searches at
-/// least once per window. A search is worth about 60 pair checks, like a build of the neighbour list (see
-/// `neighbours`).
+/// Cost per particle of a search for particles that may touch in a window, in time steps. Local stepping searches at
+/// least once per window. A search costs about 60 pair checks, like a build of the neighbour list (see `neighbours`).
 const SEARCH: f64 = 60.0;
 
 /// [-] share of particles that lie at the start, up to which hybrid spheres may cost less than uniform steps of all.
-/// The window must also have at least `LONG_WINDOW` time steps. `cases/hybrid/rain-on-a-bed.toml` (0.024) takes 0.36
-/// of the time of uniform steps at 4300 steps a window and 0.8 at 480; gas-above-bed.toml (0.11) takes 1.2 of it at
-/// 200.
+/// The window must also have at least `LONG_WINDOW` time steps. Measured costs, over those of uniform steps:
+/// `cases/hybrid/rain-on-a-bed.toml` (share 0.024) 0.36 at 4300 steps a window and 0.8 at 480; gas-above-bed.toml
+/// (share 0.11) 1.2 at 200.
 const FEW_LIE: f64 = 0.05;
 const LONG_WINDOW: f64 = 300.0;
 
-/// Time steps per contact with which local and uniform stepping are compared; 20 is the default of a case.
+/// Number of time steps per contact at which local and uniform stepping are compared; 20 is the default of a case.
 const USUAL_STEPS: f64 = 20.0;
 
-/// An engine with its way of stepping.
+/// A kind of engine together with its way of stepping.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum EngineChoice {
     /// Hard spheres, event-driven.
     Hard,
-    /// Soft spheres; only particles in contact are stepped.
+    /// Soft spheres; only particles in contact move in time steps.
     SoftLocal,
-    /// Soft spheres; every particle is stepped at every step.
+    /// Soft spheres; every particle moves in every time step.
     SoftUniform,
     /// Instantaneous collisions where two particles meet alone, soft contacts elsewhere.
     Hybrid,
 }
 
 impl EngineChoice {
-    /// All engines.
+    /// All kinds of engines.
     pub const ALL: [Self; 4] = [Self::Hard, Self::SoftLocal, Self::SoftUniform, Self::Hybrid];
 }
 
@@ -72,19 +72,20 @@ impl std::fmt::Display for EngineChoice {
 /// The recommended engine, law and time step, with reasons.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Recommendation {
-    /// The engine; none if no engine here can do it.
+    /// Recommended engine; `None` if no engine of this program can do the case.
     pub engine: Option<EngineChoice>,
-    /// Contact law, for the soft engine or for a comparison with hard spheres; none if no number can be given.
+    /// Contact law for the soft engine, or for a comparison with hard spheres; `None` if no parameter of the law can be
+    /// recommended.
     pub law: Option<ContactLaw>,
     /// [-] time steps per contact, N_c.
     pub steps_per_contact: f64,
-    /// [s] time step that follows from N_c; none without a law.
+    /// [s] time step computed from N_c; `None` without a law.
     pub time_step: Option<f64>,
     /// [s] window h.
     pub window: f64,
-    /// True if the whole model, gas included, is adequate.
+    /// True if the whole model, including that of the gas, is adequate.
     pub adequate: bool,
-    /// Reasons for this engine.
+    /// Reasons for the recommended engine.
     pub reasons: Vec<String>,
     /// Engines that are ruled out, with reasons.
     pub refused: Vec<String>,
@@ -93,7 +94,7 @@ pub struct Recommendation {
 }
 
 impl Recommendation {
-    /// Summary in one line.
+    /// Summary of the recommendation in one line.
     pub fn headline(&self) -> String {
         let engine = match self.engine {
             Some(engine) => engine.to_string(),
@@ -109,7 +110,8 @@ impl Recommendation {
     }
 }
 
-/// Draws the recommendation. `contacts` holds all kinds of contact and `temperatures` T [m²/s²] of each species.
+/// Makes the recommendation. `contacts` holds all kinds of contact, and `temperatures` the granular temperature T
+/// [m²/s²] of each species.
 pub fn recommend(
     experiment: &Experiment,
     plan: &RunPrediction,
@@ -165,7 +167,7 @@ pub fn recommend(
     }
 }
 
-/// The engine that no reason rules out, and why it was chosen; `against` holds the reasons against hard and against
+/// Engine against which there is no reason, and why it was chosen. `against` holds the reasons against hard and against
 /// soft spheres.
 fn engine(
     plan: &RunPrediction,
@@ -173,7 +175,7 @@ fn engine(
     law: Option<ContactLaw>,
     against: (&[String], &[String]),
 ) -> Option<(EngineChoice, String)> {
-    // a bed is dense long before its last bounce is over
+    // a bed is dense long before its last bounce ends
     let bed = plan.particles > 1 && (plan.share_at_rest() > 0.0 || plan.lying > 0);
     let lasting = bed || plan.time_in_contact.is_some_and(|share| share > CROWDED);
     let steps_per_window = || shortest(contacts, law).map(|time| plan.window * USUAL_STEPS / time);
@@ -208,7 +210,7 @@ fn engine(
     }
 }
 
-/// [s] shortest contact under a law; none without contacts or without a law.
+/// [s] shortest contact under a law; `None` without contacts or without a law.
 fn shortest(contacts: &[ContactKind], law: Option<ContactLaw>) -> Option<f64> {
     contacts.iter().filter_map(|contact| Some(contact.contact_time(&law?))).reduce(f64::min)
 }
@@ -225,7 +227,7 @@ fn why_hard(plan: &RunPrediction) -> String {
     }
 }
 
-/// Reasons against hard spheres: from the start, or else the failure of the short run.
+/// Reasons against hard spheres: those found at the start, or else the failure of the short run.
 fn against_hard(experiment: &Experiment, plan: &RunPrediction) -> Vec<String> {
     let mut list = plan.obstacles().against_hard(experiment);
     if list.is_empty()
@@ -236,10 +238,11 @@ fn against_hard(experiment: &Experiment, plan: &RunPrediction) -> Vec<String> {
     list
 }
 
-/// The law that is stiffened where a case names none: results are in units of its stiffness.
+/// Law that is stiffened if a case names none. Its stiffness is 1, so that factors of stiffening are stiffnesses.
 const UNNAMED: ContactLaw = ContactLaw::linear(1.0);
 
-/// The softest adequate law of the case's kind, and the requirement that it follows from; none if nothing moves.
+/// Softest adequate law of the kind that the case names, and the requirement that determines it; `None` if nothing
+/// moves.
 pub fn softest(
     experiment: &Experiment,
     plan: &RunPrediction,
@@ -272,8 +275,8 @@ pub fn softest(
     Some((law.stiffened(factor), why))
 }
 
-/// Steps per contact at which the error of the energy after collisions stays below the target. The error is summed
-/// over the collisions that are remembered: until drag has renewed the motion, or over the whole run.
+/// Number of steps per contact at which the error of the energy after collisions stays below the target. The error is
+/// summed over all collisions until drag has renewed the motion, or over the whole run.
 fn steps(
     plan: &RunPrediction,
     contacts: &[ContactKind],
@@ -293,7 +296,7 @@ fn steps(
         });
         remembered * misses.fold(0.0, f64::max)
     };
-    // where no number of steps is enough (a restitution of 0), the largest is used, without a promise
+    // if no number of steps is enough (a restitution of 0), the largest is used, and no accuracy is promised
     let chosen = STEPS.into_iter().find(|&steps| error(steps) <= plan.target_error).unwrap_or(STEPS[STEPS.len() - 1]);
     if error(chosen).is_finite() {
         let over = match remembered.round() {
@@ -308,7 +311,7 @@ fn steps(
     chosen
 }
 
-/// Doubtful assumptions about the scene.
+/// Assumptions about the scene that are doubtful.
 fn doubts(plan: &RunPrediction) -> Vec<String> {
     let mut list = Vec::new();
     for effect in plan.effects.iter().filter(|effect| !effect.modelled && !effect.negligible()) {
@@ -336,7 +339,7 @@ fn doubts(plan: &RunPrediction) -> Vec<String> {
     list
 }
 
-/// A law whose parameter is rounded up to 1, 2 or 5 times a power of ten.
+/// Law whose parameter is rounded up to 1, 2 or 5 times a power of ten.
 pub fn rounded_up(law: &ContactLaw) -> ContactLaw {
     let value = law.parameter().value;
     law.stiffened(round_up(value) / value)
@@ -349,7 +352,7 @@ pub fn round_up(value: f64) -> f64 {
     digits.unwrap_or(10.0) * power
 }
 
-/// A number with so many significant digits, without a power of ten.
+/// A number in decimal notation with `digits` significant digits, without a power of ten.
 fn plain(value: f64, digits: usize) -> String {
     format!("{value:.*e}", digits.saturating_sub(1)).parse().unwrap_or(value).to_string()
 }

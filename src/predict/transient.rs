@@ -1,4 +1,4 @@
-//! Scenes that have no steady state, and quantities that can be predicted for them instead of averages.
+//! Scenes that have no steady state, and quantities that can be predicted for them in place of averages.
 
 use super::gas::Gas;
 use super::rest::Rest;
@@ -6,25 +6,26 @@ use crate::experiment::{Amount, Experiment};
 use crate::fluid::Profile;
 use serde::Serialize;
 
-/// [-] shares of the energy of agitation for which the time of loss is given.
+/// [-] shares of the energy of agitation for whose loss a time is given.
 const SHARES: [f64; 3] = [0.5, 0.9, 0.99];
 
-/// A scene in which nothing keeps the particles moving: its time averages are of a quantity that goes on changing.
+/// A scene in which nothing keeps the particles moving. A time average would be of a quantity that keeps changing.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Transient {
-    /// Course of the scene, in a sentence.
+    /// Description of the course of the scene, in a sentence.
     pub course: String,
-    /// Times at which shares of the energy of agitation are lost; empty where they are not known.
+    /// Times at which shares of the energy of agitation are lost; empty if they are not known.
     pub losses: Vec<Loss>,
-    /// [s] upper limit of the time until everything lies on the floor; none without a floor, or without losses on it.
+    /// [s] upper limit of the time until all particles lie on the floor; `None` without a floor, or without energy
+    /// losses on it.
     pub at_rest: Option<f64>,
-    /// [-] relative standard deviation of the granular temperature of one run at one instant.
+    /// [-] relative standard deviation of the granular temperature at one instant of one run.
     pub scatter: f64,
-    /// Number of runs with different seeds whose mean has the wanted error at every instant.
+    /// Number of runs with different seeds whose mean has the desired error at every instant.
     pub replicas: u64,
 }
 
-/// A share of the energy, and the time at which it is lost.
+/// A share of the energy of agitation, and the time at which it is lost.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Loss {
     /// [-] share of the kinetic energy of agitation at the start.
@@ -33,23 +34,23 @@ pub struct Loss {
     pub time: f64,
 }
 
-/// Decay of the agitation of the particles: dT/dt = -2 drag T - 2 impacts sqrt(T/T_0) T.
+/// Decay of the agitation of the particles: dT/dt = -2 drag T - 2 impacts sqrt(T/T_0) T, T_0 the value at the start.
 ///
-/// An impact of a pair takes (1-e²)/4 m u_n², of which the mean over impacts is 4 T (flux-weighted), so that N (3/2)
-/// m dT/dt = -(1-e²) m T Ṅ. At a wall it takes (1-e²)/2 m u_n² with the mean 2 T, which gives an equal rate. Impact
-/// rates are proportional to sqrt(T): Haff 1983, J. Fluid Mech. 134, 401. Drag takes 2/τ of T. Friction, which makes
-/// the decay faster, is left out.
+/// An impact of a pair removes (1-e²)/4 m u_n², where the mean of u_n² over impacts is 4 T (flux-weighted). So N (3/2)
+/// m dT/dt = -(1-e²) m T Ṅ. An impact on a wall removes (1-e²)/2 m u_n², where the mean of u_n² is 2 T; the rate is
+/// equal. Impact rates are proportional to sqrt(T): Haff 1983, J. Fluid Mech. 134, 401. Drag removes 2/τ of T per time.
+/// Friction, which makes the decay faster, is left out.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Decay {
     /// [1/s] rate 1/τ of drag.
     drag: f64,
-    /// [1/s] rate by impacts at the start, of the root of T.
+    /// [1/s] rate at which impacts reduce the root of T at the start.
     impacts: f64,
 }
 
 impl Decay {
-    /// [s] time until the share of the energy is lost. With y = sqrt(T/T_0) the equation is y' = -a y - b y², a of
-    /// drag and b of impacts.
+    /// [s] time until the share of the energy is lost. With y = sqrt(T/T_0) the equation is y' = -a y - b y², with a =
+    /// `drag` and b = `impacts`.
     fn time(&self, share: f64) -> f64 {
         let (a, b, left) = (self.drag, self.impacts, (1.0 - share).sqrt());
         if a == 0.0 {
@@ -59,8 +60,8 @@ impl Decay {
     }
 }
 
-/// True if something takes energy from the particles and nothing keeps them moving: averages over time are then of a
-/// quantity that goes on changing. A first guess that needs no rates.
+/// True if something removes energy from the particles and nothing keeps them moving. Averages over time are then of a
+/// quantity that keeps changing. This is a first guess, for which no rates are needed.
 pub fn fades(experiment: &Experiment) -> bool {
     let scene = &experiment.scene;
     let drag = scene.fluid.as_ref().and_then(|fluid| fluid.drag.as_ref());
@@ -77,9 +78,9 @@ fn mean(numbers: impl Iterator<Item = [f64; 2]>) -> f64 {
     if weights > 0.0 { sum / weights } else { 0.0 }
 }
 
-/// Predictions where nothing is steady. None where something keeps the particles moving, where nothing is lost, or
-/// for a few bodies. `at_start` and `of_the_rates` are T [m²/s²] at the start and T for which the rates of `gas`
-/// hold. `target` [-] is the relative error wanted.
+/// Predictions for a scene without steady state. `None` if something keeps the particles moving, if no energy is lost,
+/// or for a few bodies. `at_start` is T [m²/s²] at the start, and `of_the_rates` is the T for which the rates of `gas`
+/// hold. `target` [-] is the desired relative error.
 pub fn transient(
     experiment: &Experiment,
     gas: &Gas,
@@ -91,7 +92,7 @@ pub fn transient(
     let kinds = experiment.start.iter().filter(|population| population.amount.count() > 0).count();
     let falls = scene.gravity.norm() > 0.0;
     let drag = scene.fluid.as_ref().and_then(|fluid| fluid.drag.as_ref());
-    // a gas that shears keeps them moving; so does a fall at different speeds, which only drag ends
+    // a sheared gas keeps the particles moving; so does a fall at different speeds, which only drag ends
     let driven = drag.is_some()
         && (!scene.fluid.as_ref().is_some_and(|fluid| matches!(fluid.profile, Profile::Uniform(_)))
             || falls && kinds > 1 && rest.is_none());
@@ -111,11 +112,11 @@ pub fn transient(
     let rates = (mean(of_pairs) * gas.pair_rate + mean(at_walls) * gas.wall_rate) / count;
     let decay = Decay {
         drag: if drag.is_some() { response(experiment).map_or(0.0, |time| 1.0 / time) } else { 0.0 },
-        // dT/dt = -(2/3) (1-e²) (rate/N) T, and y' is half of that over y
+        // dT/dt = -(2/3) (1-e²) (rate/N) T, and the rate of y is half of that
         impacts: rates / 3.0 * (at_start / of_the_rates).sqrt(),
     };
     let lost = decay.drag > 0.0 || decay.impacts > 0.0;
-    // gravity keeps the energy except where it brings everything to the floor
+    // gravity replaces energy unless it brings all particles to the floor
     if driven || !lost {
         return None;
     }
@@ -127,8 +128,8 @@ pub fn transient(
     } else {
         "Impacts take the agitation, and nothing brings it back: a cooling gas."
     };
-    // T is a sum of 3 N squares: for Gaussian velocities its relative variance is 2/(3N); less if the run starts with
-    // exactly the T asked for
+    // T is a sum of 3 N squares: for Gaussian velocities its relative variance is 2/(3N); it is less if the run starts
+    // with exactly the requested T
     let scatter = (2.0 / (3.0 * count)).sqrt();
     let losses = if falls && rest.is_some() {
         // falling particles gain energy
@@ -145,7 +146,7 @@ pub fn transient(
     })
 }
 
-/// [s] response time of drag to the agitation of the start, the shortest of all species.
+/// [s] shortest response time of drag to the agitation at the start, over all species.
 fn response(experiment: &Experiment) -> Option<f64> {
     let fluid = experiment.scene.fluid.as_ref()?;
     let law = fluid.drag.as_ref()?.law();
@@ -168,7 +169,7 @@ pub fn variance_at_start(experiment: &Experiment) -> f64 {
 mod tests {
     use super::*;
 
-    /// Compares with the equation itself, integrated in steps.
+    /// Compares the closed form with the equation, integrated in steps.
     #[test]
     fn the_closed_form_solves_its_equation() {
         for decay in

@@ -1,4 +1,5 @@
-//! Checkpoints of a command: states are stored from time to time, when a run is over, and when the user stops it.
+//! Checkpoints of a command: states of its runs are stored at intervals, when a run is over, and when the user stops
+//! the command. The end of a run is its final state together with the data of its observers.
 
 use super::error::StudyError;
 use super::resumable::ResumableRun;
@@ -14,60 +15,60 @@ use crate::stored::StoreError;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-/// Stores the runs of a command and notices when it is to stop.
+/// Stores the states of the runs of a command, and finds out when the command is to stop.
 pub struct Checkpointer {
     signals: Signals,
-    /// Store for checkpoints; `None` if they are not wanted.
+    /// Store for checkpoints; `None` if the user wants none.
     store: Option<Store>,
     every: Option<Duration>,
     /// Time of the last checkpoint, or of the start of the command.
     last: Instant,
-    /// The state of the run that was under way when the command was stopped.
+    /// Stored state of the run that was in progress when the command was stopped.
     under_way: Option<(RunIdentity, StoredRun)>,
-    /// [s] simulated time of the stored state of the run under way.
+    /// [s] simulated time of the stored state of the run in progress.
     stored: Option<f64>,
-    /// True if something is still to be done after the run under way.
+    /// True if work remains after the run in progress.
     more: bool,
-    /// True if a run was stopped before its end, by the user or because it cannot be written.
+    /// True if a run was stopped before its end, by the user or because its results cannot be written.
     stopped: bool,
-    /// Reason why the run cannot be written.
+    /// Reason why the results of the run cannot be written.
     unwritten: Option<String>,
     quiet: bool,
     resumed: bool,
-    /// Command that resumes the run, for messages.
+    /// Command that resumes the stopped one, for messages.
     remedy: String,
-    /// Treatment of the ends of runs that other processes are involved in.
+    /// Treatment of the end of a run. It differs if processes share the runs.
     ends: Ends,
 }
 
-/// Treatment of the end of a run.
+/// Treatment of the end of a run, that is, of its final state and the data of its observers.
 #[derive(Clone, Default)]
 enum Ends {
-    /// The end is stored, if that is worthwhile.
+    /// The end is stored in a file, if that is worthwhile.
     #[default]
     Stored,
-    /// The end is for another process: it is kept as bytes when the run is over.
+    /// The end is for another process. When the run is over it is held here as bytes.
     Caught(Vec<u8>),
-    /// The end came from another process, as bytes.
+    /// The end was received from another process, as bytes.
     Received(Vec<u8>),
-    /// The result that is made of the end is stored in its place.
+    /// The end is not stored; the result computed from it is stored instead.
     Replaced,
 }
 
 impl Checkpointer {
-    /// Checkpointer for a command that writes into `folder`. A command that begins is stored; a command that is resumed
-    /// finds its stored state.
+    /// Checkpointer for a command that writes into `folder`. If the command begins, its arguments are stored; if it is
+    /// resumed, the state stored earlier is looked up.
     ///
     /// # Errors
-    /// The case of a resumed command has changed; the system refuses a folder or signals.
+    /// The case of a resumed command has changed; the system refuses a folder or the signal handlers.
     pub fn new(
         settings: &CommandSettings,
         folder: &Folder,
         case: &Case,
         runs: &[ResumableRun],
     ) -> Result<Self, StudyError> {
-        // replicas have the name of the first run of their variant, which stands before them; a run whose result is kept is
-        // known by its name alone
+        // replicas have the name of the first run of their variant, which comes before them in the list; a run whose
+        // result is stored is identified by its name alone
         let mut first: Vec<RunIdentity> = Vec::new();
         for run in runs.iter().filter(|_| !settings.keeps_results).map(|run| &run.identity) {
             if first.iter().all(|known| known.name != run.name) {
@@ -101,11 +102,11 @@ impl Checkpointer {
         Ok(checkpointer)
     }
 
-    /// Checkpointer for a helper process of a command. States are stored in the folder of the lead process. The ends of
-    /// runs are for the lead process.
+    /// Checkpointer for a helper process of a command. States are stored in the folder of the lead process, and the
+    /// ends of runs are sent to the lead process.
     ///
     /// # Errors
-    /// Signals that the system refuses.
+    /// The system refuses the signal handlers.
     pub fn of_helper(settings: &CommandSettings) -> Result<Self, StudyError> {
         let CheckpointEvery(every) = settings.checkpoint_every;
         Ok(Self {
@@ -140,12 +141,12 @@ impl Checkpointer {
         &self.signals
     }
 
-    /// Checkpointer for one of several runs at the same time, with its own files. It does not report the stored states
-    /// that it finds.
+    /// Checkpointer for one of several concurrent runs, with its own files. It prints no message about the stored
+    /// states that it finds.
     pub fn for_run(&self, run: &RunIdentity) -> Self {
         let store = self.store.as_ref().map(|store| store.for_run(run));
         let mut one = Self {
-            // the end of this run is not the end of the command
+            // the command continues after the end of this run
             more: true,
             quiet: true,
             remedy: self.remedy.clone(),
@@ -158,27 +159,27 @@ impl Checkpointer {
         one
     }
 
-    /// True if the user wants the command to stop: then nothing new should begin.
+    /// True if the user wants the command to stop, so that no new run should begin.
     pub fn is_stopping(&self) -> bool {
         self.signals.say_stop()
     }
 
-    /// Takes note that concurrent runs have been stopped. A resumed command goes on with all of them.
+    /// Records that concurrent runs have been stopped. A resumed command continues all of them.
     pub fn stop(&mut self) {
         self.stopped = true;
         self.stored = None;
     }
 
-    /// Stores the command, so that it can be begun again even if it is killed before anything else is stored.
+    /// Stores the command, so that it can be begun again even if it is killed before any state is stored.
     fn begin(&mut self, command: &StoredCommand, folder: &Path) -> Result<(), OutputError> {
         match &self.store {
             Some(store) => store.begin(command),
-            // nothing of an earlier command may be mistaken for a part of this one
+            // files of an earlier command must not be mistaken for files of this one
             None => Store::of(folder).remove(),
         }
     }
 
-    /// Looks up the state of the run that was under way.
+    /// Looks up the stored state of the run that was in progress.
     fn find_stored(&mut self) {
         self.resumed = true;
         let Some(store) = &mut self.store else { return };
@@ -193,7 +194,7 @@ impl Checkpointer {
         self.under_way = newest.found;
     }
 
-    /// Stored part of a run: its end, a state before its end, or nothing.
+    /// Stored state of a run: its end, or a state before its end; `None` if there is neither.
     pub fn earlier(&mut self, run: &RunIdentity) -> Option<StoredRun> {
         self.stored = None;
         if let Ends::Received(bytes) = &self.ends {
@@ -204,7 +205,7 @@ impl Checkpointer {
             Ok(Some(kept)) => {
                 self.say(format!("\"{}\" is over already", run.name));
                 if let Ends::Caught(bytes) = &mut self.ends {
-                    // the bytes have been written in this way before
+                    // these bytes have been serialised before, so this cannot fail
                     *bytes = seal(&(run, &kept)).unwrap_or_default();
                 }
                 return Some(kept);
@@ -226,31 +227,32 @@ impl Checkpointer {
         }
     }
 
-    /// Notes if something is still to be done after the next run.
+    /// Sets if work remains after the next run.
     pub fn set_more(&mut self, more: bool) {
         self.more = more;
     }
 
-    /// True if the run under way should pause at the end of this window, to be stored or stopped.
+    /// True if the run in progress should pause at the end of this window, to be stored or stopped.
     pub fn is_due(&self) -> bool {
         self.signals.say_stop() || self.every.is_some_and(|every| self.last.elapsed() >= every)
     }
 
-    /// Stores a part of the state of a run, before its end or `over`; the state itself is stored next.
+    /// Stores one of the parts into which processes divide the state of a run. With `over` the state is the end of the
+    /// run. The rest of the state is stored afterwards.
     ///
     /// # Errors
-    /// It cannot be written.
+    /// The part cannot be written.
     pub fn keep_part(&self, run: &RunIdentity, over: bool, number: usize, part: &[u8]) -> Result<(), OutputError> {
         self.store.as_ref().map_or(Ok(()), |store| store.keep_part(run, over, number, part))
     }
 
-    /// A part of the stored state of a run; empty if the file can no longer be used.
+    /// A stored part of the state of a run; empty if the file cannot be used.
     pub fn part(&self, run: &RunIdentity, over: bool, number: usize) -> Vec<u8> {
         self.store.as_ref().and_then(|store| store.part(run, over, number).ok()).unwrap_or_default()
     }
 
-    /// Stores a run before its end, after its `parts` were written; true if it is to stop there. If it cannot be
-    /// stored, the run goes on: the state stored before is still there.
+    /// Stores the state of a run before its end, after its `parts` were written; returns true if the run is to stop. If
+    /// the state cannot be stored, the run continues, and the state stored before remains.
     pub fn keep(&mut self, run: &RunIdentity, kept: &StoredRun, parts: Result<(), OutputError>) -> bool {
         if let Some(store) = &mut self.store {
             match parts.and_then(|()| store.keep(run, kept)) {
@@ -271,8 +273,8 @@ impl Checkpointer {
         tell(format!("warning: no checkpoint at this time: {why}; {stored}"));
     }
 
-    /// True if the end of a run is to be stored. That is so if something is still to be done after it. It is also so if
-    /// the run took so long that more than its report must remain.
+    /// True if the end of a run is to be stored. This is so if work remains after the run, or if the run took so long
+    /// that its state was stored before. Then more than its report must remain.
     pub fn wants_the_end(&self) -> bool {
         match self.ends {
             Ends::Caught(_) => true,
@@ -281,10 +283,10 @@ impl Checkpointer {
         }
     }
 
-    /// Stores the end of a run, after its `parts` were written, or keeps it for another process.
+    /// Stores the end of a run, after its `parts` were written, or holds it for another process.
     ///
     /// # Errors
-    /// The end cannot be written for another process.
+    /// The end cannot be serialised for another process.
     pub fn finish(
         &mut self,
         run: &RunIdentity,
@@ -301,7 +303,7 @@ impl Checkpointer {
         Ok(())
     }
 
-    /// The end of the run, for another process.
+    /// End of the run as bytes, for another process.
     pub fn into_end(self) -> Vec<u8> {
         match self.ends {
             Ends::Caught(bytes) | Ends::Received(bytes) => bytes,
@@ -309,10 +311,10 @@ impl Checkpointer {
         }
     }
 
-    /// Takes the end of the run from another process, and stores it.
+    /// Receives the end of the run from another process, and stores it.
     ///
     /// # Errors
-    /// The bytes are not the end of that run.
+    /// The bytes are not the end of this run.
     pub fn receive(&mut self, run: &RunIdentity, bytes: &[u8]) -> Result<(), StudyError> {
         match open::<(RunIdentity, StoredRun)>(bytes) {
             Ok((of, kept)) if of == *run => {
@@ -331,7 +333,7 @@ impl Checkpointer {
         }
     }
 
-    /// Stored result of a run that is over, in a command that goes on and stores results.
+    /// Stored result of a run that is over; `None` unless the command was resumed and stores results.
     pub fn result(&self, run: &RunIdentity) -> Option<Vec<u8>> {
         self.store.as_ref().filter(|_| self.resumed)?.result(run)
     }
@@ -339,23 +341,24 @@ impl Checkpointer {
     /// Stores the result of a run in place of its states.
     ///
     /// # Errors
-    /// It cannot be written.
+    /// The result cannot be written.
     pub fn store_result(&self, run: &RunIdentity, result: &[u8]) -> Result<(), OutputError> {
         self.store.as_ref().map_or(Ok(()), |store| store.for_run(run).finish(run, &result))
     }
 
-    /// Leaves a command whose run cannot be written. Once it can be, the command goes on from the stored state.
+    /// Stops a command whose results cannot be written. As soon as they can be, the command can be resumed from the
+    /// stored state.
     pub fn stop_unwritten(&mut self, why: &Failure) {
         self.stopped = true;
         self.unwritten = Some(why.to_string());
     }
 
-    /// True if a run was stopped before its end, by the user or because it cannot be written.
+    /// True if a run was stopped before its end, by the user or because its results cannot be written.
     pub fn is_stopped(&self) -> bool {
         self.stopped
     }
 
-    /// Error with which a stopped command ends, after the report on its finished part was written.
+    /// Error with which a stopped command ends, after the report on its completed part was written.
     pub fn stop_error(&self, name: &str) -> StudyError {
         if let Some(why) = &self.unwritten {
             let help = match (&self.store, self.stored) {
@@ -378,10 +381,10 @@ impl Checkpointer {
         })
     }
 
-    /// Result of writing a report. If that failed, the error also says what is left of the run.
+    /// Result of writing a report. If writing failed, the error names the command that writes the report later.
     ///
     /// # Errors
-    /// The error that was given, with its remedy.
+    /// The given error, with its remedy.
     pub fn with_remedy<T>(&self, written: Result<T, OutputError>) -> Result<T, StudyError> {
         written.map_err(|why| match &self.store {
             Some(_) => {
@@ -394,7 +397,7 @@ impl Checkpointer {
     /// Removes the stored states, which are no longer needed once all results are written.
     ///
     /// # Errors
-    /// A file that cannot be written.
+    /// A file that cannot be removed.
     pub fn done(self) -> Result<(), OutputError> {
         self.store.as_ref().map_or(Ok(()), Store::remove)
     }
@@ -405,7 +408,7 @@ fn time(kept: &StoredRun) -> String {
     numbers::significant(kept.pause.snapshot.time, 6)
 }
 
-/// Refuses to resume a command whose case or variants have changed since it began.
+/// Returns an error if the case or the variants of a command have changed since it began.
 fn refuse_changes(earlier: &StoredCommand, now: &StoredCommand, case: &Case) -> Result<(), StudyError> {
     let path = case.path.display();
     let refuse = |what: String| {
@@ -431,7 +434,7 @@ fn refuse_changes(earlier: &StoredCommand, now: &StoredCommand, case: &Case) -> 
     Ok(())
 }
 
-/// Error for a checkpoint file that cannot be used, where nothing can be resumed.
+/// Error for a checkpoint file that cannot be used, if there is no other state to resume.
 pub fn unusable(path: &Path, why: &Unreadable) -> StudyError {
     StudyError::Input(format!("error: the checkpoint {} {why}", path.display()))
 }

@@ -1,4 +1,4 @@
-//! Reasons why a command did not end well, with their exit codes.
+//! Errors with which a command ends, and their exit codes.
 
 use crate::case::Diagnostic;
 use crate::engine::Failure;
@@ -6,13 +6,13 @@ use crate::outcome::Outcome;
 use crate::output::OutputError;
 use serde::{Deserialize, Serialize};
 
-/// Why a command did not end well.
+/// Reason why a command failed or was stopped.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, thiserror::Error)]
 pub enum StudyError {
-    /// The input is at fault; nothing was computed and nothing written. Exit code 2.
+    /// The input is wrong; nothing was computed and nothing written. Exit code 2.
     #[error("{0}")]
     Input(String),
-    /// Something failed on the way; what was written before stays readable. Exit code 1.
+    /// The command failed after it had begun; files written before remain readable. Exit code 1.
     #[error("{0}")]
     Failed(String),
     /// The user stopped the command. Results so far have been written, and the command can be resumed. Exit code 130.
@@ -37,14 +37,14 @@ impl From<OutputError> for StudyError {
     }
 }
 
-/// Error of a command if some of its variants failed.
+/// Returns an error if some variants of a command failed.
 pub fn failures_of<'a>(variants: impl Iterator<Item = (&'a str, Option<&'a Failure>)>) -> Result<(), StudyError> {
     let failed: Vec<String> =
         variants.filter_map(|(name, why)| Some(format!("error: \"{name}\" stopped: {}", why?))).collect();
     if failed.is_empty() { Ok(()) } else { Err(StudyError::Failed(failed.join("\n"))) }
 }
 
-/// Error of a command if some of its outcomes failed.
+/// Returns an error if some outcomes of a command failed.
 pub fn failures(outcomes: &[Outcome]) -> Result<(), StudyError> {
     failures_of(outcomes.iter().map(|o| (o.experiment.name.as_str(), o.failure.as_ref())))
 }

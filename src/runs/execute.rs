@@ -1,4 +1,4 @@
-//! Running one variant from its initial state to its outcome.
+//! Runs one variant from its initial state to its outcome.
 
 use super::checkpointer::Checkpointer;
 use super::error::StudyError;
@@ -21,10 +21,10 @@ use crate::stored::StoreError;
 use crate::work_sharing::keep_workers_spinning;
 use std::sync::Arc;
 
-/// Runs a variant from `start` to its end or its failure, which is part of the outcome. `others` observe the run
-/// besides the standard observers. Returns the outcome and the final state in the order of ids.
+/// Runs a variant from `start` to its end, or to a failure, which is part of the outcome. `others` are observers in
+/// addition to the standard ones. Returns the outcome and the final state in the order of ids.
 pub fn execute(experiment: &Experiment, start: Particles, others: &mut [&mut dyn Observer]) -> (Outcome, Particles) {
-    // from inside the pool: every parallel loop called from outside would put this thread to sleep and wake it again
+    // called from a thread of the pool: otherwise every parallel loop would put this thread to sleep and wake it again
     keep_workers_spinning(|| {
         let mut seen = StandardObservers::new(experiment, start.fingerprint());
         let mut simulation = Simulation::new(experiment, start).with_clock(Clock::wall());
@@ -39,11 +39,11 @@ pub fn execute(experiment: &Experiment, start: Particles, others: &mut [&mut dyn
     })
 }
 
-/// Runs a variant like [`execute`], with a checkpointer that stores the run from time to time and may stop it. A stored run
-/// goes on from its stored state, and a run that is over is not run again.
+/// Runs a variant like [`execute`], with a checkpointer that stores the run at intervals and may stop it. A stored run
+/// continues from its stored state, and a run that is over is not run again.
 ///
 /// # Errors
-/// The stored state is not of this run.
+/// The stored state belongs to another run.
 pub fn execute_with_checkpoints(
     run: &ResumableRun,
     others: &mut [&mut dyn Observer],
@@ -52,8 +52,8 @@ pub fn execute_with_checkpoints(
     keep_workers_spinning(|| simulate_with_checkpoints(run, others, checkpointer, None))
 }
 
-/// Runs a variant together with the other processes, which were told its index in the list of runs. The
-/// final state is returned if it is asked for; otherwise it has no particles.
+/// Runs a variant together with the other processes, to which its index in the list of runs was sent. The final state
+/// is returned if it is requested; otherwise the returned state has no particles.
 ///
 /// # Errors
 /// As for [`execute_with_checkpoints`].
@@ -91,8 +91,8 @@ pub struct SharedRun<'a> {
     pub gives_end: bool,
 }
 
-/// Part of the other processes in a shared run. `others` are those observers that see parts of the run, in the order of
-/// process 0, where they come before all other ones.
+/// Takes part in a shared run, in a process other than the lead. `others` are the observers that work on parts of the
+/// particles. They have the order of those in the lead, which come before all its other additional observers.
 pub fn follow(run: &ResumableRun, others: &mut [&mut dyn Observer], ranks: &Ranks) {
     let experiment = &run.experiment;
     let Ok(start) = run.start() else { return };
@@ -163,7 +163,7 @@ fn simulate_with_checkpoints(
             Ok(false) => None,
             Err(failure) => Some(Some(failure)),
         };
-        // a run that could not be written has no stored end: it goes on from the state that was stored before
+        // an end that could not be written is not stored: the run can be resumed from the state stored before
         let unwritten = matches!(over, Some(Some(Failure::Unwritten { .. })));
         if unwritten || over.is_some() && !checkpointer.wants_the_end() {
             continue;
@@ -193,7 +193,8 @@ fn simulate_with_checkpoints(
     Ok((seen.outcome(&simulation, failure, hash), particles))
 }
 
-/// Stores the parts of a state, one of each process; without parts this process has all of it.
+/// Stores the parts of a state, one for each process. If the state has no parts, all particles are gathered in this
+/// process instead.
 fn store_parts(
     simulation: &mut Simulation,
     (run, checkpointer): (&RunIdentity, &Checkpointer),
@@ -216,17 +217,17 @@ fn store_parts(
 /// Distribution of the particles over the processes at the beginning of a shared run.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Beginning {
-    /// The lead has all particles.
+    /// The lead process has all particles.
     Whole,
-    /// Each process has a part of the start.
+    /// Each process has a part of the particles of the start.
     Parts,
-    /// The lead deals out the parts of a state that was stored.
+    /// The lead process sends each process its part of a stored state.
     Dealt,
 }
 
 impl Beginning {
-    /// Distribution for a run whose start is in parts or not, and whose stored state, if there is one, has that many
-    /// parts.
+    /// Distribution for a run. `is_part` is true if the start is divided, and `stored` is the number of parts of the
+    /// stored state, if there is one.
     fn of(is_part: bool, stored: Option<usize>) -> Self {
         match stored {
             None if is_part => Self::Parts,
@@ -235,7 +236,7 @@ impl Beginning {
         }
     }
 
-    /// Message of the lead about the distribution.
+    /// Message about the distribution, from the lead to the other processes.
     fn told(self) -> Vec<u8> {
         vec![self as u8]
     }
@@ -248,13 +249,13 @@ impl From<Vec<u8>> for Beginning {
     }
 }
 
-/// Ends this process, and with it all others: if one went on, it would differ from the others.
+/// Ends this process, and with it all others: if one process continued without the others, its state would differ.
 fn leave(why: &StoreError) -> ! {
     tell(format!("error: the processes cannot go on together: {why}"));
     std::process::exit(1);
 }
 
-/// Simulation of a run at its start, of which other processes may have a part.
+/// Simulation at the start of a run; other processes may hold a part of the particles.
 fn begin(experiment: &Experiment, start: Start, communicator: Option<&dyn Communicator>) -> Simulation {
     match communicator.filter(|_| start.is_part) {
         Some(communicator) => Simulation::part(experiment, start.particles, communicator),
@@ -262,7 +263,7 @@ fn begin(experiment: &Experiment, start: Start, communicator: Option<&dyn Commun
     }
 }
 
-/// Simulation shared by all processes: each goes on with its part, or the lead has all particles.
+/// Simulation shared by all processes. Each process continues with its part, or the lead has all particles.
 fn share(simulation: Simulation, with: Arc<dyn Communicator>, observers: usize, in_parts: bool) -> Simulation {
     if in_parts { simulation.shared_in_parts(with, observers) } else { simulation.shared(with, observers) }
 }

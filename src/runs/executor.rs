@@ -1,5 +1,5 @@
-//! Executor of the runs of a command. They are done alone or concurrently, by the threads of this process and by other
-//! processes; a stored run goes on from its stored state, and a run that is over is not run again.
+//! Executor of the runs of a command. Runs are done one at a time or concurrently, by the threads of this process and
+//! by other processes. A stored run continues from its stored state, and a run that is over is not run again.
 
 use super::checkpointer::Checkpointer;
 use super::error::StudyError;
@@ -22,18 +22,19 @@ use std::marker::PhantomData;
 use std::path::Path;
 use std::rc::Rc;
 
-/// Result that a command makes of a run.
+/// Result that a command computes from one run.
 pub trait RunResult: Send + Sized {
-    /// Result of a run that is over, or that could not begin.
+    /// Computes the result of a run that is over, or that could not begin.
     ///
     /// # Errors
-    /// The run could not begin, if that is no result.
+    /// The run could not begin, if the command does not accept that as a result.
     fn of(run: &ResumableRun, outcome: Result<Outcome, StudyError>) -> Result<Self, StudyError>;
 
-    /// The result as bytes, which are sent to another process in place of the end of the run; `None` to send the end.
+    /// The result as bytes, which are sent to another process instead of the end of the run; `None` if the end is to be
+    /// sent.
     fn to_bytes(&self) -> Option<Vec<u8>>;
 
-    /// The result that another process has sent; `None` if it has sent the end of the run.
+    /// Result that another process has sent; `None` if the bytes are the end of the run instead.
     fn from_bytes(bytes: &[u8]) -> Option<Self>;
 }
 
@@ -67,12 +68,12 @@ pub struct Executor<'a> {
 }
 
 impl<'a> Executor<'a> {
-    /// Opens the folder for the results of `runs` and looks up their stored results. All processes must pass the same
-    /// list of runs. A helper process works inside this call until the command ends; the call then returns `None`. `R` is
-    /// the result of [concurrent](Self::concurrently) runs.
+    /// Opens the folder for the results of `runs` and looks up their stored results. All processes must pass equal
+    /// lists of runs. In a helper process this call works until the command ends, and then returns `None`. `R` is the
+    /// result of [concurrent](Self::concurrently) runs.
     ///
     /// # Errors
-    /// The list could not be made or differs between processes; the system refused the folder or a thread.
+    /// The list of runs could not be made or differs between processes; the system refused the folder or a thread.
     pub fn begin<R: RunResult>(
         settings: &CommandSettings,
         case: &Case,
@@ -103,16 +104,16 @@ impl<'a> Executor<'a> {
         Ok(Some(Self { folder, checkpointer, runs, progress, threads, ranks, quiet: settings.quiet }))
     }
 
-    /// Tells the user a line, unless the command is to print nothing.
+    /// Prints a line for the user, unless the command is to print nothing.
     pub fn say(&self, line: impl Display) {
         if !self.quiet {
             tell(line);
         }
     }
 
-    /// Does a lone run, or resumes it, with observers besides the standard ones. Its trajectory is written if that is
-    /// asked for; one that cannot be written is a failure of the run. Returns the outcome and, if `gives_end` or for a
-    /// process by itself, the final state in the order of ids.
+    /// Does or resumes one run, with observers in addition to the standard ones. Its trajectory is written if
+    /// requested; if it cannot be written, the run fails. Returns the outcome and the final state in the order of ids.
+    /// With several processes the final state is returned only if `gives_end`.
     ///
     /// # Errors
     /// The stored state is not of this run.
@@ -124,13 +125,13 @@ impl<'a> Executor<'a> {
     ) -> Result<(Outcome, Particles), StudyError> {
         let Self { folder, checkpointer, runs, progress, ranks, quiet, .. } = self;
         let (run, mut watch) = (&runs[index], progress.watch(index));
-        // several processes, and no runs that they could do concurrently
+        // several processes share the run if there are no runs that they could do concurrently
         let is_shared = ranks.count() > 1 && runs.iter().all(|run| run.is_lone);
         let shared = is_shared.then_some(SharedRun { index, ranks, quiet: *quiet, gives_end });
         std::thread::scope(|scope| {
             let mut trajectory =
                 run.trajectory.as_ref().map(|(name, asked)| Trajectory::new(scope, folder, name, *asked));
-            // the trajectory first: the other processes that share the run have theirs at this position too
+            // the trajectory comes first, because it does so in the other processes that share the run
             let first = trajectory.as_mut().map(|trajectory| trajectory as &mut dyn Observer);
             let mut observers: Vec<&mut dyn Observer> = first.into_iter().collect();
             observers.push(&mut watch);
@@ -140,7 +141,7 @@ impl<'a> Executor<'a> {
                 None => execute_with_checkpoints(run, &mut observers, checkpointer)?,
             };
             let written = trajectory.map_or(Ok(()), Trajectory::written);
-            // a folder that has been removed cannot be resumed from
+            // if the folder has been removed, the run cannot be resumed from it
             let is_gone = matches!(written, Err(OutputError::Gone { .. }));
             if let Err(why) = written {
                 let time = outcome.simulated_seconds;
@@ -153,18 +154,18 @@ impl<'a> Executor<'a> {
         })
     }
 
-    /// Stored result of a run that was over at an earlier start of the command.
+    /// Stored result of a run that was completed before the command was resumed.
     pub fn stored<R: RunResult>(&self, index: usize) -> Option<R> {
         R::from_bytes(&self.checkpointer.result(&self.runs[index].identity)?)
     }
 
     /// Does the runs at these indices concurrently, as many as there are threads, and in all processes. Results do not
-    /// depend on the number of threads or processes. Each is handed to `finished` with the index of its run, in the
-    /// order in which runs end. Where the user stops the command, unfinished runs are stored and left out.
+    /// depend on the number of threads or processes. `finished` is called with the index and the result of each run, in
+    /// the order in which runs end. If the user stops the command, unfinished runs are stored and left out.
     ///
     /// # Errors
-    /// The first error of `finished`; a run could not begin, or its stored state is not of it; a result cannot be stored;
-    /// no thread can be started.
+    /// The first error of `finished`; a run could not begin, or its stored state belongs to another run; a result
+    /// cannot be stored; no thread can be started.
     pub fn concurrently<R: RunResult>(
         &self,
         indices: &[usize],
@@ -198,7 +199,7 @@ impl<'a> Executor<'a> {
     }
 }
 
-/// Runs of a command as a list for several processes.
+/// Runs of a command as a list that several processes can divide among themselves.
 struct ResumableRuns<'a, R> {
     runs: &'a [ResumableRun],
     folder: &'a Folder,
@@ -208,7 +209,7 @@ struct ResumableRuns<'a, R> {
 }
 
 impl<R: RunResult> ResumableRuns<'_, R> {
-    /// Does one run with that checkpointer; `None` if it was stopped.
+    /// Does one run with a checkpointer of its own; `None` if the run was stopped.
     fn run_with(&self, index: usize, own: &mut Checkpointer) -> Result<Option<R>, StudyError> {
         if own.is_stopping() {
             return Ok(None);
@@ -251,7 +252,7 @@ impl<R: RunResult> RunList for ResumableRuns<'_, R> {
             self.progress.ended_elsewhere(index);
             return Ok(result);
         }
-        // the outcome follows from the stored end, as for a run that was over when a command is resumed
+        // the outcome is computed from the stored end, as for a run that was over before the command was resumed
         let run = &self.runs[index];
         let mut own = self.checkpointer.for_run(&run.identity);
         own.receive(&run.identity, bytes)?;

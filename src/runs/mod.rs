@@ -1,7 +1,7 @@
-//! Runs of a command: settings and a list of runs go in, outcomes come out.
+//! Runs of a command: from settings and a list of runs to their outcomes.
 //!
-//! `Executor` does the runs, alone or concurrently, by threads of this process and by other processes. Stored
-//! runs go on from their states. Commands make the list, and make a document of the outcomes.
+//! `Executor` does the runs, one at a time or concurrently, by threads of this process and by other processes. Stored
+//! runs continue from their states. Commands make the list of runs, and make a document from the outcomes.
 
 mod checkpointer;
 mod error;

@@ -1,8 +1,8 @@
-//! Progress on the terminal: position of the run, its speed, and the time left of all runs. When piped, one line per
-//! interval.
+//! Progress on the terminal: the simulated time that the run has reached, its speed, and the time left for all runs. If
+//! output is piped, one line is printed per interval.
 //!
-//! A run tells its clock how far it has come, from within its windows. The display reads the clock from its own thread.
-//! So the display goes on in a long window, and watching costs a run nothing.
+//! A run stores the time that it has reached in its clock, also within its windows. The display reads this clock from a
+//! separate thread. So the display is also updated in a long window, and it does not slow the run down.
 
 use super::terminal::tell;
 use crate::clock::Reached;
@@ -18,28 +18,28 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-/// Time between two lines when there is no terminal.
+/// Time between two lines if there is no terminal.
 pub const INTERVAL: Duration = Duration::from_secs(10);
 
-/// Time between two looks at the runs.
+/// Time between two updates of the display.
 const REFRESH: Duration = Duration::from_millis(200);
 
-/// Resolution of the bar.
+/// Number of positions of the progress bar.
 const TICKS: u64 = 10_000;
 
-/// The speed of a run is measured over the last part of it, this share of its wall time: a settling bed gets slower.
+/// Share of the wall time of a run, at its end, over which its speed is measured. A settling bed becomes slower.
 const RECENT: f64 = 1.0 / 3.0;
 
-/// [s] wall time before which no time left is given: lists and tables are made at the beginning.
+/// [s] wall time before which the time left is not estimated, because lists and tables are made at the beginning.
 const UNKNOWN: f64 = 1.0;
 
-/// All runs of a command, and the thread that shows them.
+/// Progress of all runs of a command, and the thread that displays it.
 pub struct Progress {
     board: Arc<Mutex<Board>>,
     show: Option<(Sender<()>, JoinHandle<()>)>,
 }
 
-/// Present state of all runs.
+/// Present state of all runs of a command.
 struct Board {
     runs: Vec<RunProgress>,
     display: ProgressDisplay,
@@ -65,11 +65,11 @@ struct RunProgress {
 enum RunStage {
     Waiting,
     Running(Track),
-    /// Over, with its simulated and wall time [s].
+    /// The run is over, with its simulated and wall time [s].
     Over([f64; 2]),
 }
 
-/// Progress of a run over wall time.
+/// Progress of one run over wall time.
 struct Track {
     began: Instant,
     reached: ProgressSource,
@@ -77,16 +77,16 @@ struct Track {
     points: Vec<[f64; 2]>,
 }
 
-/// Source of the progress of a run.
+/// Source of the simulated time that a run has reached.
 enum ProgressSource {
-    /// The run goes on in this process, and tells its clock, if it has one.
+    /// The run is in this process and stores the time in its clock, if it has one.
     Here(Option<Reached>),
-    /// The run goes on in another process, which has told this time [s].
+    /// The run is in another process, whose last message contained this time [s].
     Told(f64),
 }
 
 impl ProgressSource {
-    /// [s] simulated time, as far as is known.
+    /// [s] simulated time, as far as it is known.
     fn time(&self) -> f64 {
         match self {
             Self::Here(reached) => reached.as_ref().map_or(0.0, Reached::time),
@@ -96,11 +96,11 @@ impl ProgressSource {
 }
 
 impl Track {
-    /// [s] simulated time at present, and recent simulated time per wall time [s/s], if known.
+    /// [s] present simulated time, and recent simulated time per wall time [s/s] if it is known.
     fn now(&mut self) -> (f64, Option<f64>) {
         let wall = self.began.elapsed().as_secs_f64();
         let time = self.reached.time();
-        // a new point is kept when the wall time has grown by one per cent
+        // a new point is stored when the wall time has grown by one per cent
         if self.points.last().is_none_or(|[last, _]| wall > 1.01 * last) {
             self.points.push([wall, time]);
         }
@@ -113,7 +113,7 @@ impl Track {
 }
 
 impl Progress {
-    /// Progress of these runs; silent if `quiet`.
+    /// Progress of the runs of these experiments; nothing is displayed if `quiet`.
     pub fn new<'a>(experiments: impl IntoIterator<Item = &'a Experiment>, quiet: bool) -> Self {
         let display = if quiet {
             ProgressDisplay::Silent
@@ -144,14 +144,14 @@ impl Progress {
         Self { board, show }
     }
 
-    /// Watches the run at this index among the experiments.
+    /// An observer that follows the run at this index among the experiments.
     pub fn watch(&self, run: usize) -> Watch {
         Watch { board: Arc::clone(&self.board), run }
     }
 }
 
 impl Progress {
-    /// Notes that another process has begun the run at this index, or has come to `time` [s] in it.
+    /// Records that another process has begun the run at this index, or has reached `time` [s] in it.
     pub fn is_elsewhere(&self, run: usize, time: f64) {
         let stage = &mut lock(&self.board).runs[run].stage;
         if matches!(stage, RunStage::Waiting) {
@@ -165,14 +165,14 @@ impl Progress {
         }
     }
 
-    /// Notes that the run at this index is over in another process.
+    /// Records that the run at this index is over in another process.
     pub fn ended_elsewhere(&self, run: usize) {
         let mut board = lock(&self.board);
         let duration = board.runs[run].duration;
         board.end(run, duration);
     }
 
-    /// Indices of the runs that are under way, and the time [s] that each has reached.
+    /// Indices of the runs in progress, and the time [s] that each has reached.
     pub fn under_way(&self) -> Vec<(usize, f64)> {
         let board = lock(&self.board);
         let one = |(place, run): (usize, &RunProgress)| match &run.stage {
@@ -196,13 +196,13 @@ impl Drop for Progress {
     }
 }
 
-/// Locks the board, also if a thread panicked while it held it: nothing on the board can be half done.
+/// Locks the board, also after a panic of a thread that held the lock: no entry of the board can be incomplete.
 fn lock(board: &Mutex<Board>) -> MutexGuard<'_, Board> {
     board.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// An observer that sees the start and the end of a run; the clock follows the rest. A resumed run starts at the sample
-/// that comes next.
+/// An observer that is called at the start and the end of a run; in between, the clock of the run is read. In a resumed
+/// run the first call is at the next sample.
 pub struct Watch {
     board: Arc<Mutex<Board>>,
     run: usize,
@@ -227,7 +227,7 @@ impl Observer for Watch {
 }
 
 impl Board {
-    /// Shows the run that began last.
+    /// Displays the progress of the run that began last.
     fn show(&mut self) {
         let due = match &self.display {
             ProgressDisplay::Silent => false,
@@ -236,7 +236,7 @@ impl Board {
         };
         let Some(run) = self.runs.iter().rposition(|run| matches!(run.stage, RunStage::Running(_))) else { return };
         if !due {
-            // the speed is measured from the points seen so far
+            // the speed is measured from the stored points
             self.rates();
             return;
         }
@@ -252,7 +252,7 @@ impl Board {
         }
     }
 
-    /// Notes that a run is over at `time` [s]; a complete run gets a line that stays.
+    /// Records that a run is over at `time` [s]. For a complete run a permanent line is printed.
     fn end(&mut self, run: usize, time: f64) {
         let wall = match &self.runs[run].stage {
             RunStage::Running(track) => track.began.elapsed().as_secs_f64(),
@@ -269,18 +269,18 @@ impl Board {
         }
     }
 
-    /// Simulated time [s], and speed [s/s] if known, of every run.
+    /// Simulated time [s] and, if known, speed [s/s] of every run.
     fn rates(&mut self) -> Vec<(f64, Option<f64>)> {
         let one = |run: &mut RunProgress| match &mut run.stage {
             RunStage::Waiting => (0.0, None),
             RunStage::Running(track) => track.now(),
-            // a run that was over already when the command began has taken no time here
+            // a run that was over before the command began has no wall time here
             RunStage::Over([time, wall]) => (*time, Some(*time / *wall).filter(|rate| rate.is_finite() && *rate > 0.0)),
         };
         self.runs.iter_mut().map(one).collect()
     }
 
-    /// Share of all runs that is done [-], and the progress of the run at index `k` in one line.
+    /// Completed share of all runs [-], and a line on the progress of the run at index `k`.
     fn line(&mut self, k: usize) -> (f64, String) {
         let rates = self.rates();
         let (time, rate) = rates[k];
@@ -301,8 +301,8 @@ impl Board {
         (simulated / count as f64, text)
     }
 
-    /// [s] wall time left of all runs: the sum of their times over the number of runs that go on at once. Waiting runs
-    /// are taken to be as fast as earlier ones of their model, or else as all earlier runs.
+    /// [s] wall time left for all runs: the sum of their times over the number of concurrent runs. Waiting runs are
+    /// assumed to be as fast as earlier runs of their model or, if there are none, as all earlier runs.
     fn left(&self, rates: &[(f64, Option<f64>)]) -> Option<f64> {
         let mean = |model: Option<Model>| {
             let known = self.runs.iter().zip(rates).filter(|(run, _)| model.is_none_or(|model| run.model == model));
@@ -320,14 +320,14 @@ impl Board {
     }
 }
 
-/// The time left [s] in words.
+/// Time left [s] in words.
 fn remaining(left: Option<f64>) -> String {
     left.map_or("estimating the time left".to_owned(), |left| format!("{} left", span(left)))
 }
 
-/// A span of time [s] in words.
+/// Span of time [s] in words.
 pub fn span(seconds: f64) -> String {
-    /// [s] a thousand years: longer than any run, and within the range of a duration.
+    /// [s] longest span that is written: a thousand years, which is within the range of a duration.
     const LONGEST: f64 = 3.2e10;
     if seconds < 10.0 {
         return format!("{} s", significant(seconds, 2));
@@ -335,16 +335,16 @@ pub fn span(seconds: f64) -> String {
     HumanDuration(Duration::from_secs_f64(seconds.min(LONGEST))).to_string()
 }
 
-/// [-] share of a run of that duration [s] that is done at `time` [s]. Rounding of a sum of windows does not keep it
-/// from 1 at the end.
+/// [-] completed share at `time` [s] of a run of that duration [s]. It is 1 at the end in spite of the rounding of a
+/// sum of windows.
 fn share(time: f64, duration: f64) -> f64 {
     if duration > 0.0 { (time * (1.0 + 1e-9) / duration).min(1.0) } else { 1.0 }
 }
 
-/// One line of any width: text beyond the width is cut off at its end, where a wider bar would wrap.
+/// Style of the progress line for a terminal of any width. Text that is too long is cut off instead of wrapped.
 fn style() -> ProgressStyle {
     let template = "{percent:>3} % {bar:16} {wide_msg}";
-    // a template that does not parse would only spoil the look
+    // if the template is not valid, the default bar is used
     ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar())
 }
 
@@ -355,7 +355,7 @@ mod tests {
     use indicatif::{ProgressDrawTarget, TermLike};
     use std::io::Result;
 
-    /// A terminal of the given number of columns that keeps the drawn text.
+    /// Terminal with the given number of columns that stores the text drawn on it.
     #[derive(Clone, Debug)]
     struct Narrow(u16, Arc<Mutex<Vec<String>>>);
 
@@ -390,7 +390,7 @@ mod tests {
         }
     }
 
-    /// A run that has come to `time` [s] after `wall` [s], at the same speed all along.
+    /// A run that has reached `time` [s] after `wall` [s], at constant speed.
     fn running(model: Model, duration: f64, time: f64, wall: f64) -> RunProgress {
         let clock = Clock::wall();
         clock.tell(time);
@@ -430,7 +430,8 @@ mod tests {
         assert!(known.starts_with("90 seconds left") || known.starts_with("2 minutes left"), "{known}");
     }
 
-    /// The hard run took 10 s for 1 s; the soft one has done half of 1 s in 40 s; another soft and another hard one wait.
+    /// The hard run took 10 s for 1 s. The soft run has done half of 1 s in 40 s. Another soft run and another hard run
+    /// wait.
     #[test]
     fn the_time_left_is_that_of_all_runs() {
         let waiting = |model| RunProgress { stage: RunStage::Waiting, ..running(model, 1.0, 0.0, 0.0) };
@@ -445,7 +446,7 @@ mod tests {
         assert!((done - 0.375).abs() < 1e-6 && text.starts_with("all 4 runs: 1 done, about 2 minutes left"), "{text}");
     }
 
-    /// A run that did nine tenths at once and goes slowly now is not nearly over.
+    /// A run that did nine tenths at once and is slow now is not nearly over.
     #[test]
     fn the_speed_is_that_of_late() {
         let mut run = running(Model::Soft, 1.0, 0.95, 60.0);

@@ -1,4 +1,4 @@
-//! Concurrent runs: each on its own threads, in this process or in another one.
+//! Concurrent runs, each on its own threads, in this process or in another one.
 
 use super::error::StudyError;
 use super::ranks::{Message, Ranks};
@@ -10,54 +10,54 @@ use std::sync::{Mutex, PoisonError};
 use std::thread::scope;
 use std::time::{Duration, Instant};
 
-/// Time between two looks for messages of other processes. MPI's own ways to wait keep a core busy.
+/// Time between two checks for messages from other processes. The functions of MPI that wait would keep a core busy.
 pub const POLL_INTERVAL: Duration = Duration::from_millis(1);
 
-/// Time between two messages of a helper on the progress of its runs.
+/// Time between two messages of a helper about the progress of its runs.
 const REPORT_INTERVAL: Duration = Duration::from_secs(1);
 
-/// A list of runs that may be done in any order, and by any process that has made the same list.
+/// A list of runs that may be done in any order, and by any process that has made an equal list.
 pub trait RunList: Sync {
     /// Result of one run.
     type Answer: Send;
 
-    /// Number of runs that may go on at once.
+    /// Number of runs that may be done concurrently.
     fn count(&self) -> usize;
 
-    /// Does one run in the pool of threads that this is called in. `None` if it was left before its end; then no other
-    /// run is to begin.
+    /// Does one run in the thread pool from which this is called. `None` if the run was stopped before its end; no
+    /// other run is to begin then.
     ///
     /// # Errors
     /// The run cannot be done.
     fn run(&self, index: usize) -> Result<Option<Self::Answer>, StudyError>;
 
-    /// Result of one run as bytes, for another process; `None` if it was left before its end.
+    /// Does one run and returns the result as bytes, for another process; `None` if the run was stopped before its end.
     ///
     /// # Errors
-    /// The run cannot be done, or its result cannot be written.
+    /// The run cannot be done, or its result cannot be serialised.
     fn run_for_another(&self, index: usize) -> Result<Option<Vec<u8>>, StudyError>;
 
-    /// Does the share of this process in the run at this index, which all processes share.
+    /// Takes part in the run at this index, which all processes share.
     fn follow(&self, _index: usize, _ranks: &Ranks) {}
 
-    /// The result that another process has sent.
+    /// Result of one run from the bytes that another process has sent.
     ///
     /// # Errors
-    /// The bytes are not of this run.
+    /// The bytes do not belong to this run.
     fn answer_of_another(&self, index: usize, bytes: &[u8]) -> Result<Self::Answer, StudyError>;
 
-    /// Notes that another process has begun this run, or has come to `time` [s] in it.
+    /// Records that another process has begun this run, or has reached `time` [s] in it.
     fn is_elsewhere(&self, index: usize, time: f64);
 
-    /// Indices of the runs that are under way here, and the time [s] that each has reached.
+    /// Indices of the runs in progress in this process, and the time [s] that each has reached.
     fn under_way(&self) -> Vec<(usize, f64)>;
 }
 
-/// Does the runs at these indices of the list, here and by helpers. Each result is handed to `finished` with its index,
-/// in the order in which runs end.
+/// Does the runs at these indices of the list, in this process and in helpers. `finished` is called with the index and
+/// the result of each run, in the order in which runs end.
 ///
 /// # Errors
-/// The first error of `finished`; a helper cannot help; no thread can be started.
+/// The first error of `finished`; a helper that cannot do any run; no thread can be started.
 pub fn distribute<R: RunList>(
     runs: &R,
     indices: &[usize],
@@ -71,7 +71,7 @@ pub fn distribute<R: RunList>(
         let (mut left, mut here, mut stopped) = (indices, 0, false);
         loop {
             while let Some((next, rest)) = left.split_first().filter(|_| !stopped && here < pools.len()) {
-                // the threads of the crew take orders until this end of the channel is dropped
+                // the worker threads receive indices until this end of the channel is dropped
                 let _ = orders.send(*next);
                 (left, here) = (rest, here + 1);
             }
@@ -111,7 +111,7 @@ pub fn distribute<R: RunList>(
     })
 }
 
-/// Does the runs that the lead names, as a helper, until the command is over.
+/// Does the runs that the lead names, in a helper process, until the command is over.
 ///
 /// # Errors
 /// No thread can be started.
@@ -143,7 +143,7 @@ pub fn help<R: RunList>(runs: &R, share: ThreadBudget, ranks: &Ranks, signals: &
     Ok(())
 }
 
-/// Pools of threads, one for each run that goes on at once.
+/// Thread pools, one for each concurrent run.
 fn pools(share: ThreadBudget, count: usize) -> Result<Vec<ThreadPool>, StudyError> {
     let (at_once, threads) = share.of(count);
     let build = |_| ThreadPoolBuilder::new().num_threads(threads).build();
@@ -152,8 +152,8 @@ fn pools(share: ThreadBudget, count: usize) -> Result<Vec<ThreadPool>, StudyErro
     })
 }
 
-/// Starts a thread for each pool. The threads do the runs whose indices are sent to them, and end when no more can be
-/// sent.
+/// Starts a worker thread for each pool. The threads do the runs whose indices are sent to them, and end when the
+/// sender is dropped.
 fn crew<'scope, 'env, A: Send + 'scope>(
     scope: &'scope std::thread::Scope<'scope, 'env>,
     pools: &'env [ThreadPool],
@@ -168,7 +168,7 @@ fn crew<'scope, 'env, A: Send + 'scope>(
             loop {
                 let index = indices.lock().unwrap_or_else(PoisonError::into_inner).recv();
                 let Ok(index) = index else { break };
-                // the receiver is gone: further results would be lost
+                // if the receiver has been dropped, further results would be lost
                 if answered.send((index, pool.install(|| run(index)))).is_err() {
                     break;
                 }
@@ -178,17 +178,18 @@ fn crew<'scope, 'env, A: Send + 'scope>(
     (orders, answers)
 }
 
-/// Next event for the lead.
+/// Next event for which a process waits.
 enum Heard<A> {
-    /// A run is over here.
+    /// A run is over in this process.
     Here(usize, A),
-    /// A message from another process.
+    /// A message has arrived from another process.
     There(Message),
-    /// Nothing for a while.
+    /// Nothing has happened for a while.
     Nothing,
 }
 
-/// Waits for the next event, with other processes for no longer than [`REPORT_INTERVAL`]. `None` if nothing more can come.
+/// Waits for the next event; with other processes, at most for [`REPORT_INTERVAL`]. `None` if no further event is
+/// possible.
 fn wait<A>(answers: &Receiver<(usize, A)>, ranks: &Ranks) -> Option<Heard<A>> {
     if ranks.count() == 1 {
         return answers.recv().ok().map(|(index, answer)| Heard::Here(index, answer));

@@ -1,4 +1,5 @@
-//! Settings of a command that does runs. They are made of its arguments in one place, and the arguments go no further.
+//! Settings of a command that does runs. They are made from its arguments in one place; the code of runs depends on the
+//! settings only.
 
 use super::error::StudyError;
 use crate::case::Case;
@@ -12,9 +13,9 @@ use std::path::{Path, PathBuf};
 pub enum CommandOrigin {
     /// The user typed the command.
     Typed,
-    /// The user typed the command again, and the runs that are over are kept.
+    /// The user typed the command again, and completed runs are used.
     TypedAgain,
-    /// `resume` goes on with the command.
+    /// `resume` continues the command.
     Resumed {
         /// Folder of the results of the command.
         folder: PathBuf,
@@ -35,18 +36,18 @@ pub struct CommandSettings {
     pub overwrite: bool,
     /// True to print nothing while the command runs.
     pub quiet: bool,
-    /// Number of threads of a process, if one is asked for.
+    /// Number of threads of a process; `None` if the user gave none.
     pub threads: Option<u16>,
-    /// True to store the results of runs, which stay when the command is over, and not the ends of the runs.
+    /// True to store the results of runs, which remain after the command is over, and not the ends of the runs.
     pub keeps_results: bool,
-    /// True to do concurrent runs one after the other, each with all threads.
+    /// True to do the runs one after the other, each with all threads.
     pub in_turn: bool,
     /// Wall time between two checkpoints.
     pub checkpoint_every: CheckpointEvery,
 }
 
 impl CommandSettings {
-    /// Settings of the command of that name on a case, with the usual time between checkpoints.
+    /// Settings of the command `command` on a case, with the usual time between checkpoints.
     pub fn new(origin: CommandOrigin, command: &str, case: &Path, output: &Output, effort: &Effort) -> Self {
         let folder = match &origin {
             CommandOrigin::Typed | CommandOrigin::TypedAgain => place(output, case, command),
@@ -64,7 +65,7 @@ impl CommandSettings {
         }
     }
 
-    /// Notes that a command that the user typed goes on with an earlier start.
+    /// Marks a typed command as one that continues an earlier one.
     pub fn goes_on(&mut self) {
         if let CommandOrigin::Typed = self.origin {
             self.origin = CommandOrigin::TypedAgain;
@@ -82,7 +83,7 @@ impl CommandSettings {
     /// Opens the folder for the results.
     ///
     /// # Errors
-    /// The folder is in use, cannot be written to, or, for a command that begins, holds results.
+    /// The folder is in use, cannot be written to, or contains results although the command begins.
     pub fn open_folder(&self) -> Result<Folder, StudyError> {
         match &self.origin {
             CommandOrigin::Typed => make(self.folder.clone(), self.overwrite),
@@ -92,7 +93,7 @@ impl CommandSettings {
         }
     }
 
-    /// Provenance of the results; `scene`: description of the scene.
+    /// Provenance of the results: command, case and program. `scene` is a description of the scene.
     pub fn provenance(&self, case: &Case, scene: String) -> Provenance {
         Provenance { command: quoted(self.arguments()), ..provenance(case, scene) }
     }
@@ -103,12 +104,13 @@ pub fn read(path: &Path, input: &Input) -> Result<Case, StudyError> {
     Ok(Case::read(path, &input.sets())?)
 }
 
-/// Makes the folder of a command. A folder that cannot be written to is bad input: nothing has been computed yet.
+/// Makes the folder of a command. A folder that cannot be written to is wrong input, since nothing has been computed
+/// yet.
 pub fn folder(output: &Output, case: &Path, command: &str) -> Result<Folder, StudyError> {
     make(place(output, case, command), output.overwrite)
 }
 
-/// Folder of results of a command: the one asked for, or `out/<case>-<command>`.
+/// Path of the folder for the results of a command: the one that the user gave, or `out/<case>-<command>`.
 fn place(output: &Output, case: &Path, command: &str) -> PathBuf {
     output.out.clone().unwrap_or_else(|| {
         let stem = case.file_stem().map_or("case".into(), |stem| stem.to_string_lossy());
@@ -121,7 +123,7 @@ fn make(path: PathBuf, overwrite: bool) -> Result<Folder, StudyError> {
     Folder::create(path, overwrite).map_err(|error| StudyError::Input(format!("error: {error}")))
 }
 
-/// Provenance of the results; `scene`: description of the scene.
+/// Provenance of the results: command, case and program. `scene` is a description of the scene.
 pub fn provenance(case: &Case, scene: String) -> Provenance {
     Provenance {
         title: case.title.clone(),
@@ -132,15 +134,15 @@ pub fn provenance(case: &Case, scene: String) -> Provenance {
     }
 }
 
-/// The command as it was typed.
+/// Command line as the user typed it.
 pub fn command_line() -> String {
     quoted(std::env::args_os())
 }
 
-/// A command line, quoted where a shell needs it.
+/// A command line as text, quoted where a shell requires it.
 pub fn quoted(arguments: impl IntoIterator<Item = OsString>) -> String {
     let quoted = arguments.into_iter().enumerate().map(|(k, argument)| {
-        // the program by its name, without the path it was started from
+        // the program is given by its name, without its path
         let argument = if k == 0 { "diptych".into() } else { argument.to_string_lossy().into_owned() };
         let plain = |c: char| c.is_ascii_alphanumeric() || "-_=./,:+".contains(c);
         if !argument.is_empty() && argument.chars().all(plain) {

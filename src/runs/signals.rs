@@ -1,4 +1,5 @@
-//! Ctrl-C and the signal to end: once to stop at the end of the window, twice to end at once.
+//! Ctrl-C and the signal to terminate. The first signal stops the command at the end of the window, the second ends it
+//! at once.
 
 use super::error::StudyError;
 use signal_hook::consts::{SIGINT, SIGTERM};
@@ -9,12 +10,12 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// Exit code of a program that Ctrl-C has ended, as shells report it: 128 plus the number of the signal.
 const ENDED: i32 = 130;
 
-/// Flag that the user wants the command to stop.
+/// Flag that is set when the user wants the command to stop.
 #[derive(Clone)]
 pub struct Signals(Arc<AtomicBool>);
 
 impl Signals {
-    /// Takes note of the signals from now on.
+    /// Sets the handlers, so that signals set the flag from now on.
     ///
     /// # Errors
     /// The system refuses to set the handler.
@@ -25,22 +26,23 @@ impl Signals {
     fn heard() -> std::io::Result<Self> {
         let stop = Arc::new(AtomicBool::new(false));
         for signal in [SIGINT, SIGTERM] {
-            // in this order: the first signal finds the flag down and raises it, the second finds it raised
+            // in this order: at the first signal the flag is not yet set and is set; at the second it is set, and the
+            // program ends
             flag::register_conditional_shutdown(signal, ENDED, Arc::clone(&stop))?;
             flag::register(signal, Arc::clone(&stop))?;
         }
-        // a file that outgrows the limit of a shell is an error to be reported, not the end of the program
+        // a file that exceeds the size limit of a shell is to be an error that is reported, not the end of the program
         #[cfg(unix)]
         flag::register(signal_hook::consts::SIGXFSZ, Arc::new(AtomicBool::new(false)))?;
         Ok(Self(stop))
     }
 
-    /// True if a signal to stop has come.
+    /// True if a signal to stop has arrived.
     pub fn say_stop(&self) -> bool {
         self.0.load(Ordering::Relaxed)
     }
 
-    /// Raises the flag as a signal to stop would.
+    /// Sets the flag as a signal to stop would.
     pub fn raise(&self) {
         self.0.store(true, Ordering::Relaxed);
     }

@@ -1,4 +1,4 @@
-//! Observers from which the outcome of every run is made.
+//! Standard observers, whose data make up the outcome of every run.
 
 use crate::engine::Failure;
 use crate::experiment::{Experiment, Model, SoftStepping};
@@ -10,7 +10,7 @@ use crate::schedule::Schedule;
 use crate::simulation::{Simulation, soft_step};
 use crate::statistics::Accumulator;
 
-/// Observers from which the outcome of every run is made.
+/// Standard observers, whose data make up the outcome of every run.
 #[derive(Clone)]
 pub(crate) struct StandardObservers<'a> {
     experiment: &'a Experiment,
@@ -32,7 +32,7 @@ pub(crate) struct StandardObservers<'a> {
 }
 
 impl<'a> StandardObservers<'a> {
-    /// Observers of a run from that initial state, before its start.
+    /// Observers of a run from an initial state with this hash, before its start.
     pub fn new(experiment: &'a Experiment, initial_state_hash: u64) -> Self {
         let schedule = Schedule::new(experiment);
         Self {
@@ -54,7 +54,7 @@ impl<'a> StandardObservers<'a> {
         }
     }
 
-    /// Standard observers of every run, followed by the others.
+    /// All standard observers, followed by the `others`.
     pub fn with<'b>(&'b mut self, others: &'b mut [&mut dyn Observer]) -> Vec<&'b mut dyn Observer> {
         let Self { profiles, motion, pairs, walls, energy, momentum, .. } = self;
         let Self { stresses, series, paths, kinds, rings, mixing, .. } = self;
@@ -67,7 +67,7 @@ impl<'a> StandardObservers<'a> {
     pub fn outcome(self, simulation: &Simulation, failure: Option<Failure>, final_state_hash: u64) -> Outcome {
         let steadiness =
             self.motion.steadiness(self.experiment.run.average_from, self.kinds.series(&self.experiment.scene));
-        // interval k ends at sample k + 1: the first that lies wholly in the averaging period
+        // interval k ends at sample k + 1, and the first interval used lies wholly in the averaging period
         let first = self.motion.first(steadiness.from);
         Outcome {
             experiment: self.experiment.clone(),
@@ -126,7 +126,7 @@ fn timing(simulation: &Simulation) -> Timing {
     }
 }
 
-/// [s] time step that resolves contacts, or interval at which collisions are looked for; `None` for events.
+/// [s] time step that resolves contacts, or time between tests for collisions; `None` for an event queue.
 fn time_step(experiment: &Experiment, simulation: &Simulation, window: f64) -> Option<f64> {
     let steps = simulation.counters().steps;
     match (experiment.model(), experiment.soft.stepping) {

@@ -1,7 +1,8 @@
 //! Output to the user. This is the only file that writes to standard output and standard error.
 //!
-//! Either may be closed, full, or a pipe whose reader has gone (`diptych run CASE 2>&1 | head -1`). Rust's `println!`
-//! and `eprintln!` end the program then. Here the work goes on and its files are written.
+//! Either stream may be closed, full, or a pipe whose reader has ended (`diptych run CASE 2>&1 | head -1`). Rust's
+//! `println!` and `eprintln!` would then end the program. The functions in this file return, so that the work continues
+//! and its files are written.
 
 use super::error::StudyError;
 use crate::case::{Checked, Diagnostic};
@@ -10,15 +11,15 @@ use std::fmt::Display;
 use std::io::{ErrorKind, Write, stderr, stdout};
 use std::path::Path;
 
-/// Tells the user a line on standard error: progress, a warning, an error. If the line cannot be written, it is lost.
+/// Prints a line on standard error: progress, a warning, or an error. If the line cannot be printed, it is lost.
 pub fn tell(line: impl Display) {
     let line = line.to_string();
-    // there is no other place left to which a complaint could go
+    // if standard error fails, there is no other stream for a message
     let _ = writeln!(stderr().lock(), "{}", legible::lines(&line));
 }
 
-/// Prints the final sentences of a study and the file that holds all results, on standard output. If they cannot be
-/// printed, everything is in the folder nevertheless: that is a warning.
+/// Prints the final sentences of a study and the path of the file with all results, on standard output. If they cannot
+/// be printed, a warning is given, since everything is in the folder nevertheless.
 pub fn conclude(sentences: &[String], what: &str, file: &Path) {
     let lines: String = sentences.iter().map(|sentence| format!("{sentence}\n")).collect();
     if let Err(why) = answer(&format!("{lines}{what}: {}\n", file.display())) {
@@ -26,11 +27,12 @@ pub fn conclude(sentences: &[String], what: &str, file: &Path) {
     }
 }
 
-/// Prints a text that is the whole result of a command, on standard output. A reader that closes the pipe early has
-/// read enough: that is no error.
+/// Prints a text that is the whole result of a command, on standard output. It is no error if the reader closes the
+/// pipe early.
 ///
 /// # Errors
-/// [`StudyError::Failed`] if it cannot be written, for example because the disk is full: there is no other copy of it.
+/// [`StudyError::Failed`] if the text cannot be printed, for example because the disk is full, since there is no other
+/// copy.
 pub fn answer(text: &str) -> Result<(), StudyError> {
     print(&legible::lines(text))
 }
@@ -53,7 +55,7 @@ fn print(text: &str) -> Result<(), StudyError> {
     }
 }
 
-/// Prints the warnings of all variants, each once.
+/// Prints the warnings of all variants; equal warnings are printed once.
 pub fn warn(variants: &[Checked], quiet: bool) {
     let mut told: Vec<&Diagnostic> = Vec::new();
     for warning in variants.iter().flat_map(|(_, warnings)| warnings) {

@@ -1,21 +1,21 @@
-//! Threads of a process.
+//! Threads of a process, and their distribution among concurrent runs.
 
 use super::error::StudyError;
 use super::ranks::Ranks;
 use crate::cli::Effort;
 
-/// Sets the number of threads for a process that may be one of several on this machine.
+/// Sets the number of threads of a process that may be one of several on this machine.
 pub fn share_threads(effort: &Effort, ranks: &Ranks) -> Result<(), StudyError> {
     if ranks.count() == 1 {
         return use_threads(effort.threads.map(usize::from));
     }
-    // the calling thread belongs to MPI
+    // the calling thread is reserved for MPI
     let threads = ranks.threads(effort.threads);
     start_threads(threads, rayon::ThreadPoolBuilder::new().num_threads(threads))
 }
 
-/// Sets the number of threads for the whole process, if it is given. A single thread is the calling thread itself. If
-/// it waited for another thread to do the work of each window, small scenes on a busy machine would mostly wait.
+/// Sets the number of threads of the whole process, if it is given. A single thread is the calling thread itself. If
+/// the calling thread waited for another thread in each window, small scenes on a busy machine would mostly wait.
 pub fn use_threads(threads: Option<usize>) -> Result<(), StudyError> {
     let Some(threads) = threads else { return Ok(()) };
     let mut pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
@@ -34,15 +34,15 @@ fn start_threads(threads: usize, pool: rayon::ThreadPoolBuilder) -> Result<(), S
 /// Distribution of the threads of a process among runs.
 #[derive(Clone, Copy)]
 pub struct ThreadBudget {
-    /// Threads in all.
+    /// Number of threads of the process.
     pub threads: usize,
-    /// True for one run after the other, with all threads. Otherwise several runs go on at once, with equal shares of
-    /// the threads.
+    /// True if runs are done one after the other, each with all threads. Otherwise several runs are done concurrently,
+    /// with equal shares of the threads.
     pub in_turn: bool,
 }
 
 impl ThreadBudget {
-    /// Number of the `count` runs that go on at once, and the threads of each.
+    /// Number of the `count` runs that are done concurrently, and number of threads of each.
     pub fn of(self, count: usize) -> (usize, usize) {
         let at_once = if self.in_turn { 1 } else { self.threads.min(count).max(1) };
         (at_once, (self.threads / at_once).max(1))

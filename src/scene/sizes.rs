@@ -27,18 +27,18 @@ pub enum SizeDistribution {
         /// [m] median of the distribution before the cut.
         median: f64,
         /// [-] geometric standard deviation before the cut, more than 1. Two thirds of the diameters lie between the
-        /// median divided by it and the median times it.
+        /// median divided by this deviation and the median times it.
         geometric_deviation: f64,
         /// [m] the smallest diameter.
         from: f64,
         /// [m] the largest diameter.
         to: f64,
     },
-    /// A list of diameters.
+    /// A list of diameters, each with its share of the particles.
     Table(Vec<Fraction>),
 }
 
-/// One diameter of a table.
+/// One row of a table of diameters.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Fraction {
     /// [m] diameter.
@@ -64,7 +64,7 @@ impl SizeDistribution {
         }
     }
 
-    /// [m] diameter that the part `share` [-] of the particles, 0 to 1, does not exceed.
+    /// [m] diameter that is not exceeded by the share `share` [-] of the particles, 0 to 1.
     pub fn quantile(&self, share: f64) -> f64 {
         let diameter = match self {
             Self::Uniform { from, to } => from + share * (to - from),
@@ -86,7 +86,7 @@ impl SizeDistribution {
         diameter.clamp(self.smallest(), self.largest())
     }
 
-    /// [-] share of the distribution between its cut-offs.
+    /// [-] share of the uncut distribution that lies between its two cut-offs.
     pub fn left(&self) -> f64 {
         match self {
             Self::Uniform { .. } | Self::Table(_) => 1.0,
@@ -103,7 +103,8 @@ impl SizeDistribution {
     pub fn mean_power(&self, k: i32) -> f64 {
         match self {
             Self::Uniform { from, to } => {
-                // (b^(k+1) - a^(k+1))/((k + 1)(b - a)) without the difference, which is small where the two are near
+                // (b^(k+1) - a^(k+1))/((k + 1)(b - a)) without the difference b - a, which is small where a = from and
+                // b = to are near
                 let terms = (0..=k).map(|i| from.powi(i) * to.powi(k - i));
                 terms.sum::<f64>() / f64::from(k + 1)
             }

@@ -9,6 +9,6 @@ use serde::Serialize;
 pub enum StartRegion {
     /// The particles are wholly inside a body.
     Body(Hollow),
-    /// The centres of the particles are inside one of these walls of the scene, by index.
+    /// The centre of each particle is inside one of the walls with these indices in the scene.
     InsideWalls(Vec<u32>),
 }

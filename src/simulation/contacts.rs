@@ -6,37 +6,37 @@ use crate::engine::Overlap;
 use crate::engine::distributed::Distributed;
 use crate::neighbours::overlapping;
 
-/// Summary of all contacts in progress; both numbers are 0 where contacts are instantaneous.
+/// Summary of all contacts in progress; both numbers are 0 if contacts are instantaneous.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ContactSummary {
-    /// Particles in contact, each counted once for each of its contacts: two for a pair, one at a wall.
+    /// Number of particles in contact, each counted once for each of its contacts: two for a pair, one at a wall.
     pub ends: u64,
-    /// [-] largest overlap over the (smaller) diameter.
+    /// [-] largest overlap over the diameter of the smaller particle.
     pub largest_overlap: f64,
 }
 
 impl Simulation {
-    /// [J] kinetic and rotational energy plus the energy stored in contacts; before the first window, in overlaps of the start. It
-    /// covers all particles, as a sum of the [`sample`](Self::sample).
+    /// [J] kinetic and rotational energy plus the energy stored in contacts, of all particles. Before the first window,
+    /// the stored energy is that of overlaps of the start. It is a sum of the [`sample`](Self::sample).
     pub fn energy(&self) -> f64 {
         let sample = self.sample();
         sample.kinetic_energy() + sample.rotational_energy() + self.elastic_energy()
     }
 
-    /// [J] energy stored in contacts; before the first window, in overlaps of the start. It covers all particles, as
-    /// a sum of the [`sample`](Self::sample).
+    /// [J] energy stored in contacts, of all particles. Before the first window, it is that of overlaps of the start.
+    /// It is a sum of the [`sample`](Self::sample).
     pub fn elastic_energy(&self) -> f64 {
         self.unseen.unwrap_or_else(|| self.engine.elastic_energy())
     }
 
-    /// Overlapping bodies, by index in the store, with their overlap [m] (soft).
+    /// Pairs of overlapping bodies, by index in the store, with their overlap [m] (soft).
     pub fn contacts(&self) -> Vec<(Couple, f64)> {
         let mut contacts = Vec::new();
         self.for_each_contact(|couple, overlap| contacts.push((couple, overlap)));
         contacts
     }
 
-    /// Calls `visit` with overlapping bodies, by index in the store, and their overlap [m] (soft).
+    /// Calls `visit` with each pair of overlapping bodies, by index in the store, and their overlap [m] (soft).
     pub fn for_each_contact(&self, mut visit: impl FnMut(Couple, f64)) {
         let mut look = |couple: Couple| {
             let overlap = couple.meet(&self.particles, &self.scene, FrameTime::default()).overlap();
@@ -45,13 +45,13 @@ impl Simulation {
             }
         };
         match self.unseen {
-            // the engine has not processed the start yet
+            // the engine has not yet processed the start
             Some(energy) if energy > 0.0 => overlapping(&self.particles, &self.scene).into_iter().for_each(look),
             _ => self.engine.for_each_touching(&mut look),
         }
     }
 
-    /// [m] largest overlap of each particle, by index in the store; 0 for particles that touch nothing (soft).
+    /// [m] largest overlap of each particle, by index in the store; 0 without contact (soft).
     pub fn overlaps(&self) -> Vec<f64> {
         let mut overlaps = vec![0.0_f64; self.particles.len()];
         self.for_each_contact(|couple, overlap| {
@@ -62,9 +62,8 @@ impl Simulation {
         overlaps
     }
 
-    /// Contacts with particles on other processes, by index of the particle on this process, with the overlap [m]
-    /// (soft). Each of the two processes lists such a contact; the list is empty unless each process has a part of
-    /// the particles.
+    /// Contacts with particles in other processes: index of the particle in this process, and overlap [m] (soft). Both
+    /// processes list the contact. The list is empty unless each process holds a part of the particles.
     pub fn contacts_abroad(&self) -> Vec<(u32, f64)> {
         self.touching_abroad().into_iter().map(|(place, overlap)| (place, overlap.depth)).collect()
     }
@@ -73,7 +72,7 @@ impl Simulation {
         self.engine.distributed().map_or_else(Vec::new, Distributed::touching_abroad)
     }
 
-    /// Summary of all contacts in progress, as a sum of the [`sample`](Self::sample).
+    /// Summary of all contacts in progress, of all particles. It is a sum of the [`sample`](Self::sample).
     pub fn touching(&self) -> ContactSummary {
         let abroad = self.touching_abroad();
         let deepest = abroad.iter().map(|(_, overlap)| overlap.depth / overlap.diameter).fold(0.0, f64::max);

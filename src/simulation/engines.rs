@@ -1,4 +1,4 @@
-//! The engine of a simulation, and the one that an experiment asks for.
+//! The engine of a simulation, and its choice from the settings of an experiment.
 
 use crate::engine::Engine;
 use crate::engine::distributed::Distributed;
@@ -11,14 +11,14 @@ use std::ops::{Deref, DerefMut};
 
 /// Engine of a simulation.
 pub enum SimulationEngine {
-    /// An engine that runs in one process. Other processes that share the simulation leave all work to it.
+    /// An engine that runs in one process. If processes share the simulation, this process does all the work.
     Single(Box<dyn Engine>),
     /// An engine whose run several processes can share.
     Distributed(Box<dyn Distributed>),
 }
 
 impl SimulationEngine {
-    /// The engine, if several processes can share its run.
+    /// The engine as one whose run several processes can share; `None` if they cannot.
     pub fn distributed(&self) -> Option<&dyn Distributed> {
         match self {
             Self::Single(_) => None,
@@ -26,7 +26,7 @@ impl SimulationEngine {
         }
     }
 
-    /// The engine to be changed, if several processes can share its run.
+    /// The engine, mutable, as one whose run several processes can share; `None` if they cannot.
     pub fn distributed_mut(&mut self) -> Option<&mut dyn Distributed> {
         match self {
             Self::Single(_) => None,
@@ -34,7 +34,7 @@ impl SimulationEngine {
         }
     }
 
-    /// True if the particles are divided: each process holds only those of its block.
+    /// True if the particles are divided between processes, so that each holds only those of its block of the domain.
     pub fn is_cut(&self) -> bool {
         self.distributed().is_some_and(Distributed::is_cut)
     }
@@ -60,7 +60,7 @@ impl DerefMut for SimulationEngine {
     }
 }
 
-/// [s] longest soft time step of an experiment with `particles` particles; infinite if nothing can touch.
+/// [s] longest allowed soft time step of an experiment with `particles` particles; infinite if nothing can touch.
 pub fn soft_step(experiment: &Experiment, particles: usize) -> f64 {
     match experiment.soft.time_step {
         TimeStep::Fixed(step) => step,
@@ -71,13 +71,13 @@ pub fn soft_step(experiment: &Experiment, particles: usize) -> f64 {
     }
 }
 
-/// True if the `particles` soft particles of an experiment can touch one another or a wall.
+/// True if the soft particles of an experiment, `particles` in number, can touch one another or a wall.
 pub fn may_touch(experiment: &Experiment, particles: usize) -> bool {
     let shortest = experiment.law().and_then(|law| ContactTimes::of(experiment, &law, particles).governing());
     shortest.is_some()
 }
 
-/// The engine that an experiment with `particles` particles asks for.
+/// Makes the engine for an experiment with `particles` particles.
 pub fn engine(experiment: &Experiment, particles: usize) -> SimulationEngine {
     let engine: Box<dyn Distributed> = match experiment.run.spheres {
         Spheres::Soft(law) => {

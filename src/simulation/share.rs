@@ -1,4 +1,5 @@
-//! A simulation shared by several processes: the lead runs it as if it were alone, and the others follow its orders.
+//! A simulation shared by several processes. The lead process runs it as if it were alone, and the other processes
+//! execute the lead's orders.
 
 use super::Simulation;
 use crate::communicator::Communicator;
@@ -12,44 +13,46 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// A run shared by several processes.
+/// Connection of a simulation to the other processes that share its run.
 pub struct SharedSimulation {
     communicator: Arc<dyn Communicator>,
-    /// For each shared observer, true if the other processes know what the lead's observer kept before.
+    /// For each shared observer, true if the other processes have received the data that the lead's observer had
+    /// before.
     informed: Vec<bool>,
 }
 
-/// Particles of all processes, which the lead sees in place of its own.
+/// Description of the particles gathered from all processes, which replace those of the lead process for a while.
 pub struct GatheredParticles {
-    /// Every `every`-th particle by id is gathered.
+    /// Step in the ids: every `every`-th particle is gathered.
     every: u32,
-    /// [m/s] root mean square of the velocities of all particles about their mean, if not all are gathered.
+    /// [m/s] root mean square of the velocities of all particles about their mean; `None` if all particles are
+    /// gathered.
     pub agitation: Option<f64>,
 }
 
-/// Order of the lead process to the other processes.
+/// Order of the lead process to the other processes, which do the same work on their particles.
 #[derive(Clone, Serialize, Deserialize)]
 pub enum Order {
-    /// Drag alone for a duration [s].
+    /// Apply drag alone for a duration [s].
     Kick(f64),
-    /// The engine, from a start time and for a window [s].
+    /// Advance the engine from a start time through a window [s].
     Advance(f64, f64),
-    /// Keep the velocities, before a look at them with a kick.
+    /// Store the velocities, before observers are called with velocities to which a half-kick was applied.
     Keep,
-    /// Restore the velocities that were kept.
+    /// Restore the stored velocities.
     TakeBack,
-    /// Show the lead every n-th particle by id.
+    /// Send the lead every n-th particle by id.
     Show(u32),
-    /// Check the particles of the process.
+    /// Check that the particles of the process are inside the domain.
     Check,
     /// Compute the checksum of the state.
     Fingerprint,
-    /// Give the lead all records, and then the parts, one after the other.
+    /// Send the lead all records, and then each part of the state, one after the other.
     Give,
-    /// Let the observers at these indices see the process's part of the particles, at a time [s] and with the
+    /// Call the observers at these indices with the process's part of the particles. The data are the time [s] and the
     /// momentum [kg m/s] of all particles.
     ///
-    /// An observer that sees its part for the first time continues from the data of the lead's observer.
+    /// An observer that is called in this way for the first time continues from the data of the lead's observer.
     See(f64, Vector3<f64>, Vec<(usize, Option<Stored>)>),
     /// The run is over.
     End,
@@ -60,14 +63,14 @@ impl SharedSimulation {
         self.communicator.broadcast(postcard::to_stdvec(order).unwrap_or_default());
     }
 
-    /// The next order of the lead.
+    /// Receives the next order of the lead.
     fn told(&self) -> Order {
         postcard::from_bytes(&self.communicator.broadcast(Vec::new())).unwrap_or(Order::End)
     }
 }
 
 impl Drop for SharedSimulation {
-    /// Lets the following processes end.
+    /// Ends the work of the other processes.
     fn drop(&mut self) {
         if self.communicator.is_lead() {
             self.tell(&Order::End);
@@ -76,15 +79,15 @@ impl Drop for SharedSimulation {
 }
 
 impl Simulation {
-    /// Shares this simulation with other processes: while it pays, each moves the particles of a domain of its own.
-    /// The lead continues as if it were alone, and gets identical bits. The other processes have a simulation of an
-    /// equal scene and engine. They [`follow`](Self::follow) until the lead drops its simulation; the particles that
-    /// they had do not matter. The first `observers` observers of the lead are on all processes.
+    /// Shares this simulation with other processes. While it pays, each process moves the particles in its own block of
+    /// the domain. The lead continues as if it were alone, and gets identical bits. The other processes have made a
+    /// simulation of an equal scene and engine. They [`follow`](Self::follow) the lead until it drops its simulation;
+    /// their previous particles are discarded. The first `observers` observers of the lead exist in all processes.
     pub fn shared(mut self, communicator: Arc<dyn Communicator>, observers: usize) -> Self {
         let told = communicator.broadcast(postcard::to_stdvec(&self.totals).unwrap_or_default());
         self.totals = postcard::from_bytes(&told).unwrap_or(self.totals);
         if !communicator.is_lead() {
-            // its memory is freed too
+            // this also frees the memory of the particles
             self.particles = Particles::default();
         }
         if let Some(engine) = self.engine.distributed_mut() {
@@ -94,22 +97,22 @@ impl Simulation {
         self
     }
 
-    /// A simulation at time 0 of which each process has the particles in its block among [blocks of one
-    /// size](crate::domain::blocks::Blocks::of_one_size), without overlaps. All processes must call this, and then
-    /// share the simulation.
+    /// A simulation at time 0 in which each process holds the particles in its block among [blocks of one
+    /// size](crate::domain::blocks::Blocks::of_one_size), without overlaps. All processes must call this function, and
+    /// then share the simulation.
     pub fn part(experiment: &Experiment, particles: Particles, communicator: &dyn Communicator) -> Self {
         Self::of(experiment, particles, Some(communicator))
     }
 
-    /// Shares the simulation as [`shared`](Self::shared), where each process has a [`part`](Self::part) and continues
-    /// with it.
+    /// Shares the simulation as [`shared`](Self::shared) does, where each process holds a [`part`](Self::part) and
+    /// continues with it.
     pub fn shared_in_parts(mut self, communicator: Arc<dyn Communicator>, observers: usize) -> Self {
         let sample = Sample::part(&self.particles, Some(&*communicator));
         if let Some(engine) = self.engine.distributed_mut() {
             engine.share(communicator.clone(), &sample, &self.scene);
         }
         if !self.engine.is_cut() {
-            // an engine that leaves all particles to the lead
+            // the engine runs in the lead process alone, so the lead gathers all particles
             let mut all = Particles::default();
             let mut append = |slice: &Particles| all.copy_from(slice, &(0..slice.len() as u32).collect::<Vec<u32>>());
             for_each_slice(&self.particles, Some(&*communicator), &mut append);
@@ -119,8 +122,8 @@ impl Simulation {
         self
     }
 
-    /// Follows the orders of the lead, for the particles of this process, until the lead ends. `see` shows the
-    /// simulation to the observer at an index; the first time, that observer continues from the data of the lead's.
+    /// Executes the orders of the lead for the particles of this process, until the lead ends. `see` calls the observer
+    /// at an index with the simulation. At the first call that observer continues from the data of the lead's observer.
     pub fn follow(mut self, see: &mut dyn FnMut(&Self, usize, Option<&Stored>)) {
         let mut kept = Particles::default();
         while let Some(share) = &self.share {
@@ -130,7 +133,7 @@ impl Simulation {
                 Order::Kick(duration) => self.kick(duration),
                 Order::Advance(time, window) => {
                     self.time = time;
-                    // the lead reports failures
+                    // only the lead reports failures
                     let _ = self.advance(window);
                 }
                 Order::Show(every) => self.show(every),
@@ -148,8 +151,9 @@ impl Simulation {
         }
     }
 
-    /// Shows the lead every `every`-th particle by id and the particles in contact with them, if processes share the
-    /// run. With 1 it shows all particles and all records. The next window ends this view.
+    /// Gathers every `every`-th particle by id and the particles in contact with these in the lead process, if
+    /// processes share the run. With `every` = 1, all particles and all records are gathered. The next window ends this
+    /// state.
     pub fn show(&mut self, every: u32) {
         if self.share.is_none() || self.shown.as_ref().is_some_and(|shown| [1, every].contains(&shown.every)) {
             return;
@@ -168,13 +172,13 @@ impl Simulation {
         }
     }
 
-    /// True if the observer at an index is on all processes.
+    /// True if the observer at an index exists in all processes.
     pub(crate) fn is_seen_by_all(&self, place: usize) -> bool {
         self.share.as_ref().is_none_or(|share| place < share.informed.len())
     }
 
-    /// Lets all processes show their parts of the particles to the observers at these indices. The lead calls this,
-    /// and then does so too. `kept` gives the data that an observer keeps.
+    /// Makes the other processes call the observers at these indices with their parts of the particles. The lead calls
+    /// this method, and then its own observers. `kept` returns the data of an observer.
     pub(crate) fn show_parts(&mut self, places: &[usize], kept: impl Fn(usize) -> Stored) {
         if self.shown.as_ref().is_some_and(|shown| shown.every > 1) {
             self.hide();
@@ -196,7 +200,7 @@ impl Simulation {
         known.unwrap_or_else(|| Sample::from(&self.particles).agitation())
     }
 
-    /// Returns to the particles of this process.
+    /// Replaces gathered particles by the particles of this process.
     pub(super) fn hide(&mut self) {
         self.shown = None;
         if let Some(engine) = self.engine.distributed_mut() {
@@ -204,7 +208,7 @@ impl Simulation {
         }
     }
 
-    /// Gives the lead all records.
+    /// Adds the records of all processes in the lead process.
     pub(super) fn collect_records(&mut self) {
         let Some(share) = &self.share else { return };
         let own = if self.is_follower() { std::mem::take(&mut self.record) } else { Record::default() };
@@ -215,7 +219,7 @@ impl Simulation {
         }
     }
 
-    /// Number of parts of the state; 0 if this process has all of it.
+    /// Number of parts into which the state is divided between processes; 0 if this process holds all of it.
     pub fn parts_of_state(&mut self) -> usize {
         if self.shown.as_ref().is_some_and(|shown| shown.every > 1) {
             self.hide();
@@ -224,8 +228,8 @@ impl Simulation {
         self.parts().filter(|_| gives_parts).map_or(0, Communicator::size)
     }
 
-    /// Collects all records for a [`snapshot`](Self::snapshot), and passes its parts to `take`, one after the other,
-    /// so that only one is in memory.
+    /// Collects all records for a [`snapshot`](Self::snapshot), and passes the parts of the state to `take` one after
+    /// the other, so that only one is in memory.
     pub fn give_parts(&mut self, take: &mut dyn FnMut(Vec<u8>)) {
         self.order(&Order::Give);
         self.collect_records();
@@ -238,11 +242,11 @@ impl Simulation {
         }
     }
 
-    /// Continues from the `count` parts of a state, of which `next` gives the one with a number. Meanwhile the
-    /// processes that share the run [`take_dealt`](Self::take_dealt) theirs.
+    /// Continues from the `count` parts of a stored state; `next` returns the part with a given number. Meanwhile the
+    /// other processes receive their parts with [`take_dealt`](Self::take_dealt).
     ///
     /// # Errors
-    /// If the parts do not hold all particles.
+    /// The parts do not contain all particles.
     pub fn take_parts(&mut self, count: usize, next: &mut dyn FnMut(usize) -> Vec<u8>) -> Result<(), StoreError> {
         if let Some(share) = &self.share {
             share.communicator.broadcast(postcard::to_stdvec(&(count as u64, self.engine.stored()?))?);
@@ -257,10 +261,10 @@ impl Simulation {
         }
     }
 
-    /// Receives the process's part of a state from the lead.
+    /// Receives the part of a stored state that belongs to this process from the lead.
     ///
     /// # Errors
-    /// If the data of the lead do not fit such an engine.
+    /// The data from the lead do not fit the engine.
     pub fn take_dealt(&mut self) -> Result<(), StoreError> {
         let Some(share) = &self.share else { return Ok(()) };
         let (count, engine): (u64, Stored) = postcard::from_bytes(&share.communicator.broadcast(Vec::new()))?;
@@ -270,8 +274,7 @@ impl Simulation {
         Ok(())
     }
 
-    /// Checksum of the [`state`](Self::state), over the particles of all processes: [`Particles::fingerprint`] of all
-    /// of them.
+    /// Checksum of the [`state`](Self::state) over the particles of all processes: their [`Particles::fingerprint`].
     pub fn fingerprint(&mut self) -> u64 {
         if self.shown.as_ref().is_some_and(|shown| shown.every > 1) {
             self.hide();
@@ -285,25 +288,25 @@ impl Simulation {
         fingerprint_of(&self.particles, self.parts())
     }
 
-    /// Sample of the particles. While each process has a domain of its own, other processes have a part, and all must
-    /// ask for equal sums.
+    /// Sample of the particles, by which sums over all processes are computed. While each process holds a part of the
+    /// particles, all processes must request equal sums.
     pub fn sample(&self) -> Sample<'_> {
         Sample::part(&self.particles, self.parts())
     }
 
-    /// Connection to the other processes, while each has a part of the particles.
+    /// Connection to the other processes while each process holds a part of the particles; otherwise `None`.
     pub(crate) fn parts(&self) -> Option<&dyn Communicator> {
         self.share.as_ref().filter(|_| self.engine.is_cut()).map(|share| &*share.communicator)
     }
 
-    /// Tells the following processes what this process, the lead, does next.
+    /// Sends the other processes the next order, if this process is the lead.
     pub(super) fn order(&self, order: &Order) {
         if let Some(share) = self.share.as_ref().filter(|share| share.communicator.is_lead()) {
             share.tell(order);
         }
     }
 
-    /// [kg m/s] momentum that walls have given to all particles since the start.
+    /// [kg m/s] momentum that walls have given to the particles of all processes since the start.
     pub(super) fn given_by_walls(&self) -> Vector3<f64> {
         let Some(share) = &self.share else { return self.record.ledger.by_walls() };
         let mut sums = self.record.ledger.given_by_walls();
@@ -311,7 +314,7 @@ impl Simulation {
         values(&sums).into()
     }
 
-    /// True if this process follows the orders of another.
+    /// True if this process executes the orders of the lead.
     pub(super) fn is_follower(&self) -> bool {
         self.share.as_ref().is_some_and(|share| !share.communicator.is_lead())
     }

@@ -1,4 +1,4 @@
-//! The data that last between two windows, taken out of a simulation and put into another.
+//! State of a simulation between two windows, as a value from which another simulation can continue.
 
 use super::totals::SimulationTotals;
 use super::{Simulation, SimulationTimes};
@@ -10,13 +10,13 @@ use crate::record::Record;
 use crate::stored::{StoreError, Stored};
 use serde::{Deserialize, Serialize};
 
-/// All data that last between two windows, as one value. A simulation of the same experiment continues from it with
-/// bits identical to those of the first. `docs/design/runs.md` lists the contents.
+/// All data that a simulation keeps from one window to the next, as one value. A simulation of an equal experiment
+/// continues from it with identical bits. `docs/design/runs.md` lists the contents.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Snapshot {
-    /// The particles, in the order of the store; empty where the state is in parts.
+    /// The particles, in the order of the store; empty if the state is divided into parts.
     pub particles: Particles,
-    /// Number of parts of the state, which are stored beside the snapshot; 0 if the snapshot holds all.
+    /// Number of parts of the state, which are stored separately from the snapshot; 0 if the snapshot contains all.
     pub parts: usize,
     /// Collisions and other records since the start.
     pub record: Record,
@@ -24,25 +24,25 @@ pub struct Snapshot {
     pub time: f64,
     /// Number of windows done.
     pub windows: u64,
-    /// Time spent so far.
+    /// Wall time spent so far.
     pub spent: SimulationTimes,
     /// Sums over all particles.
     totals: SimulationTotals,
     /// True if the drag of the last window has been applied completely.
     half_kicked: bool,
-    /// Limit of the energy growth by the scheme itself, which depends on the start (soft).
+    /// Limit of the energy growth that the soft scheme itself may cause; it depends on the start.
     bound: Option<Bound>,
-    /// [J] elastic energy of the start, as long as the engine has not processed it (soft).
+    /// [J] elastic energy at the start, until the engine has processed the start (soft).
     unseen: Option<f64>,
     /// State of the engine.
     engine: Stored,
 }
 
 impl Snapshot {
-    /// Checks that the particles can be those of an experiment.
+    /// Checks that the particles are possible ones of an experiment.
     ///
     /// # Errors
-    /// If they cannot.
+    /// The number or the species of the particles do not fit the experiment.
     pub fn fits(&self, experiment: &Experiment) -> Result<(), StoreError> {
         let (particles, kinds) = (&self.particles, experiment.scene.species.len());
         let known = particles.species.iter().all(|kind| usize::from(*kind) < kinds);
@@ -51,11 +51,11 @@ impl Snapshot {
 }
 
 impl Simulation {
-    /// A snapshot with which a simulation of the same experiment can continue. If processes share the run and each
-    /// has a part, the parts are not in it: call [`give_parts`](Self::give_parts) before.
+    /// A snapshot from which a simulation of an equal experiment can continue. If processes share the run and each
+    /// holds a part, the snapshot does not contain these parts; [`give_parts`](Self::give_parts) must be called before.
     ///
     /// # Errors
-    /// If an engine of the calling program cannot store its state.
+    /// An engine of the calling program cannot store its state.
     pub fn snapshot(&self) -> Result<Snapshot, StoreError> {
         let parts = self.parts().map_or(0, Communicator::size);
         Ok(Snapshot {
@@ -76,17 +76,17 @@ impl Simulation {
     /// A simulation of an experiment that continues from a snapshot.
     ///
     /// # Errors
-    /// If the snapshot is of another engine, or its particles cannot be those of the experiment.
+    /// The snapshot was taken with another engine, or its particles do not fit the experiment.
     pub fn restore(experiment: &Experiment, snapshot: Snapshot) -> Result<Self, StoreError> {
         snapshot.fits(experiment)?;
         Self::new(experiment, snapshot.particles.clone()).resume(snapshot)
     }
 
-    /// Continues from a snapshot with an engine of the calling program. This simulation keeps its scene and settings,
-    /// and takes the particles and records from the snapshot.
+    /// Continues from a snapshot with the engine of this simulation, which may be one of the calling program. Scene and
+    /// settings stay as they are; particles and records are taken from the snapshot.
     ///
     /// # Errors
-    /// If the snapshot is of another engine.
+    /// The snapshot was taken with another engine.
     pub fn resume(mut self, snapshot: Snapshot) -> Result<Self, StoreError> {
         let Snapshot { particles, record, time, windows, spent, totals, .. } = snapshot;
         let Snapshot { half_kicked, bound, unseen, engine, .. } = snapshot;

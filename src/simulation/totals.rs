@@ -1,10 +1,10 @@
-//! Sums over all particles of a simulation, on all processes.
+//! Sums over the particles of a simulation in all processes.
 
 use crate::particles::Sample;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Sums over all particles of a run.
+/// Sums over all particles of a simulation.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct SimulationTotals {
     /// Number of particles in all processes.
@@ -18,7 +18,7 @@ pub struct SimulationTotals {
 }
 
 impl SimulationTotals {
-    /// Sums over particles of which other processes may have a part.
+    /// Sums over the particles of a sample, of which other processes may hold a part.
     pub fn of(sample: &Sample) -> Self {
         let [mean_radius, ..] = sample.mean_radii(1.0);
         Self { count: sample.count(), mean_radius, mass: sample.total_mass(), momentum: sample.momentum() }

@@ -1,42 +1,43 @@
-//! Averages from blocks of time (batch means).
+//! Averages over a run and their covariance, from averages over blocks of time (batch means).
 //!
-//! Each block gives values of several averages at once. From the correlation of neighbouring blocks follow the
-//! covariance of the averages and their degrees of freedom.
+//! Each block gives values of several averages at once. The covariance of the averages and their degrees of freedom are
+//! computed from the correlation of neighbouring blocks.
 
 use super::errors::{Estimate, FEWEST_BLOCKS, LARGEST_CORRELATION, block_size, inflation, mean};
 use nalgebra::{DMatrix, DVector};
 
-/// Ratio of block lengths below which the blocks of two runs are taken to have one correlation, measured in both
-/// together.
+/// [-] largest ratio of the block lengths of two runs for which the correlation of the blocks is taken as equal. It is
+/// then measured in both runs together.
 const SAME_LENGTH: f64 = 1.25;
 
-/// Smallest number of independent runs for an error: with two, the tails of Student's law are too wide to be useful.
+/// Smallest number of independent runs for an error. With two runs, the tails of Student's distribution are too wide to
+/// be useful.
 pub const FEWEST_RUNS: usize = 3;
 
-/// Several averages over a run, or over the replicas of one, with their values in each block of time.
+/// Several averages over a run, or over the replicas of a run, with their values in each block of time.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Batches {
     /// The averages, one per component, in the unit of the component.
     pub values: Vec<f64>,
-    /// For each component one number per block, in the order of time, replica after replica. For an average of samples
-    /// it is the average over the block. For other quantities it is the jackknife pseudo-value; the mean of these is
-    /// the value up to terms of second order.
+    /// For each component one number per block, in the order of time, replica after replica. For an average over
+    /// samples it is the average over the block. For other quantities it is the jackknife pseudo-value; the mean of the
+    /// pseudo-values equals the average up to terms of second order.
     pub blocks: Vec<Vec<f64>>,
-    /// Number of successive blocks of one run: all blocks, or those of one replica. Blocks of different runs are
+    /// Number of successive blocks of one run: all blocks, or the blocks of one replica. Blocks of different runs are
     /// independent.
     pub per_run: usize,
     /// [s] start of the first block of each run.
     pub from: f64,
     /// [s] length of a block.
     pub length: f64,
-    /// [s] time between samples: the last sample of a block is taken this long before the end of the block.
+    /// [s] time between samples. The last sample of a block is taken this long before the end of the block.
     pub interval: f64,
 }
 
 impl Batches {
-    /// Blocks of one observable that is sampled every `interval` [s] from the time `from` [s] on. There are 20 to 39
+    /// Blocks of one quantity that is sampled every `interval` [s] from the time `from` [s] on. There are 20 to 39
     /// blocks, or one for each sample if there are fewer than 40 samples. Samples that do not fill a block are left out
-    /// at the beginning. `None` without a sample, or with one that is not finite.
+    /// at the beginning. `None` without a sample, or if a sample is not finite.
     pub fn of_series(samples: &[f64], interval: f64, from: f64) -> Option<Self> {
         if samples.is_empty() || samples.iter().any(|sample| !sample.is_finite()) {
             return None;
@@ -54,7 +55,7 @@ impl Batches {
         })
     }
 
-    /// Blocks from independent runs: `values` holds for each component its value in every run.
+    /// Blocks of independent runs, one block per run: `values` holds for each component its value in every run.
     pub fn of_runs(values: Vec<Vec<f64>>) -> Self {
         Self {
             values: values.iter().map(|runs| mean(runs)).collect(),
@@ -71,7 +72,7 @@ impl Batches {
         self.blocks.first().map_or(0, Vec::len)
     }
 
-    /// Joins components that have the same blocks; `None` without parts, or if the blocks differ.
+    /// Joins components that have equal blocks of time; `None` without parts, or if the blocks differ.
     pub fn join<'a>(parts: impl IntoIterator<Item = &'a Self>) -> Option<Self> {
         let mut parts = parts.into_iter();
         let mut whole = parts.next()?.clone();
@@ -93,7 +94,7 @@ impl Batches {
         Self { values, blocks: weights.iter().map(blocks).collect(), ..*self }
     }
 
-    /// The first component with its standard error; `None` without a component.
+    /// First component with its standard error; `None` without a component.
     pub fn estimate(&self) -> Option<Estimate> {
         let (value, blocks) = (*self.values.first()?, self.blocks.first()?);
         if !self.tells_errors() {
@@ -105,10 +106,10 @@ impl Batches {
         Some(Estimate::new(value, covariance(&first, &deviations, &guesses)[(0, 0)].sqrt()))
     }
 
-    /// Averages over several runs of one variant. With at least 8 runs each of them is one block, and no assumption is
-    /// made about the correlation within a run. With fewer, the blocks of all runs are joined one run after the other,
-    /// unless `by_runs`. `by_runs` is for quantities that do not mix within a run: only the scatter between runs is
-    /// then valid for other runs. `None` without a run.
+    /// Averages over several runs of one variant. With at least 8 runs each run is one block, and no assumption is made
+    /// about the correlation within a run. With fewer runs, the blocks of all runs are joined one run after the other,
+    /// unless `by_runs`. `by_runs` is for quantities that do not mix within a run: for these, only the scatter between
+    /// runs is valid for other runs. `None` without a run.
     pub fn pool(runs: &[&Self], by_runs: bool) -> Option<Self> {
         let first = *runs.first()?;
         if runs.len() == 1 {
@@ -132,8 +133,8 @@ impl Batches {
         Some(Self { values, blocks: components.map(blocks).collect(), per_run: shortest, ..*first })
     }
 
-    /// Weighted sum of averages of independent runs, block by block, so that its scatter is that of all of them. `None`
-    /// without parts, or if the blocks of the runs differ.
+    /// Weighted sum of averages of independent runs, block by block. The scatter of the sum is then that of all runs
+    /// together. `None` without parts, or if the blocks of the runs differ.
     pub fn sum(parts: &[(f64, &Self)]) -> Option<Self> {
         let (_, first) = parts.first()?;
         let alike = |one: &Self| {
@@ -153,8 +154,8 @@ impl Batches {
         })
     }
 
-    /// The part up to a time [s]: the averages become the means over the blocks with all samples taken by then. Whole
-    /// runs are not cut.
+    /// Averages up to a time [s]: means over the blocks all of whose samples are taken by then. If each run is one
+    /// block, nothing is cut off.
     pub fn until(&self, time: f64) -> Self {
         if self.per_run <= 1 {
             return self.clone();
@@ -172,12 +173,12 @@ impl Batches {
         Self { values: blocks.iter().map(|blocks| mean(blocks)).collect(), blocks, per_run: last, ..*self }
     }
 
-    /// True if there are enough blocks for an error: 8 in succession, or 3 runs.
+    /// True if there are enough blocks for an error: 8 successive blocks, or 3 runs.
     pub fn tells_errors(&self) -> bool {
         self.count() >= if self.per_run == 1 { FEWEST_RUNS } else { FEWEST_BLOCKS }
     }
 
-    /// [s] time covered by the averages, all replicas together.
+    /// [s] time covered by the averages, summed over all replicas.
     pub fn span(&self) -> f64 {
         self.length * self.count() as f64
     }
@@ -188,7 +189,7 @@ impl Batches {
         DMatrix::from_fn(self.count(), self.values.len(), |block, k| self.blocks[k][block] - centres[k])
     }
 
-    /// [-] mean product of neighbouring deviations over the mean square, of one component.
+    /// [-] correlation of neighbouring blocks of one component: mean product of their deviations over the mean square.
     fn neighbours(&self, deviations: &DMatrix<f64>, component: usize) -> f64 {
         let column: Vec<f64> = deviations.column(component).iter().copied().collect();
         let square = column.iter().map(|d| d * d).sum::<f64>() / column.len() as f64;
@@ -198,10 +199,10 @@ impl Batches {
     }
 }
 
-/// Method of finding the correlation between neighbouring blocks of a component.
+/// Method by which the correlation between neighbouring blocks of a component is found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Correlation {
-    /// Each component has its own correlation, combined with that of all components.
+    /// Each component has its own correlation, combined with the distribution over all components.
     Each(Prior),
     /// All components have one correlation.
     Common,
@@ -212,12 +213,12 @@ pub enum Correlation {
 pub struct Prior {
     /// [-] mean of the correlations.
     mean: f64,
-    /// [-] variance between components in excess of that by chance.
+    /// [-] variance between components in excess of the variance by chance.
     between: f64,
 }
 
 impl Prior {
-    /// The distribution from measured correlations, each with its variance by chance.
+    /// Distribution computed from measured correlations, each with its variance by chance.
     pub fn of(measured: &[(f64, f64)]) -> Self {
         let count = measured.len() as f64;
         if count < 2.0 {
@@ -231,8 +232,8 @@ impl Prior {
     }
 
     /// Best estimate of a correlation that was measured with the variance `chance`, and the variance of the estimate.
-    /// It is moved towards the mean of all components (James and Stein), but by no more than one standard error, so
-    /// that a slow component stays slow (Efron and Morris 1972).
+    /// The estimate is moved towards the mean of all components (James and Stein). It is moved by no more than one
+    /// standard error, so that a component with high correlation keeps it (Efron and Morris 1972).
     fn guess(&self, measured: f64, chance: f64) -> (f64, f64) {
         let weight = self.between / (self.between + chance);
         let width = chance.sqrt();
@@ -241,21 +242,21 @@ impl Prior {
     }
 }
 
-/// The difference of two independent sets of averages, with its covariance.
+/// Difference of two independent sets of averages, with its covariance.
 #[derive(Clone, Debug)]
 pub struct Contrast {
-    /// First minus second.
+    /// First set minus second set.
     pub difference: DVector<f64>,
     /// Covariance of each of the two sets.
     covariances: [DMatrix<f64>; 2],
-    /// Degrees of freedom of each set, if the correlation were known exactly.
+    /// Degrees of freedom of each set, for a correlation that is known exactly.
     freedoms: [f64; 2],
     /// [-] contribution of the uncertainty of the measured correlation to the inverse of the degrees of freedom.
     unsure: f64,
 }
 
 impl Contrast {
-    /// The difference of two sets of averages; `None` if one of them has too few blocks for an error.
+    /// Difference of two sets of averages; `None` if one of the sets has too few blocks for an error.
     pub fn new(a: &Batches, b: &Batches, correlation: Correlation) -> Option<Self> {
         if !a.tells_errors() || !b.tells_errors() || a.values.len() != b.values.len() {
             return None;
@@ -270,8 +271,8 @@ impl Contrast {
             let guesses: Vec<(f64, f64)> = guesses(&correlations[place], correlation);
             covariances[place] = covariance(run, &deviations[place], &guesses);
             let square = guesses.iter().map(|guess| guess.0 * guess.0).fold(0.0, f64::max);
-            // the variance of an exponentially correlated series is as uncertain as that of this number of independent
-            // blocks
+            // the variance of an exponentially correlated series is as uncertain as the variance of this number of
+            // independent blocks
             freedoms[place] = (count - 1.0) * (1.0 - square) / (1.0 + square);
             // an inflation (1 + ρ)/(1 - ρ) has the relative variance 4 var(ρ)/(1 - ρ²)²
             let relative = guesses.iter().map(|&(rho, variance)| 2.0 * variance / (1.0 - rho * rho).powi(2));
@@ -291,12 +292,13 @@ impl Contrast {
         self.covariances.iter().map(|covariance| covariance[(component, component)]).sum::<f64>().sqrt()
     }
 
-    /// Standard error of a combination of components.
+    /// Standard error of a linear combination of the components.
     pub fn error_along(&self, direction: &DVector<f64>) -> f64 {
         (direction.transpose() * self.covariance() * direction)[0].max(0.0).sqrt()
     }
 
-    /// Degrees of freedom behind the variance of a combination (Welch and Satterthwaite; Yao 1965 for several components).
+    /// Degrees of freedom of the variance of a linear combination (Welch and Satterthwaite; Yao 1965 for several
+    /// components).
     pub fn freedom(&self, direction: &DVector<f64>) -> f64 {
         let parts: Vec<f64> =
             self.covariances.iter().map(|covariance| (direction.transpose() * covariance * direction)[0]).collect();
@@ -314,37 +316,37 @@ impl Contrast {
     }
 }
 
-/// Measured correlations between neighbouring blocks of all components of two runs, with the variance of each by
-/// chance. They are the input of a [`Prior`]. Empty if there are no neighbouring blocks.
+/// Measured correlations between neighbouring blocks of all components of two runs, each with its variance by chance.
+/// They are the input of a [`Prior`]. Empty if there are no neighbouring blocks.
 pub fn measured(a: &Batches, b: &Batches) -> Vec<(f64, f64)> {
     let runs = [a, b];
     if !runs.iter().all(|run| run.tells_errors()) {
         return Vec::new();
     }
     let [first, second] = correlations(runs, &runs.map(Batches::deviations));
-    // two runs with one block length have been measured together
+    // if both runs have one block length, the correlations have been measured in both together
     let both = if first == second { first } else { first.into_iter().chain(second).collect() };
     both.into_iter().filter(|one| one.1 > 0.0).collect()
 }
 
-/// Correlation used for each component, with its variance.
+/// Correlation that is used for each component, with its variance.
 fn guesses(measured: &[(f64, f64)], correlation: Correlation) -> Vec<(f64, f64)> {
     match correlation {
         Correlation::Each(prior) => measured.iter().map(|&(rho, chance)| prior.guess(rho, chance)).collect(),
         Correlation::Common => {
             let count = measured.len().max(1) as f64;
             let [rho, chance] = [0, 1].map(|k| measured.iter().map(|one| [one.0, one.1][k]).sum::<f64>() / count);
-            // neighbouring slices fluctuate together: four count as one
+            // neighbouring slices fluctuate together, so that four slices count as one
             vec![(rho.clamp(0.0, LARGEST_CORRELATION), chance / (count / 4.0).max(1.0)); measured.len()]
         }
     }
 }
 
-/// Covariance of the averages of a run, from the scatter of its blocks and their correlation.
+/// Covariance of the averages of a run, computed from the scatter of its blocks and their correlation.
 fn covariance(run: &Batches, deviations: &DMatrix<f64>, guesses: &[(f64, f64)]) -> DMatrix<f64> {
     let count = run.count() as f64;
-    // the variance of the mean times the number of blocks, over the variance of a block; the scatter about a mean that
-    // follows slow fluctuations is too small by a factor of 1 - inflation/count
+    // factor: the variance of the mean times the number of blocks, over the variance of a block. The mean follows slow
+    // fluctuations, so the scatter about it is too small by a factor of 1 - inflation/count
     let widths = guesses.iter().map(|&(rho, _)| {
         let factor = inflation(rho, run.per_run);
         (factor / (1.0 - factor / count).max(0.05)).sqrt()
@@ -354,15 +356,15 @@ fn covariance(run: &Batches, deviations: &DMatrix<f64>, guesses: &[(f64, f64)]) 
     scatter.component_mul(&(&widths * widths.transpose()))
 }
 
-/// The correlation between neighbouring blocks of every component of a run, as measured, and its variance by chance.
+/// Measured correlation between neighbouring blocks of every component of one run, and its variance by chance.
 fn own_correlations(run: &Batches, deviations: &DMatrix<f64>) -> Vec<(f64, f64)> {
     let count = run.count() as f64;
     let one = |component: usize| {
         if run.per_run <= 1 {
             return (0.0, 0.0);
         }
-        // The measured value is too low by (1 + 3 ρ)/count, because the mean was taken from the same blocks (Marriott
-        // and Pope 1954).
+        // The measured value is too low by (1 + 3 ρ)/count, because the mean was computed from these blocks too
+        // (Marriott and Pope 1954).
         let raw = run.neighbours(deviations, component);
         let rho = ((raw + 1.0 / count) / (1.0 - 3.0 / count)).min(LARGEST_CORRELATION);
         (rho, (1.0 - rho * rho) / count)
@@ -370,7 +372,7 @@ fn own_correlations(run: &Batches, deviations: &DMatrix<f64>) -> Vec<(f64, f64)>
     (0..run.values.len()).map(one).collect()
 }
 
-/// The correlation between neighbouring blocks of every component in both runs, as measured, and its variance by chance.
+/// Measured correlation between neighbouring blocks of every component of two runs, and its variance by chance.
 fn correlations(runs: [&Batches; 2], deviations: &[DMatrix<f64>; 2]) -> [Vec<(f64, f64)>; 2] {
     let ratio = runs[0].length / runs[1].length;
     let alike = (1.0 / SAME_LENGTH..SAME_LENGTH).contains(&ratio) && runs.iter().all(|run| run.per_run > 1);
@@ -415,8 +417,8 @@ mod tests {
         let mean = |of: &dyn Fn(&(f64, f64)) -> f64| found.iter().map(of).sum::<f64>() / TRIALS as f64;
         let rho = mean(&|one| one.0);
         let scatter = mean(&|one| (one.0 - rho).powi(2));
-        // the correction for the mean is of the first order in 1/20, so that terms of the second order are left: 1/400
-        // times a few; without the correction the value would be 0.29
+        // the correction for the mean is of first order in 1/20, so terms of second order remain: 1/400 times a few;
+        // without the correction the value would be 0.29
         let error = (scatter / TRIALS as f64).sqrt();
         assert!((rho - RHO).abs() < 3.0 * error + 4.0 / 400.0, "{rho} +- {error}");
     }

@@ -1,26 +1,26 @@
-//! Comparison of two runs: one of three answers for each observable, and for all of them together.
+//! Comparison of two runs. It gives one of three answers for each observable, and one for all observables together.
 
 use super::batches::Prior;
 use super::difference::{EQUIVALENCE_LEVEL, Folded, Observable, Tested};
 use serde::Serialize;
 
-/// [-] probability that any difference at all is found between two equal systems.
+/// [-] probability with which a difference in any observable is found between two equal systems.
 pub const LEVEL: f64 = 0.01;
 
-/// Probabilities of the two wrong answers.
+/// Probabilities of the two wrong answers, "different" and "equivalent".
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ErrorLevels {
-    /// [-] probability that any difference at all is found between two equal systems.
+    /// [-] probability with which a difference in any observable is found between two equal systems.
     pub difference: f64,
-    /// [-] probability that systems which differ by the margin at one position are called equivalent.
+    /// [-] probability with which systems that differ by the margin at one position are called equivalent.
     pub equivalence: f64,
 }
 
 impl ErrorLevels {
-    /// Levels of look `look` (from 1) of at most `looks` equally spaced ones. A look is granted a share of the level by
-    /// the spending function α t², with t the share of the looks (Lan & DeMets 1983; Kim & DeMets 1987). The
-    /// probability of any wrong answer in all looks is at most that of a single look, however the looks depend on each
-    /// other.
+    /// Levels of interim test number `look` (from 1) of at most `looks` equally spaced ones. Each test gets a share of
+    /// the level by the spending function α t², with t the share of the tests done (Lan & DeMets 1983; Kim & DeMets
+    /// 1987). The probability of any wrong answer in all tests is at most that of a single test, however the tests
+    /// depend on each other.
     pub fn of_look(look: usize, looks: usize) -> Self {
         let spent = |look: usize| (look as f64 / looks.max(1) as f64).powi(2);
         let share = spent(look) - spent(look.saturating_sub(1));
@@ -30,13 +30,13 @@ impl ErrorLevels {
 }
 
 impl Default for ErrorLevels {
-    /// Levels of a single look: 1 % and 5 %.
+    /// Levels of a single test: 1 % and 5 %.
     fn default() -> Self {
         Self { difference: LEVEL, equivalence: EQUIVALENCE_LEVEL }
     }
 }
 
-/// Result of a comparison, from best known to worst.
+/// Answer of a comparison, from the best known to the least favourable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Answer {
@@ -44,12 +44,12 @@ pub enum Answer {
     Equivalent,
     /// Neither equivalence nor a difference is shown.
     Unresolved,
-    /// There is a difference, at 1 % for all observables together, and it is not shown to be within the margin.
+    /// A difference is found at 1 % for all observables together, and it is not shown to be within the margin.
     Different,
 }
 
 impl Answer {
-    /// The word for the answer in `summary.json`.
+    /// Word for the answer in `summary.json`.
     pub fn word(self) -> &'static str {
         match self {
             Self::Equivalent => "equivalent",
@@ -59,28 +59,28 @@ impl Answer {
     }
 }
 
-/// One observable of two runs, with its answer.
+/// One observable of two runs, with its tests and its answer.
 #[derive(Clone, Debug, Serialize)]
 pub struct Judged {
-    /// The test.
+    /// Results of the tests.
     #[serde(flatten)]
     pub tested: Tested,
-    /// True if there is a difference, at 1 % for all observables together (Holm 1979).
+    /// True if a difference is found, at 1 % for all observables together (Holm 1979).
     pub detected: bool,
     /// The answer for this observable.
     pub answer: Answer,
-    /// [-] smallest margin within which the observable is equivalent, over the scale.
+    /// [-] smallest margin with which the observable would be equivalent, over the scale.
     pub reached: f64,
-    /// [-] smallest such margin for a smooth difference, over the scale.
+    /// [-] smallest margin with which the observable would be equivalent if the difference is smooth, over the scale.
     pub reached_smooth: f64,
     /// [-] interval that contains the differences at all positions, over the scale. If both its ends are within the
     /// margin, the observable is equivalent.
     pub interval: [f64; 2],
-    /// True if the headline difference is shown to be larger than the margin, by a one-sided test.
+    /// True if the difference that is named first is shown to exceed the margin, by a one-sided test.
     pub beyond: bool,
-    /// [-] smallest smooth difference that is found in 80 % of cases, over the scale.
+    /// [-] smallest smooth difference that would be found in 80 % of cases, over the scale.
     pub detectable: f64,
-    /// [-] factor on the length of the run with which equal systems would be shown equivalent in all observables, in 80
+    /// [-] factor on the length of the run with which equal systems would be shown equivalent in all observables in 80
     /// % of cases.
     pub stretch: f64,
 }
@@ -88,18 +88,18 @@ pub struct Judged {
 /// Comparison of two runs.
 #[derive(Clone, Debug, Serialize)]
 pub struct Comparison {
-    /// Answer for all observables together: the worst of their answers; "different" is the worst.
+    /// Answer for all observables together: the worst of their answers, where "different" is the worst.
     pub answer: Answer,
-    /// [-] the margin asked for, over the scale of each observable.
+    /// [-] margin that was requested, over the scale of each observable.
     pub margin: f64,
-    /// Observables with an answer.
+    /// Observables with error bars, each with its answer.
     pub judged: Vec<Judged>,
-    /// Names of observables without error bars, which have no answer.
+    /// Names of observables without error bars, for which there is no answer.
     pub unknown: Vec<String>,
 }
 
 impl Comparison {
-    /// Observables with a difference, the clearest first.
+    /// Observables with a difference, the most significant first.
     pub fn detected(&self) -> Vec<&Judged> {
         let mut found: Vec<&Judged> = self.judged.iter().filter(|one| one.detected).collect();
         found.sort_by(|a, b| a.tested.chance.total_cmp(&b.tested.chance));
@@ -107,7 +107,8 @@ impl Comparison {
     }
 }
 
-/// Compares two runs in equal observables, given in the same order. `margin` [-] is relative to the scale of each.
+/// Compares two runs in a list of observables, given in equal order for both. `margin` [-] is relative to the scale of
+/// each observable.
 pub fn compare(a: &[Observable], b: &[Observable], margin: f64, levels: ErrorLevels) -> Comparison {
     let folded: Vec<Option<Folded>> = a.iter().zip(b).map(|(a, b)| Folded::new(a, b)).collect();
     let prior = Prior::of(&folded.iter().flatten().flat_map(Folded::correlations).collect::<Vec<_>>());
@@ -134,14 +135,14 @@ pub fn compare(a: &[Observable], b: &[Observable], margin: f64, levels: ErrorLev
     Comparison { answer, margin, judged, unknown }
 }
 
-/// Margin and levels for one observable among all.
+/// Margin and error levels for one of several observables.
 struct EquivalenceTest {
     margin: f64,
     /// [-] level of the test for a difference in one observable.
     level: f64,
     /// [-] level of each one-sided test.
     equivalence: f64,
-    /// Number of positions of all observables that have to be shown equivalent.
+    /// Number of positions, over all observables, that have to be shown equivalent.
     places: usize,
 }
 
@@ -168,9 +169,9 @@ impl EquivalenceTest {
     }
 }
 
-/// Significant results among several tests, with a probability of `level` [-] for any false one at all (Holm 1979). The
-/// smallest probability must be below level/m, the next below level/(m - 1), and so on; the first failure ends the
-/// series.
+/// Significant results among several tests, by Holm's procedure (1979). The probability of any false result is `level`
+/// [-]. The smallest of m probabilities must be below level/m, the next below level/(m - 1), and so on. The first that
+/// is not ends the procedure.
 pub fn holm(chances: &[f64], level: f64) -> Vec<bool> {
     let mut order: Vec<usize> = (0..chances.len()).collect();
     order.sort_by(|&a, &b| chances[a].total_cmp(&chances[b]));

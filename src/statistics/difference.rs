@@ -1,12 +1,12 @@
-//! One observable of two runs: tests for a difference, and bounds on a difference that does not show.
+//! Tests of one observable of two runs: is there a difference, and how large can it be at most?
 //!
-//! A profile has three tests. Student's t of its mean tests for a uniform difference. Hotelling's T² tests for a
-//! difference in a few smooth shapes across the channel. The slice with the largest deviation tests for a local
-//! difference, as at a wall; it uses Student's t with as many trials as there are slices. The smallest of the three
-//! probabilities counts three times, since three tests were made (two if the mean vanishes). A single number has only
-//! Student's t.
+//! A profile has three tests. Student's t test of the mean over the profile finds a uniform difference. Hotelling's T²
+//! test finds a difference in a few smooth shapes across the channel. A test of the slice with the largest deviation
+//! finds a local difference, as at a wall; it is Student's t test with as many trials as there are slices. The smallest
+//! of the three probabilities is multiplied by three, since three tests were made (by two if the mean vanishes). A
+//! single number has Student's t test only.
 //!
-//! Equivalence is tested at every position by itself: the bound holds for a difference of any shape.
+//! Equivalence is tested at every position separately, so the bound holds for a difference of any shape.
 
 use super::batches::{Batches, Contrast, Correlation, Prior, measured};
 use super::modes::{Parity, fold, shapes};
@@ -15,23 +15,23 @@ use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor, Normal, StudentsT};
 use std::borrow::Cow;
 
-/// [-] probability of a false "equivalent" at a true difference as large as the margin; the usual value for two
-/// one-sided tests.
+/// [-] probability of a false answer "equivalent" if the true difference is as large as the margin. It is the usual
+/// value for two one-sided tests.
 pub const EQUIVALENCE_LEVEL: f64 = 0.05;
-/// [-] share of equal systems that may fail to be shown equivalent after the advised run length.
+/// [-] share of equal systems that may not be shown equivalent after a run of the recommended length.
 const FAILED: f64 = 0.2;
-/// [-] standard errors below which the normal law stays in 80 % of cases.
+/// [-] number of standard errors below which a normal variable stays with a probability of 80 %.
 const POWER: f64 = 0.8416;
-/// [-] scatter and differences below this share of the scale are rounding.
+/// [-] share of the scale below which scatter and differences are attributed to rounding.
 const ROUNDING: f64 = 1e-12;
-/// Least degrees of freedom for each tested shape. With fewer, the tails of Hotelling's law are so long that a further
-/// shape loses more than it finds.
+/// Smallest number of degrees of freedom for each tested shape. With fewer, the tails of Hotelling's distribution are
+/// so long that a further shape reduces the power of the test.
 const FREEDOM_PER_SHAPE: f64 = 4.0;
 
-/// A compared quantity: a number, a profile over slices, or a curve over time.
+/// A quantity to be compared: a number, a profile over slices, or a curve over time.
 #[derive(Clone, Debug)]
 pub struct Observable {
-    /// Name; for a profile that of its column in `profiles.csv`.
+    /// Name of the observable; for a profile, the name of its column in `profiles.csv`.
     pub name: Cow<'static, str>,
     /// Unit, empty for none.
     pub unit: &'static str,
@@ -41,30 +41,30 @@ pub struct Observable {
     pub parity: Parity,
     /// True if the mean over the positions is fixed by definition, as for a density relative to its mean.
     pub fixed_mean: bool,
-    /// Scale that differences are compared with, in the unit of the observable.
+    /// Scale by which differences are divided, in the unit of the observable.
     pub scale: f64,
     /// Description of the scale, in words that follow "% of".
     pub scale_is: &'static str,
-    /// Average at each position with its blocks, one component each; a single number has one. `None` if it is not
-    /// known.
+    /// Average at each position with its blocks of time, one component each; a single number has one position. `None`
+    /// if the average is not known.
     pub parts: Vec<Option<Batches>>,
 }
 
-/// A difference, first minus second, in the unit of the observable.
+/// A difference between two runs, first minus second, in the unit of the observable.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Deviation {
-    /// Centre of the slice [m] or time [s]; `None` for the mean over all, or a single number.
+    /// Centre of the slice [m] or time [s]; `None` for the mean over all positions, or for a single number.
     pub place: Option<f64>,
     /// The difference.
     pub difference: f64,
     /// Standard error of the difference; 0 if neither run scatters.
     pub error: f64,
-    /// [-] degrees of freedom behind the error.
+    /// [-] degrees of freedom of the error.
     pub freedom: f64,
 }
 
 impl Deviation {
-    /// [-] two-sided probability of as large a difference in equal systems, by Student's t.
+    /// [-] two-sided probability of a difference at least this large between equal systems, by Student's t test.
     pub fn chance(&self) -> f64 {
         if self.error > 0.0 {
             two_sided(self.difference / self.error, self.freedom)
@@ -73,12 +73,12 @@ impl Deviation {
         }
     }
 
-    /// Upper limit of the magnitude of the difference by a one-sided test at the `level` [-].
+    /// Upper bound of the magnitude of the difference by a one-sided test at the `level` [-].
     pub fn bound(&self, level: f64) -> f64 {
         self.difference.abs() + self.width(level)
     }
 
-    /// Half-width that a one-sided test at the `level` [-] adds, in the unit of the difference.
+    /// Half-width that a one-sided test at the `level` [-] adds to the difference, in its unit.
     pub fn width(&self, level: f64) -> f64 {
         if self.error > 0.0 { student_bound(level, self.freedom) * self.error } else { 0.0 }
     }
@@ -91,25 +91,26 @@ pub struct Tested {
     pub name: Cow<'static, str>,
     /// Unit, empty for none.
     pub unit: &'static str,
-    /// Scale that differences are compared with, in the unit of the observable.
+    /// Scale by which differences are divided, in the unit of the observable.
     pub scale: f64,
     /// Description of the scale, in words that follow "% of".
     pub scale_is: &'static str,
     /// Difference of the mean over the positions, or of the single number; `None` if it vanishes by definition or by
     /// symmetry.
     pub mean: Option<Deviation>,
-    /// The position with the largest deviation in standard errors; `None` for a single number.
+    /// Deviation at the position where it is largest in standard errors; `None` for a single number.
     pub largest: Option<Deviation>,
-    /// [-] probability of as large a difference in the smooth shapes, in equal systems.
+    /// [-] probability of a difference at least this large in the smooth shapes, between equal systems.
     pub smooth_chance: f64,
-    /// [-] probability of as large a difference at any one position, in equal systems; `None` for a single number.
+    /// [-] probability of a difference at least this large at any one position, between equal systems; `None` for a
+    /// single number.
     pub local_chance: Option<f64>,
-    /// [-] probability of any of these differences, in equal systems.
+    /// [-] probability of any of these differences between equal systems.
     pub chance: f64,
-    /// Bound of the difference at any position, from two one-sided tests at every position (at 5 % unless there are
-    /// several looks).
+    /// Upper bound of the difference at any position, from two one-sided tests at every position (at 5 % unless there
+    /// are several interim tests).
     pub bound: f64,
-    /// Bound of a difference that is a sum of the smooth shapes, at the level of `bound`.
+    /// Upper bound of a difference that is a sum of the smooth shapes, at the level of `bound`.
     pub smooth_bound: f64,
     /// Differences at all positions; a single number has one.
     #[serde(skip)]
@@ -117,7 +118,7 @@ pub struct Tested {
     /// Standard error of the first shape times its largest value.
     #[serde(skip)]
     first_error: f64,
-    /// [-] degrees of freedom of that standard error.
+    /// [-] degrees of freedom of `first_error`.
     #[serde(skip)]
     first_freedom: f64,
     /// Number of shapes that are tested together.
@@ -126,7 +127,8 @@ pub struct Tested {
 }
 
 impl Tested {
-    /// The difference to be named first: that of the mean if it is the clearest, otherwise that of one position.
+    /// Difference that a report names first: that of the mean if it is the most significant, otherwise that of one
+    /// position.
     pub fn headline(&self) -> Option<Deviation> {
         match (self.mean, self.largest) {
             (Some(mean), Some(largest)) if mean.chance() > largest.chance() => Some(largest),
@@ -134,21 +136,21 @@ impl Tested {
         }
     }
 
-    /// The smallest difference in the first shape that is found in 80 % of cases at the level `level` [-], in the unit
-    /// of the observable. The first shape is uniform if the mean may differ.
+    /// Smallest difference in the first shape that is found in 80 % of cases at the level `level` [-], in the unit of
+    /// the observable. The first shape is uniform if the mean may differ.
     pub fn detectable(&self, level: f64) -> f64 {
         let level = level / self.tests();
         let bound = if self.mean.is_some() {
             student_bound(0.5 * level, self.first_freedom)
         } else {
-            // T² of a difference of s standard errors in one of K shapes is about s² + K - 1
+            // for a difference of s standard errors in one of K shapes, T² is about s² + K - 1
             let others = self.shapes.saturating_sub(1) as f64;
             (hotelling_bound(level, self.shapes, self.first_freedom) - others).max(0.0).sqrt()
         };
         self.first_error * (bound + POWER)
     }
 
-    /// Number of tests of the observable.
+    /// Number of tests made of the observable.
     fn tests(&self) -> f64 {
         match (self.mean, self.largest) {
             (_, None) => 1.0,
@@ -157,21 +159,21 @@ impl Tested {
         }
     }
 
-    /// The interval that contains the differences at all positions, each by one-sided tests at the `level` [-]; in the
-    /// unit of the observable.
+    /// Interval that contains the differences at all positions, each by one-sided tests at the `level` [-]; in the unit
+    /// of the observable.
     pub fn interval(&self, level: f64) -> [f64; 2] {
         let ends = self.places.iter().map(|one| [one.difference - one.width(level), one.difference + one.width(level)]);
         ends.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]).unwrap_or_default()
     }
 
-    /// Number of positions with an error of their own.
+    /// Number of positions whose difference has an error above 0.
     pub fn scattering(&self) -> usize {
         self.places.iter().filter(|one| one.error > 0.0).count()
     }
 
-    /// Half-width at which equal systems are shown equivalent in 80 % of cases, at the position with the largest error,
-    /// in the unit of the observable. `places` positions of all observables have to pass. `level` [-]: of each
-    /// one-sided test.
+    /// Half-width with which equal systems are shown equivalent in 80 % of cases, at the position with the largest
+    /// error, in the unit of the observable. `places` is the number of positions, over all observables, that have to be
+    /// shown equivalent. `level` [-] is that of each one-sided test.
     pub fn width_needed(&self, level: f64, places: usize) -> f64 {
         let surely =
             Normal::new(0.0, 1.0).map_or(0.0, |law| law.inverse_cdf(1.0 - 0.5 * FAILED / places.max(1) as f64));
@@ -180,7 +182,7 @@ impl Tested {
     }
 }
 
-/// One observable of two runs, folded and ready to be tested.
+/// One observable of two runs, folded about the mid-plane (both halves averaged) and ready to be tested.
 pub struct Folded {
     name: Cow<'static, str>,
     unit: &'static str,
@@ -196,15 +198,15 @@ pub struct Folded {
 }
 
 impl Folded {
-    /// The observable folded about the mid-plane; `None` if the runs have no position in common, or one of them has no
-    /// errors.
+    /// Folds an observable of two runs about the mid-plane; `None` if the runs have no position in common, or if one of
+    /// them has no errors.
     pub fn new(a: &Observable, b: &Observable) -> Option<Self> {
         let count = a.places.len().max(1);
         if [a, b].iter().any(|one| one.parts.len() != count) {
             return None;
         }
         let (places, rows) = fold(count, a.parity);
-        // both halves of a folded position are needed
+        // a folded position is known if both of its halves are known
         let known = |row: &[f64]| {
             row.iter().enumerate().all(|(k, weight)| *weight == 0.0 || a.parts[k].is_some() && b.parts[k].is_some())
         };
@@ -227,13 +229,13 @@ impl Folded {
         Some(Self { name, unit, scale, scale_is, places, batches, shapes, has_mean })
     }
 
-    /// The correlations between neighbouring blocks of the shapes, with their variances.
+    /// Measured correlations between neighbouring blocks of the shapes, with their variances.
     pub fn correlations(&self) -> Vec<(f64, f64)> {
         let [a, b] = self.projected(&self.shapes);
         measured(&a, &b)
     }
 
-    /// Both runs projected on the shapes.
+    /// Blocks of both runs, projected on the shapes.
     fn projected(&self, shapes: &[Vec<f64>]) -> [Batches; 2] {
         let count = self.batches[0].values.len() as f64;
         let weights: Vec<Vec<f64>> =
@@ -241,8 +243,8 @@ impl Folded {
         [0, 1].map(|k| self.batches[k].project(&weights))
     }
 
-    /// The tests, with a `prior` for the correlation in all observables. `level` [-]: of each one-sided test of
-    /// equivalence.
+    /// Makes the tests, with a `prior` for the correlation in all observables. `level` [-] is that of each one-sided
+    /// test of equivalence.
     pub fn test(&self, prior: Prior, level: f64) -> Option<Tested> {
         let rounding = ROUNDING * self.scale.abs();
         let [a, b] = &self.batches;
@@ -281,19 +283,19 @@ impl Folded {
     }
 }
 
-/// The positions `kept`, scaled to -1 ..= 1 across the whole of `all`.
+/// Positions `kept`, scaled so that the positions `all` extend from -1 to 1.
 fn places_across(all: &[f64], kept: &[f64]) -> Vec<f64> {
     let (Some(first), Some(last)) = (all.first(), all.last()) else { return vec![0.0] };
     let (middle, half) = (0.5 * (first + last), 0.5 * (last - first));
     kept.iter().map(|place| if half > 0.0 { (place - middle) / half } else { 0.0 }).collect()
 }
 
-/// The difference at every position.
+/// Difference at every position.
 fn at_places(contrast: &Contrast, places: &[f64], rounding: f64) -> Vec<Deviation> {
     places.iter().enumerate().map(|(k, &place)| deviation(contrast, k, Some(place), rounding)).collect()
 }
 
-/// The difference of one component; differences below `rounding` count as zero.
+/// Difference of one component; a difference below `rounding` counts as zero.
 fn deviation(contrast: &Contrast, component: usize, place: Option<f64>, rounding: f64) -> Deviation {
     let (difference, error) = (contrast.difference[component], contrast.error(component));
     if error > rounding {
@@ -303,12 +305,12 @@ fn deviation(contrast: &Contrast, component: usize, place: Option<f64>, rounding
     Deviation { place, difference, error: 0.0, freedom: 1.0 }
 }
 
-/// The difference in a few smooth shapes.
+/// Difference of two runs in a few smooth shapes.
 struct Smooth {
     /// Values of each shape at every position.
     shapes: Vec<Vec<f64>>,
     contrast: Contrast,
-    /// Indices of the shapes that scatter; the others are exact.
+    /// Indices of the shapes that scatter; the others are known exactly.
     scattering: Vec<usize>,
 }
 
@@ -328,12 +330,12 @@ impl Smooth {
         }
     }
 
-    /// The mean over the positions, which is the first shape.
+    /// Difference of the mean over the positions, which is the first shape.
     fn mean(&self, rounding: f64) -> Option<Deviation> {
         (!self.shapes.is_empty()).then(|| deviation(&self.contrast, 0, None, rounding))
     }
 
-    /// [-] probability of as large a difference in equal systems, by Hotelling's law.
+    /// [-] probability of a difference at least this large between equal systems, by Hotelling's distribution.
     fn chance(&self, rounding: f64) -> f64 {
         let exact = (0..self.shapes.len()).filter(|k| !self.scattering.contains(k));
         if exact.into_iter().any(|k| self.contrast.difference[k].abs() > 10.0 * rounding) {
@@ -350,7 +352,7 @@ impl Smooth {
         if square > 0.0 { hotelling(square, self.scattering.len(), self.contrast.freedom(&direction)) } else { 1.0 }
     }
 
-    /// Bound of the difference at the position with the widest bound, at the `level` [-] of each one-sided test.
+    /// Upper bound of the difference at the position where it is largest, at the `level` [-] of each one-sided test.
     fn bound(&self, level: f64) -> f64 {
         let places = self.shapes.first().map_or(0, Vec::len);
         let at = |place: usize| {
@@ -370,8 +372,8 @@ impl Smooth {
     }
 }
 
-/// [-] probability that |t| exceeds `deviation` standard errors, by Student's t; by the normal law for infinitely many
-/// degrees of freedom.
+/// [-] probability that |t| exceeds `deviation` standard errors, by Student's distribution; by the normal distribution
+/// for infinitely many degrees of freedom.
 pub fn two_sided(deviation: f64, freedom: f64) -> f64 {
     if freedom.is_infinite() {
         return Normal::new(0.0, 1.0).map_or(1.0, |law| 2.0 * law.sf(deviation.abs()));
@@ -384,8 +386,8 @@ pub fn student_bound(level: f64, freedom: f64) -> f64 {
     StudentsT::new(0.0, 1.0, freedom).map_or(f64::INFINITY, |law| law.inverse_cdf(1.0 - level))
 }
 
-/// [-] probability that T² of `shapes` components exceeds `square` (Hotelling 1931): T² (ν - K + 1)/(ν K) follows
-/// Fisher's F.
+/// [-] probability that T² of `shapes` components exceeds `square` (Hotelling 1931), from the fact that T² (ν - K +
+/// 1)/(ν K) follows Fisher's F distribution. Here K is the number of shapes and ν the degrees of freedom.
 fn hotelling(square: f64, shapes: usize, freedom: f64) -> f64 {
     let count = shapes as f64;
     let rest = (freedom - count + 1.0).max(1.0);

@@ -1,23 +1,25 @@
 //! Standard errors of averages of correlated samples.
 //!
-//! A run is short in units of its own relaxation time. Plain blocking then has no plateau yet and gives too small an
-//! error (by half, for a run of 10 relaxation times). Here the correlation between neighbouring blocks is measured,
-//! corrected for its known bias in short series, and used to enlarge the error. Plain blocking remains as a lower
-//! limit.
+//! A run is short in units of its own relaxation time. Plain blocking then reaches no plateau and gives too small an
+//! error (by half, for a run of 10 relaxation times). The functions in this file measure the correlation between
+//! neighbouring blocks, correct it for its known bias in short series, and enlarge the error accordingly. The result of
+//! plain blocking remains a lower limit.
 
 use serde::{Deserialize, Serialize};
 
-/// Smallest number of blocks (or samples) for a standard error: with fewer, their correlation cannot be measured.
+/// Smallest number of blocks (or samples) for a standard error. With fewer blocks, their correlation cannot be
+/// measured.
 pub const FEWEST_BLOCKS: usize = 8;
-/// Series are merged into at least this many blocks, and fewer than twice as many. More would follow the fast noise and
-/// miss slow modes below it; fewer would leave too little data for an estimate.
+/// Smallest number of blocks into which a series is merged; there are fewer than twice as many. More blocks would
+/// resolve the fast noise and miss slow fluctuations below it. Fewer blocks would leave too little data for an
+/// estimate.
 const BLOCKS: usize = 20;
-/// Largest accepted correlation between neighbouring blocks. Beyond it the series is one single fluctuation.
+/// Largest accepted correlation between neighbouring blocks. Beyond it the series consists of a single fluctuation.
 pub(super) const LARGEST_CORRELATION: f64 = 0.9;
 
 /// A value and its standard error, in the unit of the value.
 ///
-/// Without a sample there is no estimate: `Option<Estimate>`.
+/// If there is no sample, there is no estimate: functions return `Option<Estimate>`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Estimate {
     /// The value.
@@ -37,22 +39,22 @@ impl Estimate {
         Self { value, error: None }
     }
 
-    /// A value without any error.
+    /// A value whose error is 0.
     pub fn exact(value: f64) -> Self {
         Self { value, error: Some(0.0) }
     }
 
-    /// Both numbers multiplied by a factor that is known exactly.
+    /// Value and error, both multiplied by a factor that is known exactly.
     pub fn times(self, factor: f64) -> Self {
         Self { value: self.value * factor, error: self.error.map(|error| error * factor) }
     }
 
-    /// Both numbers over a divisor that is known exactly.
+    /// Value and error, both divided by a divisor that is known exactly.
     pub fn over(self, divisor: f64) -> Self {
         Self { value: self.value / divisor, error: self.error.map(|error| error / divisor) }
     }
 
-    /// Difference of this value and another that is independent of it.
+    /// Difference of this value and another one, which is independent of this value.
     pub fn less(self, other: Self) -> Self {
         let error = self.error.zip(other.error).map(|(one, other)| one.hypot(other));
         Self { value: self.value - other.value, error }
@@ -64,7 +66,7 @@ impl Estimate {
     }
 }
 
-/// Mean of a time-ordered series of equally spaced samples, with a standard error that allows for their correlation.
+/// Mean of equally spaced samples in the order of time, with a standard error that allows for their correlation.
 ///
 /// `None` without a sample, or if their mean is not finite. Fewer than 8 samples give no standard error.
 pub fn estimate(samples: &[f64]) -> Option<Estimate> {
@@ -72,8 +74,8 @@ pub fn estimate(samples: &[f64]) -> Option<Estimate> {
     value.is_finite().then(|| Estimate { value, error: standard_error(samples, Removed::Mean) })
 }
 
-/// Number of equal pieces per block into which `count` pieces are merged for an error estimate. The remainder is best
-/// left out at the beginning.
+/// Number of pieces that are merged into each block, for an error estimate from `count` equal pieces. The remainder is
+/// best left out at the beginning.
 pub(super) fn block_size(count: usize) -> usize {
     (count / BLOCKS).max(1)
 }
@@ -83,17 +85,18 @@ pub(super) fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
-/// Fit that was subtracted from a series before its scatter is measured.
+/// Fit that is subtracted from a series before its scatter is measured.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Removed {
     /// The mean.
     Mean,
-    /// A parabola: in a test for drift, drift must not count as noise.
+    /// A parabola. It is used in a test for drift, in which drift must not count as noise.
     Parabola,
 }
 
-/// Standard error of the mean of a time-ordered series, merged into blocks first if it is long. With [`Removed::Parabola`]
-/// the values must be residuals of that fit. `None` for fewer than 8 values, or if one is not finite.
+/// Standard error of the mean of a series in the order of time, which is merged into blocks first if it is long. With
+/// [`Removed::Parabola`] the values must be the residuals of that fit. `None` for fewer than 8 values, or if a value is
+/// not finite.
 pub(super) fn standard_error(values: &[f64], removed: Removed) -> Option<f64> {
     if values.len() < FEWEST_BLOCKS || values.iter().any(|v| !v.is_finite()) {
         return None;
@@ -122,19 +125,19 @@ fn corrected_variance(blocks: &[f64], removed: Removed) -> f64 {
         return 0.0;
     }
     let neighbours: f64 = blocks.windows(2).map(|pair| (pair[0] - centre) * (pair[1] - centre)).sum();
-    // In a short series the correlation comes out low by about (1 + 4 rho)/count, because the mean was taken from the
-    // same series (Marriott and Pope 1954). With three fitted coefficients the bias is three times as large.
+    // In a short series the measured correlation is too low by about (1 + 4 rho)/count, because the mean was computed
+    // from this series too (Marriott and Pope 1954). With three fitted coefficients the bias is three times as large.
     let bias = if removed == Removed::Parabola { 3.0 } else { 1.0 };
     let correlation =
         ((count * neighbours / scatter + bias) / (count - 4.0 * bias).max(1.0)).clamp(0.0, LARGEST_CORRELATION);
     let factor = inflation(correlation, blocks.len());
-    // the mean follows slow fluctuations, so the scatter about it is smaller than the true variance of a block
+    // the mean follows slow fluctuations, so the scatter about the mean is smaller than the true variance of a block
     let seen = (1.0 - factor / count).max(0.05) * count;
     scatter / seen * factor / count
 }
 
-/// [-] variance of the mean of `count` blocks over its value for independent blocks, from the correlation of
-/// neighbouring blocks. Assumes an exponentially correlated signal.
+/// [-] variance of the mean of `count` blocks over its value for independent blocks, computed from the correlation of
+/// neighbouring blocks. The signal is assumed to be exponentially correlated.
 pub(super) fn inflation(correlation: f64, count: usize) -> f64 {
     let decay = decay(correlation);
     let (mut factor, mut power) = (1.0, correlation);
@@ -145,11 +148,11 @@ pub(super) fn inflation(correlation: f64, count: usize) -> f64 {
     factor
 }
 
-/// Ratio of the correlations at successive lags, beyond the first, of block means of an exponentially correlated
-/// signal. It follows from the correlation of neighbouring blocks, but is smaller, since neighbours also share
-/// fluctuations that cross their border.
+/// Ratio of the correlations of block means at successive lags, beyond the first lag, for an exponentially correlated
+/// signal. It is computed from the correlation of neighbouring blocks. It is smaller than that correlation, since
+/// neighbours also share fluctuations that cross their border.
 fn decay(correlation: f64) -> f64 {
-    // with blocks of b relaxation times the correlation is (1 - exp(-b))^2 / 2(b - 1 + exp(-b)), falling with b
+    // with blocks of b relaxation times the correlation is (1 - exp(-b))^2 / 2(b - 1 + exp(-b)), which falls with b
     let (mut short, mut long) = (1e-3_f64, 1e3_f64);
     for _ in 0..50 {
         let b = (short * long).sqrt();
@@ -171,7 +174,8 @@ mod tests {
     use rand_distr::{Distribution, StandardNormal};
     use rand_xoshiro::Xoshiro256PlusPlus;
 
-    /// Exponentially correlated noise of unit variance plus white noise, and the exact standard error of its mean.
+    /// Exponentially correlated noise of unit variance plus white noise. Returns also the exact standard error of its
+    /// mean.
     fn noise(count: usize, relaxation: f64, white: f64, random: &mut Xoshiro256PlusPlus) -> Vec<f64> {
         let mut normal = || -> f64 { StandardNormal.sample(random) };
         let rho = if relaxation > 0.0 { (-1.0 / relaxation).exp() } else { 0.0 };
@@ -192,7 +196,8 @@ mod tests {
         ((1.0 + white * white + sum) / n).sqrt()
     }
 
-    /// Mean over many series of the estimated over the exact standard error, and the share of means beyond 3 errors.
+    /// Ratio of the estimated to the exact standard error, averaged over many series, and share of means beyond 3
+    /// errors.
     fn trial(count: usize, relaxation: f64, white: f64, size: usize) -> (f64, f64) {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(7);
         let exact = exact(count, relaxation, white);
@@ -217,7 +222,8 @@ mod tests {
                 "relaxation {relaxation}, white {white}: error {ratio:.3} of exact, {:.2} % beyond 3",
                 100.0 * beyond
             );
-            // slow fluctuations, of which the run holds only 15, err on the safe side
+            // slow fluctuations, of which the run contains only 15, give an error that is too large rather than too
+            // small
             let high = if relaxation > 30.0 { 1.30 } else { 1.15 };
             assert!((0.97..=high).contains(&ratio), "relaxation {relaxation}, white {white}: {ratio}");
             let expected = two_sided(3.0, 8.0);

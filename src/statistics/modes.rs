@@ -1,4 +1,4 @@
-//! Profiles across a channel in a few smooth shapes, and folded about the mid-plane.
+//! Smooth shapes for profiles across a channel, and folding of profiles about the mid-plane.
 
 /// Symmetry of a profile when the channel is mirrored about its mid-plane.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -7,14 +7,15 @@ pub enum Parity {
     Even,
     /// The profile changes its sign: shear stress, wall-normal velocity.
     Odd,
-    /// No symmetry: the scene has no such mirror plane.
+    /// No symmetry, because the scene has no mirror plane at half height.
     Neither,
 }
 
-/// Number of shapes of one parity: enough for smooth differences, few enough to be tested together.
+/// Number of shapes of one parity. It is large enough for smooth differences, and small enough for a common test.
 const SHAPES: usize = 3;
 
-/// Weights that fold `count` slices about the mid-plane, and the indices of the slices at which the folded ones stand.
+/// Indices of the slices at which the folded slices are located, and the weights that fold `count` slices about the
+/// mid-plane.
 pub fn fold(count: usize, parity: Parity) -> (Vec<usize>, Vec<Vec<f64>>) {
     let unit = |place: usize| {
         let mut row = vec![0.0; count];
@@ -39,8 +40,8 @@ pub fn fold(count: usize, parity: Parity) -> (Vec<usize>, Vec<Vec<f64>>) {
 }
 
 /// Legendre polynomials of the parity at positions -1 ..= 1 (the first even one is constant); a row per polynomial.
-/// They are made orthogonal on these positions, with a mean square of 1. There are fewer if there are too few
-/// positions. `skip`: number of polynomials left out at the beginning because they are known to vanish.
+/// They are made orthogonal on these positions, with a mean square of 1. With few positions there are fewer
+/// polynomials. `skip` is the number of polynomials left out at the beginning, because their parts are known to vanish.
 pub fn shapes(places: &[f64], parity: Parity, skip: usize) -> Vec<Vec<f64>> {
     let (first, step, wanted) = match parity {
         Parity::Even => (0, 2, SHAPES),
@@ -56,7 +57,7 @@ pub fn shapes(places: &[f64], parity: Parity, skip: usize) -> Vec<Vec<f64>> {
             shape.iter_mut().zip(other).for_each(|(s, o)| *s -= overlap * o);
         }
         let norm = (shape.iter().map(|s| s * s).sum::<f64>() / count).sqrt();
-        // positions that coincide leave only rounding
+        // if positions coincide, only rounding is left of a further polynomial
         if norm < 1e-9 {
             break;
         }

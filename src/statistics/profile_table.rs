@@ -1,4 +1,4 @@
-//! Averages over time in slices, with their standard errors, and several runs of one variant taken together.
+//! Averages over time in slices, with their standard errors, and their pooling over several runs of one variant.
 
 use super::batches::Batches;
 use super::errors::Estimate;
@@ -7,29 +7,30 @@ use serde::Serialize;
 
 /// Time averages in one slice.
 ///
-/// A slice that no particle visited has number density 0 and no velocity moments; they are written as empty cells.
-/// Without any sample at all there is no number density either.
+/// A slice without particles has number density 0 and no velocity moments, which are written as empty cells. Without
+/// any sample there is no number density either.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct SliceRow {
     /// [m] centre of the slice.
     pub y: f64,
-    /// Averages in the order of [`SLICE_COLUMNS`], in their SI units. The number density is by
-    /// particle centres, over the mean of the whole domain. The slices at walls are not corrected for the strip of one
-    /// radius that no centre can enter (20.3 % of a 1 mm slice for spheres of 406 um). Moments are about the mean over
-    /// slice and time.
+    /// Averages in the order of [`SLICE_COLUMNS`], in their SI units. The number density is that of particle centres,
+    /// over its mean in the whole domain. The slices at walls are not corrected for the strip of one radius that no
+    /// centre can enter (20.3 % of a 1 mm slice for spheres of 406 um). Moments are relative to the mean over the slice
+    /// and the averaging period.
     pub estimates: [Option<Estimate>; SLICE_QUANTITIES],
     /// Number of particles counted, over all samples.
     pub samples: u64,
 }
 
-/// All slices, from y = 0 to the top of the domain.
+/// Time averages in all slices, from y = 0 to the top of the domain.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct ProfileTable {
     /// One row per slice.
     pub slices: Vec<SliceRow>,
-    /// Number of blocks of time for each standard error; fewer than 8 give none.
+    /// Number of blocks of time for each standard error; with fewer than 8 there are no errors.
     pub blocks: usize,
-    /// [s] time of the first sample averaged: the first block that starts at the requested start of averaging or later.
+    /// [s] time of the first sample averaged. It belongs to the first block that starts at the requested start of
+    /// averaging or later.
     pub from: f64,
     /// [s] time of the last sample averaged.
     pub until: f64,
@@ -39,13 +40,13 @@ pub struct ProfileTable {
 }
 
 impl ProfileTable {
-    /// The blocks of one estimate of a slice.
+    /// Blocks of time of one average in one slice.
     pub fn batches(&self, slice: usize, column: SliceColumn) -> Option<&Batches> {
         self.batches.get(slice)?.get(column.index)?.as_ref()
     }
 
-    /// Averages of several runs of one variant as one: means over the runs, with errors from the blocks of all of them.
-    /// A value that is missing in one run is unknown. `by_runs`: as for [`Batches::pool`].
+    /// Averages of several runs of one variant, pooled: means over the runs, with errors from the blocks of all runs. A
+    /// value that is missing in one run is unknown. `by_runs` has the meaning that it has in [`Batches::pool`].
     pub fn pool(runs: &[&Self], by_runs: bool) -> Self {
         let Some(first) = runs.first() else { return Self::default() };
         let batches = |slice: usize| -> Vec<Option<Batches>> {
@@ -68,7 +69,7 @@ impl ProfileTable {
 }
 
 impl SliceRow {
-    /// One average of the slice, in its SI unit; `None` if it is not known.
+    /// One average of this slice, in its SI unit; `None` if it is not known.
     pub fn of(&self, column: SliceColumn) -> Option<Estimate> {
         self.estimates[column.index]
     }

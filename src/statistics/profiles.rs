@@ -1,6 +1,6 @@
 //! Slice averages (the paper's section 2.2) with standard errors.
 //!
-//! Components as in the paper: U, u streamwise (z); V, v wall-normal (y); W, w spanwise (x).
+//! Components are as in the paper: U, u streamwise (z); V, v wall-normal (y); W, w spanwise (x).
 
 use super::batches::Batches;
 use super::errors::{Estimate, FEWEST_BLOCKS, Removed, block_size, standard_error};
@@ -10,7 +10,7 @@ use crate::particles::Sample;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Number of sums kept per slice: the count, then the products of one, two and three velocity components.
+/// Number of sums per slice: the count, then the products of one, two and three velocity components.
 const SUMS: usize = SLICE_QUANTITIES;
 /// Components of each second moment.
 const PAIRS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)];
@@ -19,11 +19,11 @@ const PAIR_OF: [[usize; 3]; 3] = [[0, 3, 4], [3, 1, 5], [4, 5, 2]];
 /// Components of each third moment.
 const TRIPLES: [[usize; 3]; 10] =
     [[0, 0, 0], [0, 0, 1], [0, 0, 2], [0, 1, 1], [0, 1, 2], [0, 2, 2], [1, 1, 1], [1, 1, 2], [1, 2, 2], [2, 2, 2]];
-/// Largest number of blocks of time. When it is reached they are merged two by two, so that memory stays bounded for
+/// Largest number of blocks of time. When it is reached, blocks are merged two by two, so that memory stays bounded for
 /// any run length.
 const MOST_BLOCKS: usize = 512;
 
-/// Sums over some successive samples.
+/// Sums over several successive samples.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct SampleBlock {
     /// [s] time of the first sample.
@@ -32,7 +32,7 @@ struct SampleBlock {
     end: f64,
     /// Number of samples taken.
     samples: usize,
-    /// [`SUMS`] per slice; velocities are relative to the reference.
+    /// Sums, [`SUMS`] per slice; velocities are relative to the reference.
     sums: Vec<f64>,
 }
 
@@ -45,20 +45,21 @@ impl SampleBlock {
     }
 }
 
-/// Sums of all slices, and the total number of particle samples in them, which every row needs.
+/// Sums of all slices, and the total number of particles counted in them, on which every row depends.
 struct Counted {
     sums: Vec<f64>,
     samples: f64,
 }
 
-/// Sums per slice and block of time.
+/// Sums per slice and per block of time, from which averages and their errors are computed.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Accumulator {
     slices: usize,
     height: f64,
-    /// [m/s] (u, v, w) subtracted from velocities before they are multiplied, so that moments do not cancel.
+    /// [m/s] velocity (u, v, w) that is subtracted from velocities before they are multiplied. Without it, moments
+    /// would be differences of large numbers.
     reference: Option<Vector3<f64>>,
-    /// Number of samples in a full block; only the last one may have fewer.
+    /// Number of samples in a full block; only the last block may have fewer.
     block_samples: usize,
     blocks: Vec<SampleBlock>,
 }
@@ -69,10 +70,10 @@ impl Accumulator {
         Self { slices: slices.max(1), height, reference: None, block_samples: 1, blocks: Vec::new() }
     }
 
-    /// Takes one sample of all particles at simulated `time` [s]. Samples must be equally spaced in time.
+    /// Adds one sample of all particles at simulated `time` [s]. Samples must be equally spaced in time.
     ///
-    /// The result does not depend on the order of the particles nor on the number of threads. A centre beyond the domain
-    /// counts in the nearest slice.
+    /// The result depends neither on the order of the particles nor on the number of threads. A centre outside the
+    /// domain counts in the nearest slice.
     pub fn sample<'a>(&mut self, time: f64, sample: impl Into<Sample<'a>>) {
         let sample = sample.into();
         let reference = *self.reference.get_or_insert_with(|| reference(sample));
@@ -90,7 +91,7 @@ impl Accumulator {
         }
     }
 
-    /// Merges blocks two by two; all are full and their number is even.
+    /// Merges blocks two by two. All blocks must be full, and their number even.
     fn halve(&mut self) {
         let mut merged = Vec::with_capacity(MOST_BLOCKS);
         let mut blocks = std::mem::take(&mut self.blocks).into_iter();
@@ -127,9 +128,10 @@ impl Accumulator {
 
     /// Averages over the samples at `from` [s] and later, in whole blocks of time.
     ///
-    /// Values come from the sums of all these samples. For standard errors each value is recomputed without one of 20
-    /// to 39 equal blocks of time (jackknife, as the moments are not linear in the sums). The error is that of the mean
-    /// of the resulting pseudo-values, computed by [`estimate`](super::estimate), which allows for correlated blocks.
+    /// Values are computed from the sums of all these samples. For standard errors each value is recomputed without one
+    /// of 20 to 39 equal blocks of time (jackknife, since the moments are not linear in the sums). The error is that of
+    /// the mean of the resulting pseudo-values. It is computed by [`estimate`](super::estimate), which allows for
+    /// correlated blocks.
     pub fn table(&self, from: f64) -> ProfileTable {
         let full = self.blocks.iter().take_while(|b| b.samples == self.block_samples).count();
         // sample times are sums of steps: rounding must not exclude a sample
@@ -169,7 +171,7 @@ impl Accumulator {
         ProfileTable { slices, blocks: groups.len(), from, until, batches }
     }
 
-    /// One row of the table from the sums of all slices, in total and per group of blocks. Also returns the
+    /// One row of the table, computed from the sums of all slices, in total and per group of blocks. Also returns the
     /// pseudo-values of the groups for each estimate; `frame` holds the times of the groups.
     fn row(
         &self,
@@ -196,7 +198,7 @@ impl Accumulator {
         };
         let pseudo = |k: usize| {
             let value = values[k]?;
-            // a slice that only one block has visited has no value without that block, and so no error
+            // if only one block contains particles in this slice, there is no value without that block, and so no error
             let blocks = without.iter().map(|without| Some(count * value - (count - 1.0) * without[k]?));
             let blocks = blocks.collect::<Option<Vec<f64>>>().filter(|blocks| !blocks.is_empty())?;
             Some(Batches { values: vec![value], blocks: vec![blocks], ..frame.clone() })
@@ -211,27 +213,27 @@ impl Accumulator {
     }
 }
 
-/// Velocity as (u, v, w).
+/// Velocity components (u, v, w).
 fn components(velocity: &Vector3<f64>) -> Vector3<f64> {
     Vector3::new(velocity.z, velocity.y, velocity.x)
 }
 
-/// Mean velocity as (u, v, w); any finite value is valid, but this one makes the sums small.
+/// Mean velocity as (u, v, w), used as reference. Any finite value is valid, but with the mean the sums are small.
 fn reference(sample: Sample) -> Vector3<f64> {
     let mean = components(&sample.mean_velocity());
     if mean.iter().all(|c| c.is_finite()) { mean } else { Vector3::zeros() }
 }
 
-/// Adds sums to sums.
+/// Adds the sums `sums` to the sums `total`.
 fn add(total: &mut [f64], sums: &[f64]) {
     for (t, s) in total.iter_mut().zip(sums) {
         *t += s;
     }
 }
 
-/// Results in the order of the sums: density ratio, means, central second and third moments. `average` is the mean
-/// count of all slices. `None`: no density if no particle was counted in any slice, no moments if none was counted in
-/// this slice.
+/// Averages in the order of the sums: density ratio, means, central second and third moments. `average` is the mean
+/// count of all slices. The density is `None` if no particle was counted in any slice, and moments are `None` if none
+/// was counted in this slice.
 fn derive(sums: &[f64], average: f64, reference: Vector3<f64>) -> [Option<f64>; SUMS] {
     let count = sums[0];
     let mut values = [None; SUMS];
@@ -273,7 +275,8 @@ mod tests {
         Xoshiro256PlusPlus::seed_from_u64(seed)
     }
 
-    /// Spheres anywhere below `height`, with skew velocities (u - 1 is an exponential variable).
+    /// Spheres at random positions below `height`, with a skew velocity distribution (u - 1 is an exponential
+    /// variable).
     fn cloud(count: usize, height: f64, offset: f64, random: &mut Xoshiro256PlusPlus) -> Particles {
         let mut particles = Particles::default();
         for _ in 0..count {
@@ -384,8 +387,7 @@ mod tests {
         assert_eq!(one, run(3));
     }
 
-    /// Compares errors with the scatter of the values themselves over many runs, for velocities that share a slow
-    /// fluctuation.
+    /// Compares errors with the scatter of the values over many runs, for velocities that share a slow fluctuation.
     #[test]
     fn errors_match_the_scatter_of_repeated_runs() {
         let mut random = random(4);

@@ -1,4 +1,4 @@
-//! Quantities averaged in slices: one table for files, verdicts and pictures.
+//! Quantities averaged in slices. Files, verdicts and pictures use this one table.
 
 use super::modes::Parity;
 
@@ -33,7 +33,7 @@ pub const WW: SliceColumn = SLICE_COLUMNS[6];
 /// Shear stress <u''v''>.
 pub const UV: SliceColumn = SLICE_COLUMNS[7];
 
-/// All columns in the order of a slice: density ratio, mean velocities, second and third central moments.
+/// All columns of a slice in their order: density ratio, mean velocities, second and third central moments.
 pub const SLICE_COLUMNS: [SliceColumn; SLICE_QUANTITIES] = {
     use Parity::{Even, Odd};
     let columns = [
@@ -69,7 +69,7 @@ pub const SLICE_COLUMNS: [SliceColumn; SLICE_QUANTITIES] = {
     table
 };
 
-/// The column with a name; `None` if there is none.
+/// Column with a given name; `None` if there is no such column.
 pub fn slice_column(name: &str) -> Option<SliceColumn> {
     SLICE_COLUMNS.into_iter().find(|column| column.name == name)
 }

@@ -3,28 +3,31 @@
 use super::errors::{FEWEST_BLOCKS, Removed, mean, standard_error};
 use serde::Serialize;
 
-/// Number of samples per batch in the marginal standard error rule; batches reduce the influence of chance.
+/// Number of samples per batch in the marginal standard error rule. Averaging in batches reduces the influence of
+/// chance.
 const BATCH: usize = 5;
-/// Number of standard errors beyond which a difference is called drift [-]. A dozen series are judged, with errors from
-/// about ten degrees of freedom. Measured on 400 steady channels and gases: docs/theory/statistics.md, "Steady or not".
+/// Number of standard errors beyond which a difference is called drift [-]. About a dozen series are judged, with
+/// errors of about ten degrees of freedom. The number was found from 400 steady channels and gases:
+/// docs/theory/statistics.md, "Steady or not".
 pub const LARGEST_DRIFT: f64 = 4.0;
-/// Drift beyond which a start at the limit is not accepted [-]: chance seldom puts the start there, and both together
-/// are rarer still.
+/// Drift in standard errors beyond which a start of averaging at the limit of half the run is not accepted [-]. By
+/// chance the start is seldom at the limit, and both together are rarer still.
 const SUSPECT: f64 = 2.0;
-/// [-] share of the marginal variance that dropping the start must save; noise alone saves a few percent.
+/// [-] share of the marginal variance by which dropping the start must reduce it; noise alone reduces it by a few
+/// percent.
 const WORTH: f64 = 0.1;
 
-/// Result for several series.
+/// Result of the test for a steady state, for several series together.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Steadiness {
     /// [s] start of the steady part; 0 without a sample.
     pub from: f64,
-    /// True if the averaged part shows no drift beyond 4 standard errors in any series. Its start must also have been
-    /// found, not forced by the limit of half the run. False if there are too few samples to tell (`drift` is `None`
-    /// then).
+    /// True if the averaging period shows no drift beyond 4 standard errors in any series. Also, its start must have
+    /// been found, not forced by the limit of half the run. False if there are too few samples for a test (`drift` is
+    /// `None` then).
     pub steady: bool,
-    /// [-] difference between the second and the first half of the averaged part, in units of its standard error
-    /// (largest of the series). `None` if unknown, infinite for drift without any noise.
+    /// [-] difference between the second and the first half of the averaging period, in units of its standard error;
+    /// the largest value over the series. `None` if unknown, infinite for a drift without any noise.
     pub drift: Option<f64>,
 }
 
@@ -33,18 +36,19 @@ pub struct Steadiness {
 pub struct SteadySeries<'a> {
     /// Values at each sample, in the unit of the observable.
     pub values: &'a [f64],
-    /// Scale of the changes, in the unit of the observable: changes below a thousandth of the scale do not count,
-    /// however regular. 0 if every change counts.
+    /// Scale of the changes, in the unit of the observable. Regular changes below a thousandth of the scale do not
+    /// count. With 0, every change counts.
     pub scale: f64,
-    /// Smallest drift that counts, in the unit of the observable. 0: every drift counts.
+    /// Smallest drift that counts, in the unit of the observable. With 0, every drift counts.
     pub step: f64,
 }
 
 impl SteadySeries<'_> {
-    /// The first `count` values. All are set to 0 if they differ by no more than the rounding of a long run, as for a
-    /// mean velocity that is conserved. Rounding walks at random, which looks like a drift.
+    /// First `count` values. All are set to 0 if they differ by no more than the rounding of a long run, as a conserved
+    /// mean velocity does. Rounding errors add up like a random walk, which looks like a drift.
     fn without_rounding(&self, count: usize) -> Vec<f64> {
-        /// [-] share of the scale: a hundred times the error of 10^4 roundings of numbers of that size.
+        /// [-] share of the scale that is attributed to rounding: a hundred times the error of 10^4 roundings of
+        /// numbers of that size.
         const ROUNDING: f64 = 1e-12;
         let values = &self.values[..count];
         let (least, most) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(*v), b.max(*v)));
@@ -61,7 +65,7 @@ impl SteadySeries<'_> {
     }
 }
 
-/// Judges series sampled at common, equally spaced `times` [s]. `from` is the start of averaging; with `None` it is
+/// Judges series sampled at common, equally spaced `times` [s]. `from` is the start of averaging. With `None` it is
 /// found by the marginal standard error rule, which drops at most half of the run.
 pub fn judge(times: &[f64], series: &[SteadySeries], from: Option<f64>) -> Steadiness {
     let count = series.iter().map(|s| s.values.len()).fold(times.len(), usize::min);
@@ -74,7 +78,7 @@ pub fn judge(times: &[f64], series: &[SteadySeries], from: Option<f64>) -> Stead
             found.fold((0, false), |worst, one| (worst.0.max(one.0), worst.1 || one.1))
         }
     };
-    // if one series cannot be judged, the whole cannot
+    // if one series cannot be judged, there is no result for all
     let drifts: Option<Vec<f64>> = series.iter().map(|(values, one)| one.drift(&values[start..])).collect();
     let drift = drifts.and_then(|drifts| drifts.into_iter().reduce(f64::max));
     Steadiness {
@@ -84,17 +88,17 @@ pub fn judge(times: &[f64], series: &[SteadySeries], from: Option<f64>) -> Stead
     }
 }
 
-/// Number of samples to drop at the start, and true if the relaxation goes on beyond the limit of half the run. In that
-/// case the values still drift from half the dropped start on.
+/// Number of samples to drop at the start, and true if the relaxation continues beyond the limit of half the run. In
+/// that case the remaining values drift, also if only half of these samples are dropped.
 fn start(values: &[f64], series: &SteadySeries) -> (usize, bool) {
     let (start, at_limit) = truncation(values);
     let drifts = || series.drift(&values[start / 2..]).is_some_and(|drift| drift > SUSPECT);
     (start, at_limit && drifts())
 }
 
-/// Number of samples to drop at the start, and true if that is the limit. The start is where the squared standard error
-/// of the remaining samples, taken as independent, is smallest (MSER-5; White 1997). Nothing is dropped if that saves
-/// less than a tenth.
+/// Number of samples to drop at the start, and true if it is at the limit of half the run. The number is that for which
+/// the squared standard error of the remaining samples, taken as independent, is smallest (MSER-5; White 1997). Nothing
+/// is dropped if that reduces the square by less than a tenth.
 fn truncation(values: &[f64]) -> (usize, bool) {
     let batches: Vec<f64> = values.chunks_exact(BATCH).map(mean).collect();
     let count = batches.len();
@@ -119,14 +123,14 @@ fn truncation(values: &[f64]) -> (usize, bool) {
     if best.0 > (1.0 - WORTH) * whole {
         return (0, false);
     }
-    // noise moves the minimum a little, so that the last tenth before the limit counts as the limit
+    // noise shifts the minimum a little, so that the last tenth before the limit counts as the limit
     (best.1 * BATCH, 10 * best.1 >= 9 * (count / 2))
 }
 
-/// The drift of the values or of their ranks, whichever is larger [-]. A decay that no parabola follows, as of a
-/// cooling gas, would be taken for noise, but its ranks fall along a straight line. Ranks of a steady series are steady
-/// too. Ranks carry no size, so values within one `step` count as equal: energy lost by rounding or by an integrator is
-/// no decay.
+/// Drift of the values or drift of their ranks, whichever is larger [-]. A decay that no parabola fits, as of a cooling
+/// gas, would be taken for noise, but its ranks fall along a straight line. Ranks of a steady series are steady too.
+/// Ranks do not depend on the size of changes, so values within one `step` count as equal. Energy lost by rounding or
+/// by an integrator then counts as no decay.
 fn drift_of_any_shape(values: &[f64], step: f64) -> Option<f64> {
     Some(drift(values)?.max(drift(&ranks(values, step))?))
 }
@@ -144,8 +148,8 @@ fn ranks(values: &[f64], step: f64) -> Vec<f64> {
     values.iter().map(rank).collect()
 }
 
-/// Absolute difference of the means of the two halves in units of its standard error [-]. The noise is the residual of
-/// a parabola; otherwise drift would hide behind the scatter that it causes itself.
+/// Absolute difference of the means of the two halves, in units of its standard error [-]. The noise is the residual of
+/// a parabola. Otherwise a drift would add to the scatter with which it is compared.
 fn drift(values: &[f64]) -> Option<f64> {
     let count = values.len();
     if count < 2 * FEWEST_BLOCKS || values.iter().any(|v| !v.is_finite()) {
@@ -166,7 +170,7 @@ fn drift(values: &[f64]) -> Option<f64> {
     take_off(&mut residuals, &vec![1.0; count]);
     take_off(&mut residuals, &x);
     take_off(&mut residuals, &x.iter().map(|x| x * x - spread).collect::<Vec<f64>>());
-    // each half has half the samples, and the difference adds both variances: twice the error of the mean of all
+    // each half has half the samples, and the variances of both add up: the error is twice that of the mean of all
     let error = 2.0 * standard_error(&residuals, Removed::Parabola)?;
     Some(if error <= 1e-12 * largest { f64::INFINITY } else { difference / error })
 }
@@ -190,7 +194,7 @@ mod tests {
         SteadySeries { values, scale: 0.0, step: 0.0 }
     }
 
-    /// Relaxation from 1 + `jump` to 1 with time constant `tau`, plus noise of relaxation time 0.1 s, over 5 s.
+    /// A relaxation from 1 + `jump` to 1 with time constant `tau`, plus noise of relaxation time 0.1 s, over 5 s.
     fn series(jump: f64, tau: f64, random: &mut Xoshiro256PlusPlus) -> (Vec<f64>, Vec<f64>) {
         let times: Vec<f64> = (0..500).map(|k| 0.01 * f64::from(k)).collect();
         let rho = (-0.1_f64).exp();
@@ -233,7 +237,7 @@ mod tests {
         let values: Vec<f64> = times.iter().map(&mut step).collect();
         let judged = |scale: f64| judge(&times, &[SteadySeries { values: &values, scale, step: 0.0 }], None);
         assert!(judged(1.0).steady && judged(1.0).from == 0.0);
-        // as an observable of that size it drifts
+        // but as an observable of that size the series drifts
         assert!(!judged(1e-13).steady);
     }
 
@@ -254,7 +258,7 @@ mod tests {
 
     #[test]
     fn runs_that_still_drift_are_found() {
-        // from 2.4 s on the remaining drift measures only some 4 standard errors, from 1 s on some 6
+        // from 2.4 s on the remaining drift is only about 4 standard errors, from 1 s on about 6
         assert!(share(2.0, 3.0, None).0 < 0.12);
         assert!(share(2.0, 3.0, Some(1.0)).0 < 0.12);
         let times: Vec<f64> = (0..100).map(f64::from).collect();
@@ -288,7 +292,7 @@ mod tests {
 
     #[test]
     fn what_falls_by_less_than_matters_is_steady() {
-        // the energy loss of an integrator, seen through the dips during contacts
+        // the energy loss of an integrator, with dips during contacts
         let times: Vec<f64> = (0..200).map(f64::from).collect();
         let dip = |t: &f64| if t % 7.0 < 0.5 { 3e-4 } else { 0.0 };
         let falling = |by: f64| times.iter().map(|t| 1.0 - by * t / 200.0 - dip(t)).collect::<Vec<f64>>();

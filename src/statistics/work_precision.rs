@@ -1,8 +1,8 @@
-//! Error against cost: the Pareto front of the results, and the rate at which an error falls.
+//! Error against cost of methods: the Pareto front of the results, and the power law by which an error falls.
 
 use serde::Serialize;
 
-/// A power law fitted to some points.
+/// A power law fitted to several points.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct PowerLaw {
     /// [-] exponent p of y ∝ x^p.
@@ -13,8 +13,8 @@ pub struct PowerLaw {
     pub points: usize,
 }
 
-/// Least squares on the logarithms: ln y = p ln x + c. `None` with fewer than three points, with a point that is not
-/// positive, or if all x are equal.
+/// Fits a power law by least squares on the logarithms: ln y = p ln x + c. `None` with fewer than three points, with a
+/// point that is not positive, or if all x are equal.
 pub fn power_law(points: &[(f64, f64)]) -> Option<PowerLaw> {
     let count = points.len() as f64;
     if points.len() < 3 || points.iter().any(|(x, y)| !(x.ln().is_finite() && y.ln().is_finite())) {
@@ -32,8 +32,9 @@ pub fn power_law(points: &[(f64, f64)]) -> Option<PowerLaw> {
     Some(PowerLaw { exponent, error: (left / (count - 2.0) / spread).sqrt(), points: points.len() })
 }
 
-/// Indices of the points (cost, error) on the Pareto front. A point is beaten if another has both cost and error no
-/// larger, and one of them smaller. Sorted by cost; of equal points all stay. Points that are not numbers are left out.
+/// Indices of the points (cost, error) on the Pareto front, sorted by cost. A point is not on the front if another
+/// point has both cost and error no larger, and one of them smaller. Of equal points all are on the front. Points that
+/// are not numbers are left out.
 pub fn pareto_front(points: &[(f64, f64)]) -> Vec<usize> {
     let mut order: Vec<usize> = (0..points.len()).filter(|&k| !points[k].0.is_nan() && !points[k].1.is_nan()).collect();
     order.sort_by(|&a, &b| points[a].0.total_cmp(&points[b].0).then(points[a].1.total_cmp(&points[b].1)));
@@ -56,7 +57,8 @@ mod tests {
         let exact: Vec<(f64, f64)> = [5.0, 10.0, 20.0, 80.0].iter().map(|&x: &f64| (x, 3.0 * x.powi(-4))).collect();
         let fit = power_law(&exact).unwrap();
         assert!((fit.exponent + 4.0).abs() < 1e-12 && fit.error < 1e-12 && fit.points == 4, "{fit:?}");
-        // by hand: ln x = -1, 0, 1 and ln y = 2.1, -0.2, -1.9: slope -2, residuals 0.1, -0.2, 0.1, error sqrt(0.06/1/2)
+        // by hand: ln x = -1, 0, 1 and ln y = 2.1, -0.2, -1.9 give slope -2, residuals 0.1, -0.2, 0.1, error
+        // sqrt(0.06/1/2)
         let e = std::f64::consts::E;
         let rough = [(1.0 / e, 2.1f64.exp()), (1.0, (-0.2f64).exp()), (e, (-1.9f64).exp())];
         let fit = power_law(&rough).unwrap();
@@ -72,7 +74,7 @@ mod tests {
         //             0           1           2 beaten by 1  3           4 beaten by 3  5 = 3        6 unknown
         let points = [(1.0, 0.5), (2.0, 0.1), (3.0, 0.2), (4.0, 0.01), (4.0, 0.02), (4.0, 0.01), (0.5, f64::NAN)];
         assert_eq!(pareto_front(&points), [0, 1, 3, 5]);
-        // the same error for more cost is no gain
+        // an equal error for more cost is no gain
         assert_eq!(pareto_front(&[(2.0, 0.1), (1.0, 0.1)]), [1]);
         assert_eq!(pareto_front(&[]), [0usize; 0]);
     }

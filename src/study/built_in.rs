@@ -1,4 +1,4 @@
-//! `diptych cases` and `diptych init`: the built-in cases, and a new case to start from.
+//! `diptych cases` and `diptych init`: list of the built-in cases, and a copy of one of them as a new case.
 
 use crate::case::{Case, built_in, nearest};
 use crate::cli::Init;
@@ -7,10 +7,10 @@ use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
-/// [characters] width of names up to which the questions of cases are indented beside the longest name.
+/// [characters] longest name of a case for which the questions of all cases are indented to the right of the names.
 const NAMES: usize = 30;
 
-/// Lists the built-in cases with their questions, and the sets of values.
+/// Prints the built-in cases with their questions, and the sets of values.
 ///
 /// # Errors
 /// The list cannot be written.
@@ -29,7 +29,7 @@ pub fn cases() -> Result<(), StudyError> {
     answer(&text)
 }
 
-/// The question in the heading of a case: the text after "Question:", up to the next such word or the end of the
+/// Question in the heading of a case: the text after "Question:", up to the next heading word or the end of the
 /// paragraph.
 fn question(heading: &str) -> Option<String> {
     let after = heading.split_once("Question:")?.1;
@@ -37,10 +37,10 @@ fn question(heading: &str) -> Option<String> {
     Some(after[..end].split_whitespace().collect::<Vec<_>>().join(" "))
 }
 
-/// Writes a built-in case to a new file, and beside it the files that the case names.
+/// Writes a built-in case to a new file, and the files that the case names to the folder of this file.
 ///
 /// # Errors
-/// No such case, or the file is there or cannot be written: bad input.
+/// There is no such case, or the file exists or cannot be written: bad input.
 pub fn init(args: &Init) -> Result<(), StudyError> {
     let bad = |message: String| StudyError::Input(format!("error: {message}"));
     let Some(case) = built_in::case(&args.name) else {
@@ -59,7 +59,7 @@ pub fn init(args: &Init) -> Result<(), StudyError> {
     write(&path, case.text.as_bytes(), "another file")?;
     for (name, bytes) in built_in::files_of(&case) {
         let beside = path.with_file_name(&name);
-        // an existing file with these very contents, written for another case that names it too, serves both
+        // an existing file with equal contents, written for another case that names it too, is used for both
         if std::fs::read(&beside).is_ok_and(|there| there == bytes) {
             continue;
         }
@@ -71,11 +71,11 @@ pub fn init(args: &Init) -> Result<(), StudyError> {
     Ok(())
 }
 
-/// Writes a whole file, or none; an existing file stays.
+/// Writes a file as a whole or not at all; an existing file is not changed.
 fn write_new(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let mut builder = tempfile::Builder::new();
-    // with the permissions of an ordinary file: temporary ones are private
+    // the file gets the permissions of an ordinary file, since temporary ones are private
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o644));
     let mut aside = builder.prefix(".diptych-").tempfile_in(folder)?;

@@ -1,7 +1,8 @@
 //! Measurements that a plan needs: the agitation of the particles, and the cost of a window on this machine.
 //!
-//! The physics comes from a short run in a smaller periodic box, of a length that is counted in windows and collisions and so is
-//! the same on every machine. Times come from a few windows of the case at its full size; they decide nothing.
+//! The physics is measured in a short run in a smaller periodic box. Its length is counted in windows and collisions,
+//! so it is equal on every machine. Wall times are measured in a few windows of the case at its full size; no
+//! recommendation depends on them. A window is the time between two exchanges of momentum with the gas.
 
 use super::trust::granular_temperature;
 use crate::contact_law::ContactLaw;
@@ -21,28 +22,29 @@ use nalgebra::Vector3;
 use std::f64::consts::PI;
 use std::time::Instant;
 
-/// Number of particles in the smaller box, about: enough for a velocity distribution.
+/// Approximate number of particles in the smaller box, enough for a velocity distribution.
 const PARTICLES: f64 = 500.0;
 
-/// Windows times particles of the short run: some seconds.
+/// Number of windows times particles in the short run, which take some seconds.
 const PARTICLE_WINDOWS: f64 = 4e6;
 
-/// Collisions of the short run, by kinetic theory at the start: some seconds.
+/// Number of collisions in the short run, by kinetic theory at the start; they take some seconds.
 const COLLISIONS: f64 = 5e5;
 
-/// [-] the smaller box is this many diameters wide at least.
+/// [-] smallest width of the smaller box, in diameters.
 const NARROWEST: f64 = 10.0;
 
-/// Number of impacts from which their speed distribution is known: ten of them then lie beyond the 99 % quantile.
+/// Smallest number of impacts for which their speed distribution is taken as known: ten of them then lie beyond the 99
+/// % quantile.
 const IMPACTS: u64 = 1000;
 
-/// [s] wall time for the windows of one model.
+/// [s] wall time that is spent on timing the windows of one model.
 const PATIENCE: f64 = 0.4;
 
-/// Steps times particles of one timed stretch of uniform stepping: some tenths of a second.
+/// Number of steps times particles in one timed piece of uniform stepping, which takes some tenths of a second.
 const STEPS: f64 = 2e7;
 
-/// Results of the short run.
+/// Results of the short run in the smaller box.
 pub struct Physics {
     /// Results in the form that the plan uses.
     pub calibration: Calibration,
@@ -52,16 +54,17 @@ pub struct Physics {
     pub temperatures: Vec<f64>,
     /// Spread of the agitation over positions and directions.
     pub spread: AgitationSpread,
-    /// [m/s] normal speeds of the collisions of pairs, if there were enough and the temperature changes in the run: then they do not
-    /// follow from its mean.
+    /// [m/s] normal speeds of the collisions of pairs, if there were enough and the temperature changes during the run.
+    /// In such a run the speeds cannot be computed from the mean temperature.
     pub pair_speeds: Option<Histogram>,
-    /// [m/s] normal speeds of the wall impacts, if there were enough of them.
+    /// [m/s] normal speeds of the wall impacts; `None` if there were too few.
     pub wall_speeds: Option<Histogram>,
 }
 
-/// True if all particles start at random positions with some agitation: then they are a gas, for a while at least.
+/// True if all particles start at random positions with some agitation. They are then a gas, at least for a while.
 pub fn is_gas(experiment: &Experiment) -> bool {
-    /// Fewest particles of a gas. With fewer the collision rate has a statistical error of 1/sqrt(N), beyond 10 %.
+    /// Smallest number of particles of a gas. With fewer, the collision rate has a statistical error of 1/sqrt(N), more
+    /// than 10 %.
     const FEWEST: usize = 100;
     let random = |population: &crate::experiment::Population| matches!(population.amount, Amount::Count(_));
     experiment.start.iter().all(random)
@@ -69,7 +72,7 @@ pub fn is_gas(experiment: &Experiment) -> bool {
         && experiment.count() >= FEWEST
 }
 
-/// [m²/s²] variance of a velocity component at the start, of each species.
+/// [m²/s²] variance of a velocity component at the start, for each species.
 pub fn start_variances(experiment: &Experiment) -> Vec<f64> {
     let mut variances = vec![0.0; experiment.scene.species.len()];
     for population in &experiment.start {
@@ -78,7 +81,8 @@ pub fn start_variances(experiment: &Experiment) -> Vec<f64> {
     variances
 }
 
-/// Runs the case in a smaller periodic box; `None` if it is not a gas or does not fit into one.
+/// Runs the case in a smaller periodic box; `None` if the particles are no gas or the case does not fit into a smaller
+/// box.
 pub fn physics(experiment: &Experiment) -> Option<Physics> {
     if !is_gas(experiment) {
         return None;
@@ -88,7 +92,7 @@ pub fn physics(experiment: &Experiment) -> Option<Physics> {
     let drawn = variance_of(&start);
     let (outcome, end) = execute(&small, start, &mut []);
     let found = granular_temperature(&outcome).filter(|found| found.is_finite() && *found > 0.0).unwrap_or(drawn);
-    // without a driving gas, the temperature is that of the start, less what collisions dissipate
+    // without a driving gas the temperature is that of the start, minus the part that collisions dissipate
     let variance = match &experiment.scene.fluid {
         Some(_) => found,
         None => found / drawn * variance_of(&initial_state(experiment).ok()?),
@@ -111,7 +115,7 @@ pub fn physics(experiment: &Experiment) -> Option<Physics> {
         failure: outcome.failure.as_ref().map(ToString::to_string),
     };
     let temperatures = by_species(&end, variance, experiment.scene.species.len());
-    // slices across y if there are walls; without walls all positions are equivalent
+    // with walls, slices across y are compared; without walls all positions are equivalent
     let walled = experiment.scene.fluid.is_some() && !experiment.scene.walls.is_empty();
     let spread = if walled { AgitationSpread::of(&slices(&outcome)) } else { AgitationSpread::even() };
     let enough = |speeds: &Histogram| (speeds.total >= IMPACTS).then(|| speeds.clone());
@@ -121,7 +125,8 @@ pub fn physics(experiment: &Experiment) -> Option<Physics> {
     Some(Physics { calibration, variance, temperatures, spread, pair_speeds, wall_speeds })
 }
 
-/// Slices of a run between flat walls. Particle centres keep half a diameter from both ends.
+/// Slices of a run between flat walls, for the spread of the agitation. Particle centres keep half a diameter from both
+/// ends.
 fn slices(outcome: &Outcome) -> Vec<Slice> {
     let scene = &outcome.experiment.scene;
     let height = scene.domain.size.y;
@@ -129,7 +134,7 @@ fn slices(outcome: &Outcome) -> Vec<Slice> {
     let width = height / outcome.profiles.slices.len().max(1) as f64;
     let one = |row: &SliceRow| {
         let (low, high) = ((row.y - 0.5 * width).max(radius), (row.y + 0.5 * width).min(height - radius));
-        // streamwise, wall-normal, spanwise are along z, y, x
+        // streamwise, wall-normal and spanwise components are along z, y, x
         let variance = |column| Some(row.of(column)?.value.max(0.0));
         Some(Slice {
             particles: row.of(NUMBER_DENSITY)?.value * width / height,
@@ -140,14 +145,14 @@ fn slices(outcome: &Outcome) -> Vec<Slice> {
     outcome.profiles.slices.iter().filter_map(one).collect()
 }
 
-/// [m²/s²] mean variance of a velocity component about the mean velocity.
+/// [m²/s²] variance of a velocity component about the mean velocity, averaged over the three components.
 pub fn variance_of(particles: &Particles) -> f64 {
     let count = particles.len().max(1) as f64;
     let mean = particles.velocity.iter().sum::<Vector3<f64>>() / count;
     particles.velocity.iter().map(|v| (v - mean).norm_squared()).sum::<f64>() / (3.0 * count)
 }
 
-/// True if nothing drives the particles and no impact dissipates energy: then they are steady from the start.
+/// True if nothing drives the particles and no impact dissipates energy. The state is then steady from the start.
 fn conserves(experiment: &Experiment) -> bool {
     let scene = &experiment.scene;
     let surfaces = scene.surfaces(2);
@@ -155,15 +160,15 @@ fn conserves(experiment: &Experiment) -> bool {
     scene.fluid.is_none() && scene.gravity.norm() == 0.0 && lossless.all(|lossless| lossless)
 }
 
-/// The case in a box whose periodic sides are shorter, at equal number density. It is run with hard spheres, over an
-/// affordable time.
+/// The case in a box whose periodic sides are shorter, at equal number density. It has hard spheres, and a duration
+/// that takes little wall time.
 fn smaller(experiment: &Experiment) -> Experiment {
     let mut small = experiment.clone();
     let count: usize = experiment.count();
     let domain = &mut small.scene.domain;
     let axes = domain.periodic.iter().filter(|periodic| **periodic).count();
     let diameter = experiment.scene.largest_diameter();
-    // a body inside the domain belongs to its position
+    // with a body inside the domain the box is not shortened, since the position of the body would change
     let flat = experiment.scene.walls.iter().all(|wall| wall.geometry.is_flat());
     if axes > 0 && flat && count as f64 > PARTICLES {
         let factor = (PARTICLES / count as f64).powf(1.0 / axes as f64);
@@ -181,7 +186,7 @@ fn smaller(experiment: &Experiment) -> Experiment {
         population.amount = Amount::Count(n as usize);
         left += n;
         let density = n / small.scene.domain.volume();
-        // 2 n² d² sqrt(π T) per volume
+        // collision rate 2 n² d² sqrt(π T) per volume
         collisions += n * 2.0 * density * diameter * diameter * PI.sqrt() * population.mean_fluctuation();
     }
     let window = Schedule::new(experiment).window;
@@ -196,7 +201,7 @@ fn smaller(experiment: &Experiment) -> Experiment {
     small
 }
 
-/// Shares the temperature among the species as the last state does.
+/// [m²/s²] temperature of each species: `variance` is distributed in the ratios of the final state `end`.
 fn by_species(end: &Particles, variance: f64, species: usize) -> Vec<f64> {
     let mean = end.velocity.iter().sum::<Vector3<f64>>() / end.len().max(1) as f64;
     let mut sums = vec![(0.0, 0.0); species];
@@ -212,7 +217,7 @@ fn by_species(end: &Particles, variance: f64, species: usize) -> Vec<f64> {
     sums.iter().map(|sums| variance * share(sums)).collect()
 }
 
-/// [-] relative standard error of a slice's granular temperature, the median over slices.
+/// [-] relative standard error of the granular temperature of a slice, as the median over slices.
 fn temperature_error(outcome: &Outcome) -> Option<f64> {
     let relative = |row: &SliceRow| {
         let parts: Vec<Estimate> = [UU, VV, WW].into_iter().map(|column| row.of(column)).collect::<Option<_>>()?;
@@ -226,8 +231,8 @@ fn temperature_error(outcome: &Outcome) -> Option<f64> {
     errors.get(errors.len() / 2).copied()
 }
 
-/// `experiment` with the engine of a choice. A soft engine has the contact law given, or else that of the case; `None`
-/// if neither names one.
+/// The experiment with the engine of a choice. A soft engine gets the contact law `law` or, without one, the law of the
+/// case; `None` if there is neither.
 pub fn with_choice(experiment: &Experiment, choice: EngineChoice, law: Option<ContactLaw>) -> Option<Experiment> {
     let mut chosen = experiment.clone();
     chosen.soft.law = law.or(experiment.soft.law);
@@ -246,19 +251,19 @@ pub fn with_choice(experiment: &Experiment, choice: EngineChoice, law: Option<Co
     Some(chosen)
 }
 
-/// Timing of some windows of a run, from which the cost of the whole run follows.
+/// Timing of some windows of a run, extrapolated to the cost of the whole run.
 pub struct Timed {
-    /// [s] wall time of the run, or until it failed.
+    /// [s] wall time of the whole run; if the run failed, wall time until then.
     pub seconds: f64,
-    /// Whole windows that were timed.
+    /// Number of whole windows that were timed.
     pub windows: u64,
-    /// [byte] memory of this process at the end of the timed windows, where the system tells.
+    /// [byte] memory of this process at the end of the timed windows; `None` if the system does not report it.
     pub memory: Option<f64>,
-    /// Why it stopped, if it did.
+    /// Reason why the run stopped; `None` if it did not.
     pub failure: Option<Failure>,
 }
 
-/// Times some windows of every model at the size of the case. Particles move as in the calibration if there was one.
+/// Times some windows of every model at the size of the case. If there was a calibration, particles move as in it.
 pub fn costs(experiment: &Experiment, start: &Particles, law: Option<ContactLaw>) -> Vec<PredictedCost> {
     EngineChoice::ALL
         .into_iter()
@@ -275,14 +280,14 @@ pub fn costs(experiment: &Experiment, start: &Particles, law: Option<ContactLaw>
         .collect()
 }
 
-/// Times the share `most` [-] of a run from `start`: at least two windows after the first, or as much as patience
-/// allows. Where other programs use the machine too, that share is slowed down as the whole run would be.
+/// Times the share `most` [-] of a run from `start`. At least two windows after the first one are timed, or as many as
+/// `PATIENCE` allows. If other programs use the machine too, this share is slowed down as the whole run would be.
 pub fn timed(experiment: &Experiment, start: &Particles, most: f64) -> Timed {
     let schedule = Schedule::new(experiment);
     let windows = schedule.windows_per_sample as f64 * schedule.samples as f64;
     let mut simulation = Simulation::new(experiment, start.clone());
     let parts = match (experiment.model(), experiment.soft.stepping) {
-        // uniform steps cost the same all along the window: a part of it tells
+        // the cost of uniform steps is equal all along the window, so a part of the window is enough
         (Model::Soft, SoftStepping::Uniform) => {
             let steps = (schedule.window / soft_step(experiment, start.len())).max(1.0);
             (steps * start.len() as f64 / STEPS).ceil().clamp(1.0, steps)
@@ -296,7 +301,7 @@ pub fn timed(experiment: &Experiment, start: &Particles, most: f64) -> Timed {
     let most = (most * total).max(3.0).min(total).ceil();
     let clock = Instant::now();
     let (mut timed, mut batch, mut seconds) = (0.0, 1.0_f64, 0.0);
-    // lists and tables are made in the first window, which does not count if there are more
+    // lists and tables are made in the first window, which is not counted if there are more windows
     let mut first = (0.0, 0.0);
     let mut failure = None;
     while timed < most && seconds < PATIENCE {
@@ -323,8 +328,9 @@ pub fn timed(experiment: &Experiment, start: &Particles, most: f64) -> Timed {
     }
 }
 
-/// [s] `window`, or a part of it that takes a moment: a window of a long run may hold any number of impacts. The parts
-/// tried begin with ten times the time in which the fastest particle moves by the largest diameter, and double.
+/// [s] `window`, or a part of it that takes little wall time, since a window of a long run may contain any number of
+/// impacts. The parts that are tried begin with ten times the time in which the fastest particle moves by the largest
+/// diameter; each next part is twice as long.
 fn short_enough(experiment: &Experiment, start: &Particles, window: f64) -> f64 {
     let diameter = 2.0 * start.radius.iter().copied().fold(0.0, f64::max);
     let speed = start.largest_speed(Vector3::zeros()) + (experiment.scene.gravity.norm() * diameter).sqrt();
@@ -343,10 +349,11 @@ fn short_enough(experiment: &Experiment, start: &Particles, window: f64) -> f64 
     window
 }
 
-/// [byte] memory for the figures and the page of one variant, made when the run is over (measured on the ready cases).
+/// [byte] memory for the figures and the page of one variant, which are made when the run is over (measured on the
+/// built-in cases).
 const REPORT: f64 = 0.5e6;
 
-/// [byte] memory of a particle in the store: position, velocity, radius, mass, species, id.
+/// [byte] memory of one particle in the store: position, velocity, radius, mass, species, id.
 const BYTES: f64 = 8.0 * 8.0 + 2.0 + 4.0;
 
 /// [s] wall time of one sample.
@@ -357,7 +364,8 @@ fn sampling(experiment: &Experiment, particles: &Particles) -> f64 {
     clock.elapsed().as_secs_f64()
 }
 
-/// [byte] memory of this process now, where the system tells (Linux: VmRSS of /proc/self/status).
+/// [byte] memory that this process uses now; `None` if the system does not report it (Linux: VmRSS of
+/// /proc/self/status).
 fn resident() -> Option<f64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"))?;
@@ -365,7 +373,7 @@ fn resident() -> Option<f64> {
     Some(1024.0 * kibibytes)
 }
 
-/// The case in windows of equal length. If a gas drives the particles, they start with the agitation `temperatures`
+/// The case with windows of one length. If a gas drives the particles, they start with the agitation `temperatures`
 /// [m²/s²]; otherwise they start as in the case.
 pub fn agitated(experiment: &Experiment, temperatures: &[f64]) -> Experiment {
     let mut moved = experiment.clone();

@@ -1,4 +1,4 @@
-//! `diptych check CASE`: the runs that a case asks for and what to expect of them, without running them.
+//! `diptych check CASE`: the runs that a case defines and predictions for them, without running them.
 
 use crate::case::{Case, Checked, Diagnostic, describe, name_of};
 use crate::cli::Check;
@@ -15,23 +15,26 @@ use serde::Serialize;
 use std::collections::HashSet;
 use std::fmt::Write;
 
-/// Particles up to which a start is made to see if something would stop a run. More take seconds; `plan` looks at them.
+/// Largest number of particles for which `check` makes a start, to find anything that would stop a run. More particles
+/// take seconds; `plan` makes their start.
 const MOST: usize = 1_000_000;
 
-/// Effort for making a start: some 5 s. A position that is tried counts 1, a round over all particles counts their
+/// Effort for making a start, which takes some 5 s. A position that is tried counts 1; a round over all particles
+/// counts their number.
 /// number.
 const EFFORT: u64 = 5_000_000;
 
-/// Rounds over all particles that are made whatever their number: ten are enough where insertion is quick.
+/// Smallest number of rounds over all particles, for any number of particles. Ten are enough where insertion is quick.
 const ROUNDS: u64 = 20;
 
-/// Kinds of contact that are listed. The shortest contacts are kept, since they govern the time step.
+/// Largest number of kinds of contact that are listed. They are those with the shortest contacts, on which the time
+/// step depends.
 const LISTED: usize = 20;
 
-/// Checks a case and prints what would run.
+/// Checks a case and prints the runs that it defines.
 ///
 /// # Errors
-/// What is wrong with the case; as JSON, that is printed too.
+/// The mistake in the case; with JSON output it is printed too.
 pub fn check(args: &Check) -> Result<(), StudyError> {
     let found = Case::read(&args.case, &args.input.set).and_then(|case| CheckReport::of(&case));
     if !args.json {
@@ -52,23 +55,23 @@ pub fn check(args: &Check) -> Result<(), StudyError> {
 /// Text that `check` prints for a case.
 ///
 /// # Errors
-/// What is wrong with the case: nothing can run it, or a variant that it names itself cannot.
+/// The mistake in the case: no model can run it, or a variant that the case names cannot run.
 pub fn check_text(case: &Case) -> Result<String, Diagnostic> {
     Ok(CheckReport::of(case)?.text())
 }
 
-/// Report on a case.
+/// Results of `check` for a case.
 #[derive(Serialize)]
 struct CheckReport {
     case: String,
     title: String,
-    /// The scene and the run in words, a statement each.
+    /// Scene and run in words, one statement per entry.
     scene: Vec<String>,
-    /// Variant for `run`; `None` for a case without a model of its own.
+    /// Variant of `run`; `None` for a case without a model of its own.
     run: Option<CheckedVariant>,
-    /// Variants for `compare`.
+    /// Variants of `compare`.
     variants: Vec<CheckedVariant>,
-    /// Why `compare` cannot run soft and hard.
+    /// Reason why `compare` cannot run soft and hard spheres; `None` if it can.
     compare_refused: Option<String>,
     /// Keys that `sweep` varies.
     sweep: Vec<Varied>,
@@ -76,7 +79,7 @@ struct CheckReport {
     warnings: Vec<Diagnostic>,
 }
 
-/// A key that `sweep` would vary.
+/// A key that `sweep` varies.
 #[derive(Serialize)]
 struct Varied {
     key: String,
@@ -84,51 +87,51 @@ struct Varied {
     values: Vec<String>,
 }
 
-/// One variant with the times that follow from it.
+/// One variant, with the times computed for it.
 #[derive(Serialize)]
 struct CheckedVariant {
     name: String,
     model: Model,
     /// Name, value and unit of the elastic parameter of the contact law; `None` for hard spheres.
     contact_law: Option<String>,
-    /// [s] time step of the soft model; `None` where nothing can touch.
+    /// [s] time step of the soft model; `None` if nothing can touch.
     time_step: Option<f64>,
-    /// [-] soft time steps of the whole run.
+    /// [-] number of soft time steps of the whole run.
     steps: Option<f64>,
     /// [s] shortest contact of two particles.
     pair_contact: Option<f64>,
     /// [s] shortest contact with a wall.
     wall_contact: Option<f64>,
-    /// Kinds of contact with their names and durations [s], where there are several of pairs or at walls. At most 20
-    /// are listed, the shortest.
+    /// Kinds of contact with their names and durations [s]. Empty unless there are several kinds of pairs or several at
+    /// walls. At most 20 are listed, the shortest ones.
     contacts: Vec<(String, f64)>,
-    /// [s] window h, the shortest one where windows grow.
+    /// [s] window h; if windows grow, the shortest one.
     window: f64,
     /// [s] the longest window.
     longest: f64,
-    /// [-] windows of the whole run. A case may have more than 64 bits can count.
+    /// [-] number of windows of the whole run. A case may have more windows than a 64-bit integer can count.
     windows: f64,
     samples: u64,
 }
 
 impl CheckReport {
-    /// A case that one model cannot run is as good as `run` finds it: that model is then said not to run, and why.
+    /// Checks a case. If one model cannot run a case that `run` accepts, the report says so, with the reason.
     fn of(case: &Case) -> Result<Self, Diagnostic> {
         let sweep = varied(case)?;
         let (run, variants) = (case.experiment(None, None), case.variants(None));
         let (variants, refused) = match variants {
             Ok(variants) => (variants, None),
-            // soft and hard, which the case does not ask for: one of them may be all it is made for
+            // the case does not name soft and hard variants; perhaps it is made for one of the models only
             Err(why) if run.is_ok() && !case.names_variants() => (Vec::new(), Some(why)),
             Err(why) => return Err(run.err().filter(|_| !case.names_variants()).unwrap_or(why)),
         };
-        // a case that `run` cannot start but `compare` can has no model of its own: nothing to say about it
+        // a case that `compare` can start and `run` cannot has no model of its own, so there is no variant for `run`
         let run = run.ok();
         let first = run.as_ref().or(variants.first()).map(|(experiment, _)| describe(experiment));
         let mut warnings: Vec<Diagnostic> = Vec::new();
         let mut looked_at = HashSet::new();
         for (experiment, told) in run.iter().chain(&variants) {
-            // a variant with an equal description is not looked at again
+            // a variant with an equal description is not examined again
             let stops = if looked_at.insert(describe(experiment)) { stops(experiment)? } else { Vec::new() };
             for warning in told.iter().cloned().chain(stops) {
                 if !warnings.contains(&warning) {
@@ -220,7 +223,7 @@ impl CheckedVariant {
         }
     }
 
-    /// Contact times and time step of the soft model; window and length of both.
+    /// Report as text: the scene, and for each variant contact times, time step, window and length.
     fn text(&self) -> String {
         let mut text = String::new();
         if let (Some(law), Some(step), Some(steps)) = (&self.contact_law, self.time_step, self.steps) {
@@ -247,7 +250,8 @@ impl CheckedVariant {
     }
 }
 
-/// Every kind of contact with its duration [s] at the fastest impacts, where there are several of pairs or at walls.
+/// Kinds of contact with their durations [s] at the fastest impacts; empty unless there are several kinds of pairs or
+/// several at walls.
 fn contacts(experiment: &Experiment, law: &ContactLaw) -> Vec<(String, f64)> {
     let kinds = at_fastest_impacts(experiment);
     let several = |wall: bool| kinds.iter().filter(|kind| kind.wall == wall).count() > 1;
@@ -263,12 +267,12 @@ fn contacts(experiment: &Experiment, law: &ContactLaw) -> Vec<(String, f64)> {
     times
 }
 
-/// Reasons against running, found without running anything. If memory is too small, that is the reason; else it is what
-/// `plan` would say against hard spheres. Limits of soft spheres are checked when a case is read. Hard spheres in steps
-/// are not checked here.
+/// Reasons against running an experiment, found without running it. If there is too little memory, this is the reason;
+/// otherwise the reasons are those of `plan` against hard spheres. Limits of soft spheres are checked when a case is
+/// read. Hard spheres in time steps are not checked here.
 ///
 /// # Errors
-/// The scene is too crowded to start: what `run` refuses.
+/// The scene is too crowded to start, so that `run` refuses it.
 fn stops(experiment: &Experiment) -> Result<Vec<Diagnostic>, Diagnostic> {
     let by_events = experiment.model() == Model::Hard && experiment.hard.stepping == HardStepping::Events;
     if let Some((why, help)) = memory::refusal(experiment) {
@@ -293,7 +297,7 @@ fn stops(experiment: &Experiment) -> Result<Vec<Diagnostic>, Diagnostic> {
     Ok(found.map(warning).collect())
 }
 
-/// Warning that `check` has not yet found a random start.
+/// Warning that `check` found no random start with its limited effort.
 fn not_yet_placed() -> Diagnostic {
     let message = "no random start was found with the effort that `check` makes: a run tries longer, and refuses a scene that is too crowded";
     let help = "see whether the walls leave room for all particles; fewer of them start sooner";

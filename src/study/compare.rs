@@ -1,4 +1,4 @@
-//! `diptych compare`: the variants of a case, one after the other, each alone on the machine.
+//! `diptych compare`: runs the variants of a case, one after the other, each alone on the machine.
 
 use super::judge::{Criteria, judge_at};
 use super::replicas::pool;
@@ -13,18 +13,18 @@ use crate::runs::{CommandOrigin, CommandSettings, Ranks, StudyError, read, share
 use crate::statistics::{Answer, ErrorLevels};
 use std::ops::Range;
 
-/// Replicas between two looks of `--until-decided`: from three on curves have errors, and with four of each Student's t
-/// has 6 degrees of freedom.
+/// Number of replicas between two interim tests of `--until-decided`. From three replicas on curves have errors; with
+/// four of each variant Student's t has 6 degrees of freedom.
 const PIECE: usize = 4;
 
-/// Largest number of replicas of each variant for `--until-decided` without `--replicas`: sixteen looks.
+/// Largest number of replicas of each variant for `--until-decided` without `--replicas`: sixteen interim tests.
 const MOST: usize = 64;
 
-/// Runs all variants of a case and writes one folder. Returns the answer of all comparisons together, `None` for a
+/// Runs all variants of a case and writes one folder. Returns the answer of all comparisons together; `None` for a
 /// single variant.
 ///
 /// # Errors
-/// Bad input before anything is computed; failures of engines after everything has been written.
+/// Bad input, before anything is computed; failures of engines, after everything has been written.
 pub fn compare(args: &Compare, ranks: &Ranks) -> Result<Option<Answer>, StudyError> {
     compare_on(args, CommandOrigin::Typed, ranks)
 }
@@ -60,12 +60,12 @@ pub(super) fn compare_on(args: &Compare, origin: CommandOrigin, ranks: &Ranks) -
     Ok(overall(&judged.comparisons))
 }
 
-/// Number of replicas of each variant between two looks, and their largest number.
+/// Schedule of the interim tests ("looks"): replicas of each variant between two tests, and their largest number.
 #[derive(Clone, Copy, Debug)]
 struct Looks {
-    /// Replicas between two looks.
+    /// Number of replicas of each variant between two looks.
     piece: usize,
-    /// Replicas at most.
+    /// Largest number of replicas of each variant.
     most: usize,
 }
 
@@ -83,18 +83,19 @@ impl Looks {
         self.most.div_ceil(self.piece)
     }
 
-    /// Replicas of each variant that there are at a look.
+    /// Number of replicas of each variant that are complete at a look.
     fn replicas(self, look: usize) -> usize {
         (look * self.piece).min(self.most)
     }
 
-    /// Replicas of each variant that are run between the previous look and this one, after the first run.
+    /// Indices of the replicas of each variant that are run between the previous look and this one. The first run is
+    /// not included.
     fn range(self, look: usize) -> Range<usize> {
         self.replicas(look - 1).max(1)..self.replicas(look)
     }
 }
 
-/// Results of a comparison so far, and their judgement.
+/// Results of a comparison so far, and settings for their judgement.
 struct VariantComparison<'a> {
     variants: &'a Variants,
     looks: Looks,
@@ -104,7 +105,8 @@ struct VariantComparison<'a> {
 }
 
 impl VariantComparison<'_> {
-    /// Runs the replicas of a variant that belong to a look. If the user stops it, the results so far are written.
+    /// Runs the replicas of a variant that are needed for a look. If the user stops the command, the results so far are
+    /// written.
     fn run_replicas(&mut self, variant: usize, look: usize) -> Result<(), StudyError> {
         if self.results.run_replicas(variant, self.looks.range(look))? {
             return Ok(());
@@ -113,12 +115,12 @@ impl VariantComparison<'_> {
         Err(self.results.stopped(variant))
     }
 
-    /// Writes the results after every variant and every look: a long comparison that is stopped keeps what is done.
+    /// Writes the results after every variant and every look, so that a long comparison that is stopped keeps them.
     fn write_part(&self, look: usize) -> Result<(), StudyError> {
         self.results.write(&self.judged(look), false).map(drop)
     }
 
-    /// All answers first, then further sentences.
+    /// Judges the results so far. The answers come first, then further sentences.
     fn judged(&self, look: usize) -> VariantFindings {
         let pooled = self.results.runs.iter().map(|runs| pool(runs[0].clone(), runs[1..].to_vec()));
         let (outcomes, others): (Vec<Outcome>, Vec<Vec<Outcome>>) = pooled.unzip();
@@ -143,13 +145,13 @@ impl VariantComparison<'_> {
     }
 }
 
-/// True if more replicas would change nothing: every answer is given, or all replicas of a variant stopped.
+/// True if more replicas would change nothing: every comparison is decided, or all replicas of a variant stopped.
 fn is_decided(findings: &VariantFindings) -> bool {
     let stopped = findings.outcomes.iter().any(|one| one.failure.is_some());
     stopped || findings.comparisons.iter().all(|one| one.answer != Answer::Unresolved)
 }
 
-/// The variants of a comparison.
+/// Reads the variants of a comparison from a case.
 fn variants(args: &Compare, looks: Looks, ranks: &Ranks) -> Result<Variants, StudyError> {
     let case = read(&args.case, &args.input.with_every(args.every.as_ref()))?;
     let checked = case.variants(args.effort.seed)?;

@@ -1,4 +1,4 @@
-//! Profile of the gas that the particles see, as a table and a figure; no particle is moved.
+//! `diptych fluid`: the velocity profile of the gas, as a table and a figure; no particle is moved.
 
 use crate::case::Case;
 use crate::cli::FluidArguments as Args;
@@ -7,7 +7,7 @@ use crate::output::{FIGURES, Folder, OutputError, SUMMARY, figures};
 use crate::runs::{StudyError, conclude, folder, read};
 use serde::Serialize;
 
-/// Rows of `profile.csv` for a profile without a grid of its own.
+/// Number of rows of `profile.csv` for a profile without a grid of its own.
 const ROWS: usize = 401;
 
 /// Summary of a gas profile.
@@ -15,16 +15,16 @@ const ROWS: usize = 401;
 pub struct FluidSummary {
     /// [m] height of the box along y.
     pub height: f64,
-    /// [m/s] mean velocity over the height, or over the section of a pipe.
+    /// [m/s] mean velocity over the height, or over the cross-section of a pipe.
     pub bulk_velocity: f64,
     /// [m/s] greatest velocity.
     pub maximum_velocity: f64,
-    /// [-] Reynolds number of the mean velocity and the distance between the walls of the gas, or the diameter of its
+    /// [-] Reynolds number with the mean velocity and the distance between the walls of the gas, or the diameter of its
     /// pipe.
     pub reynolds_number: f64,
-    /// [m/s] friction velocity u_τ, of profiles that have one.
+    /// [m/s] friction velocity u_τ; `None` for a profile without one.
     pub friction_velocity: Option<f64>,
-    /// The solution, for a k-epsilon profile.
+    /// Summary of the solution, for a k-epsilon profile.
     pub channel: Option<ChannelSummary>,
 }
 
@@ -37,11 +37,11 @@ pub struct ChannelSummary {
     pub friction_velocity: f64,
     /// [-] friction Reynolds number u_τ h/ν.
     pub reynolds_tau: f64,
-    /// Cells over the half channel.
+    /// Number of cells over the half channel.
     pub cells: usize,
     /// [-] distance of the first node from the wall, y+.
     pub first_node: f64,
-    /// Sweeps over k and ε.
+    /// Number of sweeps over k and ε.
     pub iterations: usize,
     /// [-] largest relative change in the last sweep.
     pub residual: f64,
@@ -49,7 +49,7 @@ pub struct ChannelSummary {
     pub k_imbalance: f64,
 }
 
-/// One row of `profile.csv`; empty where the profile gives no value.
+/// One row of `profile.csv`; fields are empty if the profile gives no value.
 #[derive(Serialize)]
 struct FluidProfileRow {
     y_m: f64,
@@ -63,15 +63,15 @@ struct FluidProfileRow {
     u_plus: Option<f64>,
 }
 
-/// Computes the gas profile of a case and writes it as `profile.csv`, `figures/` and `summary.json`.
+/// Computes the gas profile of a case and writes it to `profile.csv`, `figures/` and `summary.json`.
 ///
 /// # Errors
-/// Bad input before anything is written; a file that cannot be written afterwards.
+/// Bad input, before anything is written; afterwards a file that cannot be written.
 pub fn fluid(args: &Args) -> Result<(), StudyError> {
     let case = read(&args.case, &args.input)?;
     let checked = match case.experiment(None, None) {
         Ok(checked) => checked,
-        // a case whose own model cannot run may still have a gas
+        // a case whose own model cannot run may have a gas nevertheless
         Err(why) => case.variants(None).ok().and_then(|list| list.into_iter().next()).ok_or(why)?,
     };
     let scene = &checked.0.scene;
@@ -114,7 +114,8 @@ pub fn fluid(args: &Args) -> Result<(), StudyError> {
 }
 
 /// Writes the profile of the gas between walls at y = 0 and y = `height` [m]. A k-epsilon profile is written at its
-/// nodes, mirrored, with the points of the law of the wall (no k, ε, ν_t there); any other at equal distances.
+/// nodes, mirrored, together with points of the law of the wall (without k, ε, ν_t). Any other profile is written at
+/// equal distances.
 ///
 /// # Errors
 /// A file that cannot be written.
@@ -199,7 +200,7 @@ fn summary(fluid: &Fluid, height: f64) -> FluidSummary {
     }
 }
 
-/// Gases of the variants of a case, each under the name of the first variant that has it; empty where all variants have
+/// Gases of the variants of a case, each under the name of the first variant that has it. Empty if all variants have
 /// one gas.
 fn gases(case: &Case) -> Vec<(String, Profile)> {
     let mut gases: Vec<(String, Profile)> = Vec::new();
@@ -220,13 +221,13 @@ fn width(profile: &Profile, height: f64) -> f64 {
     high - low
 }
 
-/// [m/s] mean velocity over the height. A channel flow has its own value; other profiles are averaged over the rows
+/// [m/s] mean velocity over the height. A channel flow contains its mean; other profiles are averaged over the rows
 /// that are written.
 fn bulk_velocity(profile: &Profile, height: f64) -> f64 {
     profile.bulk_velocity().unwrap_or_else(|| mean(profile, height))
 }
 
-/// Mean over the height by the trapezoidal rule on the rows that are written.
+/// [m/s] mean over the height by the trapezoidal rule, on the rows that are written.
 fn mean(profile: &Profile, height: f64) -> f64 {
     let sample = profile.sample(height, ROWS);
     sample.windows(2).map(|pair| 0.5 * (pair[0].1 + pair[1].1)).sum::<f64>() / (ROWS - 1) as f64

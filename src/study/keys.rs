@@ -1,4 +1,4 @@
-//! `diptych keys`: every key of a case, from the types that read it.
+//! `diptych keys`: prints every key of a case, from the types that read it.
 
 use crate::case::keys::{Key, KeyTable, schema, tables};
 use crate::case::nearest;
@@ -6,7 +6,7 @@ use crate::cli::Keys;
 use crate::runs::{StudyError, answer, answer_json};
 use std::fmt::Write;
 
-/// Text above the tables of the page.
+/// Text above the tables of the page of keys.
 const INTRODUCTION: &str = "\
 # Keys of a case
 
@@ -25,7 +25,7 @@ An editor that knows JSON schemas completes and checks keys with the output of `
 /// Prints the keys of a case.
 ///
 /// # Errors
-/// No such table, or the text cannot be written.
+/// There is no such table, or the text cannot be written.
 pub fn keys(args: &Keys) -> Result<(), StudyError> {
     if args.schema {
         return answer_json(&format!("{:#}\n", schema()));
@@ -42,12 +42,12 @@ pub fn keys(args: &Keys) -> Result<(), StudyError> {
     answer(&if args.markdown { page(&shown) } else { shown.iter().map(|table| text(table)).collect() })
 }
 
-/// True if a table has that name, or lies within the table of that name.
+/// True if the table has this name, or lies within the table of this name.
 fn is_within(table: &KeyTable, name: &str) -> bool {
     table.name.strip_prefix(name).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
 }
 
-/// The page of all keys, `docs/keys.md`.
+/// Page of all keys, which is stored as `docs/keys.md`.
 pub fn markdown() -> String {
     page(&tables().iter().collect::<Vec<_>>())
 }
@@ -73,7 +73,7 @@ fn required(when: Option<&String>) -> String {
     when.map_or(String::new(), |when| format!(" (required {when})").replace(" always", ""))
 }
 
-/// Facts about a key besides its meaning, each as a few words.
+/// Properties of a key except its meaning, each in a few words.
 fn facts(key: &Key) -> Vec<String> {
     let kind = match &key.unit {
         Some(unit) => format!("{} [{unit}]", key.kind),
@@ -102,7 +102,7 @@ fn page(tables: &[&KeyTable]) -> String {
 /// A key as a row of a Markdown table.
 fn row(key: &Key) -> String {
     let code = |text: &Option<String>| text.as_ref().map_or(String::new(), |text| format!("`{text}`"));
-    // a default in words stays text; a default that could be typed is set as code
+    // a default in words is set as text; a default that could be typed is set as code
     let default = match (&key.required, &key.default) {
         (Some(when), _) => format!("required {when}").replace(" always", ""),
         (None, Some(default)) if !default.starts_with(['"', '[']) && default.contains([' ', '`']) => default.clone(),

@@ -1,4 +1,4 @@
-//! `diptych completions` and `diptych man`: completions for a shell, and manual pages.
+//! `diptych completions` and `diptych man`: prints completions for a shell, and manual pages.
 
 use crate::cli::{Cli, Completions, Man};
 use crate::runs::{StudyError, answer};
@@ -17,7 +17,7 @@ pub fn completions(args: &Completions) -> Result<(), StudyError> {
 /// Prints a manual page.
 ///
 /// # Errors
-/// No such command, or it cannot be written.
+/// There is no such command, or the page cannot be written.
 pub fn man(args: &Man) -> Result<(), StudyError> {
     let mut whole = Cli::command();
     whole.build();

@@ -1,4 +1,4 @@
-//! `diptych plan CASE`: behaviour to expect of a case, and the engine, stiffness, step and length that it needs, before
+//! `diptych plan CASE`: predictions for a case, and the engine, stiffness, time step and length that it needs, before
 //! it is run.
 
 use super::calibration::{Physics, agitated, costs, is_gas, physics, start_variances, variance_of, with_choice};
@@ -25,23 +25,23 @@ use crate::runs::{StudyError, answer, answer_json, read, start, use_threads, war
 use crate::schedule::Schedule;
 use crate::simulation::soft_step;
 
-/// [-] relative error that is wanted by default: the default of --target-error.
+/// [-] default of the desired relative error, `--target-error`.
 pub const USUAL_TARGET: f64 = 0.01;
 
-/// A plan, its recommendation, and the experiment that follows from that.
+/// A plan, its recommendation, and the case with the recommended settings.
 pub struct PlannedExperiment {
     /// Predictions and measurements.
     pub plan: RunPrediction,
     /// Recommended settings.
     pub recommendation: Recommendation,
-    /// The case with the recommended engine, stiffness and steps; unchanged where no engine is adequate.
+    /// The case with the recommended engine, stiffness and steps; unchanged if no engine is adequate.
     pub experiment: Experiment,
 }
 
 /// Plans a case and prints the plan.
 ///
 /// # Errors
-/// What is wrong with the case.
+/// The mistake in the case.
 pub fn plan(args: &Arguments) -> Result<(), StudyError> {
     let case = read(&args.case, &args.input)?;
     let checked = any_model(&case, args.effort.seed)?;
@@ -52,8 +52,8 @@ pub fn plan(args: &Arguments) -> Result<(), StudyError> {
     if args.json { answer_json(&document) } else { answer(&document) }
 }
 
-/// The case under the model it names, or else under any model that can run it: the choice of model is the question
-/// here.
+/// Experiment of the case with the model that it names or, if that cannot run it, with any model that can. The choice
+/// of a model is the purpose of a plan.
 pub fn any_model(case: &Case, seed: Option<u64>) -> Result<Checked, Diagnostic> {
     case.experiment(None, seed).or_else(|why| {
         let other = |model| case.experiment(Some(model), seed).ok();
@@ -78,11 +78,11 @@ fn document(
     if json { Ok(plan_json(&document)?) } else { Ok(plan_text(&document)) }
 }
 
-/// Plans an experiment for the relative error `target` [-]. If `timed`, windows of every model are timed too. The
-/// recommendation does not depend on that.
+/// Plans an experiment for the relative error `target` [-]. With `timed`, windows of every model are timed too. The
+/// recommendation does not depend on the timing.
 ///
 /// # Errors
-/// A scene too crowded to start.
+/// The scene is too crowded to start.
 pub fn plan_of(experiment: &Experiment, target: f64, timed: bool) -> Result<PlannedExperiment, StudyError> {
     let measured = physics(experiment);
     let temperatures =
@@ -104,8 +104,8 @@ pub fn plan_of(experiment: &Experiment, target: f64, timed: bool) -> Result<Plan
     plan.averaging = averaging(experiment, &plan).filter(|_| plan.transient.is_none());
     if timed {
         plan.costs = costs(&moved, &particles, law);
-        // the timing is of flying particles: in a bed at rest islands hold all particles, and local steps cost more
-        // than steps of all
+        // the timing is of flying particles; in a bed at rest islands hold all particles, and local steps cost more
+        // than uniform steps
         let local = |cost: &&mut PredictedCost| {
             matches!(cost.model, EngineChoice::SoftLocal | EngineChoice::Hybrid) && cost.failure.is_none()
         };
@@ -118,7 +118,7 @@ pub fn plan_of(experiment: &Experiment, target: f64, timed: bool) -> Result<Plan
     Ok(PlannedExperiment { plan, recommendation, experiment })
 }
 
-/// Part of a plan that does not depend on the contact law.
+/// Predictions that do not depend on the contact law.
 fn without_contacts(
     experiment: &Experiment,
     target: f64,
@@ -173,7 +173,7 @@ fn without_contacts(
     }
 }
 
-/// Contacts, time steps and overlaps that follow from the contact law.
+/// Adds the predictions that depend on the contact law: contacts, time steps and overlaps.
 fn with_contacts(
     plan: &mut RunPrediction,
     experiment: &Experiment,
@@ -231,7 +231,7 @@ fn with_contacts(
     }
 }
 
-/// All kinds of contact, with the speeds of a gas or of a few bodies.
+/// All kinds of contact, with the impact speeds of a gas or of a few bodies.
 fn kinds(
     experiment: &Experiment,
     plan: &RunPrediction,
@@ -243,7 +243,7 @@ fn kinds(
     let temperature = |species: usize| temperatures.get(species).copied().unwrap_or(0.0);
     if plan.gas.is_some() {
         let spread = measured.map_or_else(AgitationSpread::even, |found| found.spread.clone());
-        // with several species a histogram does not tell which of them collided
+        // with several species a histogram does not show which of them collided
         let counted = measured.filter(|_| experiment.scene.species.len() == 1);
         let speeds = |variance, counted: Option<&Histogram>, parts: &[[f64; 2]]| match counted {
             Some(speeds) => ImpactSpeeds::Measured { variance, speeds: speeds.clone() },
@@ -258,10 +258,11 @@ fn kinds(
     bodies(experiment, particles, plan.rest.as_ref().map_or(0.0, |rest| rest.speed))
 }
 
-/// Fewest mean free times that are averaged over: only beyond some of them do errors fall with the root of the time.
+/// Smallest averaging time, in mean free times. Only beyond several free times do errors fall with the root of the
+/// time.
 const FREE_TIMES: f64 = 10.0;
 
-/// Number of particles and length for the wanted error: errors fall with the root of particles times time.
+/// Number of particles and averaging time for the desired error. Errors fall with the root of particles times time.
 fn averaging(experiment: &Experiment, plan: &RunPrediction) -> Option<Averaging> {
     let (gas, run) = (plan.gas.as_ref()?, plan.calibration.as_ref().filter(|run| run.steady)?);
     let needed = run.particles as f64 * run.averaged * (run.temperature_error? / plan.target_error).powi(2);
@@ -271,7 +272,7 @@ fn averaging(experiment: &Experiment, plan: &RunPrediction) -> Option<Averaging>
     let size: [f64; 3] =
         std::array::from_fn(|axis| if domain.periodic[axis] { side.min(domain.size[axis]) } else { domain.size[axis] });
     let particles = (plan.particles as f64 * size.iter().product::<f64>() / domain.volume()).round().max(1.0);
-    // samples closer than a mean free time are not independent
+    // samples less than a mean free time apart are not independent
     let shortest = FREE_TIMES / gas.collision_rate;
     Some(Averaging {
         size,
@@ -281,7 +282,7 @@ fn averaging(experiment: &Experiment, plan: &RunPrediction) -> Option<Averaging>
     })
 }
 
-/// The case as recommended. A contact law that is stiff enough stays.
+/// The case with the recommended settings. A contact law that is stiff enough is not changed.
 fn follow(experiment: &Experiment, recommendation: &Recommendation) -> Experiment {
     let Some(engine) = recommendation.engine else { return experiment.clone() };
     let Some(mut chosen) = with_choice(experiment, engine, recommendation.law) else { return experiment.clone() };

@@ -1,4 +1,4 @@
-//! `--replicas`: one variant with several seeds, and their averages as one outcome.
+//! `--replicas`: runs of one variant with several seeds, and their averages as one outcome.
 
 use crate::experiment::{Amount, Experiment};
 use crate::observe::KindAverages;
@@ -6,10 +6,10 @@ use crate::outcome::{Averaged, Outcome, Replicas};
 use crate::runs::StudyError;
 use crate::statistics::{Batches, Estimate, FEWEST_RUNS, ProfileTable, U};
 
-/// The experiments of all replicas, the first with the seed of the case and the others with the next ones.
+/// Experiments of all replicas: the first has the seed of the case, the others the next seeds.
 ///
 /// # Errors
-/// Bad input: no replica differs from another where all particles are placed.
+/// Bad input: all particles have given positions, so that the replicas would be equal.
 pub fn replicas(experiment: &Experiment, count: u16) -> Result<Vec<Experiment>, StudyError> {
     if count > 1 && experiment.start.iter().all(|population| matches!(population.amount, Amount::Placed(_))) {
         return Err(StudyError::Input(format!(
@@ -26,10 +26,10 @@ pub fn replicas(experiment: &Experiment, count: u16) -> Result<Vec<Experiment>, 
     Ok((0..count).map(one).collect())
 }
 
-/// Pools the replicas of a variant into one outcome; returns it with the replicas besides the first that it contains.
-/// Profiles, temperature, rates and averages of each species are averages over all replicas. Everything else, such as
-/// times, counts and energy balances, is that of the first. Failed replicas are left out as long as one has not failed;
-/// the outcome says that there were some.
+/// Pools the replicas of a variant into one outcome. Returns this outcome, and the replicas except the first that it
+/// contains. Profiles, temperature, rates and averages of each species are averages over all replicas. All else, such
+/// as times, counts and energy balances, is that of the first replica. Failed replicas are left out unless all have
+/// failed; the failure remains in the outcome.
 pub fn pool(first: Outcome, others: Vec<Outcome>) -> (Outcome, Vec<Outcome>) {
     let failure = std::iter::once(&first).chain(&others).find_map(|run| run.failure.clone());
     let (mut rest, failed): (Vec<Outcome>, Vec<Outcome>) = others.into_iter().partition(|run| run.failure.is_none());
@@ -42,8 +42,8 @@ pub fn pool(first: Outcome, others: Vec<Outcome>) -> (Outcome, Vec<Outcome>) {
     (outcome, rest)
 }
 
-/// [-] share of particles that keep their positions from which averages of one run say nothing of other runs. The share
-/// is known to about 0.05.
+/// [-] share of particles that keep their positions above which averages of one run are not valid for other runs. The
+/// share is known to about 0.05.
 pub const FROZEN: f64 = 0.2;
 
 fn merge(first: &Outcome, others: &[Outcome]) -> Outcome {
@@ -53,7 +53,7 @@ fn merge(first: &Outcome, others: &[Outcome]) -> Outcome {
     let all: Vec<&Outcome> = std::iter::once(first).chain(others).collect();
     let kept = all.iter().filter_map(|run| run.places_kept);
     let places_kept = kept.reduce(f64::max);
-    // if particles do not mix, only the scatter between runs tells of other runs
+    // if particles do not mix, only the scatter between runs is valid for other runs
     let by_runs = places_kept.is_some_and(|kept| kept > FROZEN) && all.len() >= FEWEST_RUNS;
     let pooled = |of: fn(&Averaged) -> &Option<Batches>| {
         let runs: Option<Vec<&Batches>> = all.iter().map(|run| of(&run.averaged).as_ref()).collect();
@@ -72,7 +72,7 @@ fn merge(first: &Outcome, others: &[Outcome]) -> Outcome {
     outcome.pair_rate = estimate(&averaged.pair_rate);
     outcome.wall_rate = estimate(&averaged.wall_rate);
     outcome.temperature = estimate(&averaged.temperature);
-    // one run in twenty looks unsteady by chance
+    // one run in twenty appears unsteady by chance
     outcome.steadiness.steady = 2 * steady > all.len();
     outcome.places_kept = places_kept;
     outcome.profiles = profiles;
@@ -83,7 +83,7 @@ fn merge(first: &Outcome, others: &[Outcome]) -> Outcome {
     outcome
 }
 
-/// [-] root mean square of the scatter between runs over the standard errors that each run estimates by itself.
+/// [-] root mean square ratio of the scatter between runs to the standard errors estimated within each run.
 fn scatter_over_errors(runs: &[&Outcome]) -> Option<f64> {
     let of = |run: &Outcome| -> [Option<Estimate>; 4] {
         let count = run.profiles.slices.len() as f64;
@@ -102,7 +102,7 @@ fn scatter_over_errors(runs: &[&Outcome]) -> Option<f64> {
         let centre = known.iter().map(|one| one.0).sum::<f64>() / count;
         let between = known.iter().map(|one| (one.0 - centre).powi(2)).sum::<f64>() / (count - 1.0);
         let within = known.iter().map(|one| one.1 * one.1).sum::<f64>() / count;
-        // differences by rounding alone are no scatter
+        // differences by rounding alone do not count as scatter
         (within.sqrt() > 1e-12 * centre.abs()).then(|| between / within)
     };
     let ratios: Vec<f64> = (0..4).filter_map(ratio).collect();

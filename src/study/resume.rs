@@ -1,4 +1,4 @@
-//! `diptych resume`: goes on with a run, a comparison, a sweep or a study of sensitivity that was stopped or killed.
+//! `diptych resume`: continues a run, a comparison, a sweep or a study of sensitivity that was stopped or killed.
 
 use super::compare::compare_on;
 use super::run::run_on;
@@ -12,11 +12,11 @@ use clap::Parser;
 use std::io::ErrorKind;
 use std::path::Path;
 
-/// Goes on with the command whose results are in a folder.
+/// Continues the command whose results are in a folder.
 ///
 /// # Errors
-/// There is nothing to go on with, another program wrote it, or its case has changed; otherwise the errors of the
-/// command.
+/// The folder has nothing that could be resumed, another version of the program wrote it, or its case has changed;
+/// otherwise the errors of the command.
 pub fn resume(args: &Resume, ranks: &Ranks) -> Result<(), StudyError> {
     let typed = args.folder.display();
     let input = |message: String| StudyError::Input(format!("error: {message}"));
@@ -24,7 +24,7 @@ pub fn resume(args: &Resume, ranks: &Ranks) -> Result<(), StudyError> {
     let command = Store::of(&folder).command().map_err(|why| refusal(&folder, why))?;
     let cli = Cli::try_parse_from(&command.arguments)
         .map_err(|why| input(format!("{typed} cannot be gone on with: {why}")))?;
-    // the paths that were typed are relative to the folder they were typed in
+    // typed paths are relative to the folder in which they were typed
     std::env::set_current_dir(&command.folder).map_err(|why| {
         input(format!(
             "{} was started in {}, which cannot be entered: {why}",
@@ -33,7 +33,7 @@ pub fn resume(args: &Resume, ranks: &Ranks) -> Result<(), StudyError> {
         ))
     })?;
     let origin = CommandOrigin::Resumed { folder, command, quiet: args.quiet };
-    // no other command stores itself
+    // other commands are not stored
     if let Command::Run(mut run) = cli.command {
         adopt(args, &mut run.output, &mut run.effort);
         run_on(&run, origin, ranks)
@@ -51,13 +51,13 @@ pub fn resume(args: &Resume, ranks: &Ranks) -> Result<(), StudyError> {
     }
 }
 
-/// Replaces the options typed when the command began by those typed now.
+/// Replaces the options typed when the command began by the options typed for `resume`.
 fn adopt(args: &Resume, output: &mut Output, effort: &mut Effort) {
     output.quiet |= args.quiet;
     effort.threads = args.threads.or(effort.threads);
 }
 
-/// Reason why there is nothing to go on with.
+/// Error with the reason why there is nothing to resume.
 fn refusal(folder: &Path, why: Unreadable) -> StudyError {
     let path = folder.join(CHECKPOINT).join(COMMAND[0]);
     match why {

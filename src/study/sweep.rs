@@ -1,7 +1,7 @@
-//! `diptych sweep CASE`: the variants of a case at several values of its keys.
+//! `diptych sweep CASE`: runs the variants of a case at several values of its keys.
 //!
-//! Every run is known by the hash of its resolved case. Its result is stored under that name when the run is done, and
-//! stays when the sweep is over. So a sweep that is started again, also with other values, goes on with the missing
+//! Every run is identified by the hash of its resolved case. Its result is stored under that name when the run is done,
+//! and remains when the sweep is over. So a sweep that is started again, also with other values, does only the missing
 //! runs. A run that several points have in common is done once (hard spheres do not depend on a stiffness).
 
 use super::replicas::{FROZEN, replicas};
@@ -21,13 +21,13 @@ use clap::Parser;
 use std::collections::HashSet;
 use std::path::Path;
 
-/// Most rows of a sweep: a reader would not look at more one by one.
+/// Largest number of rows of a sweep; a reader would not read more rows one by one.
 const MOST: usize = 10_000;
 
-/// Runs the missing runs of a sweep and writes its folder.
+/// Does the missing runs of a sweep and writes its folder.
 ///
 /// # Errors
-/// Bad input before anything is computed; runs that stopped early after everything has been written.
+/// Bad input, before anything is computed; runs that stopped early, after everything has been written.
 pub fn sweep(args: &Sweep, ranks: &Ranks) -> Result<(), StudyError> {
     sweep_on(args, CommandOrigin::Typed, ranks)
 }
@@ -71,7 +71,7 @@ pub(super) fn sweep_on(args: &Sweep, origin: CommandOrigin, ranks: &Ranks) -> Re
         let how = run.failure.as_ref().map_or(String::new(), |why| format!(", stopped: {why}"));
         executor.say(format!("{done} of {wanted} runs: {}, {:.1} s{how}", names[index], run.wall_seconds));
         give(&mut rows, &run);
-        // results so far are written so that the user can look at them, and stay if the sweep is stopped
+        // results so far are written so that the user can read them, and remain if the sweep is stopped
         if done < wanted {
             study(&rows)?;
         }
@@ -85,13 +85,13 @@ pub(super) fn sweep_on(args: &Sweep, origin: CommandOrigin, ranks: &Ranks) -> Re
     failures(&rows, &variants, &axes)
 }
 
-/// True if a folder holds runs of a sweep.
+/// True if a folder contains runs of a sweep.
 fn is_begun(folder: &Path) -> bool {
     let command = Store::of(folder).command().ok().and_then(|command| Cli::try_parse_from(command.arguments).ok());
     command.is_some_and(|cli| matches!(cli.command, Command::Sweep(_)))
 }
 
-/// The case, its axes and the plan of its runs.
+/// The case of a sweep, its axes, and the plan of its runs.
 fn planned(args: &Sweep) -> Result<(Case, Vec<SweepAxis>, SweepPlan), StudyError> {
     let mut case = read(&args.case, &args.input)?;
     let axes = case.axes(&args.sweep)?;
@@ -100,7 +100,7 @@ fn planned(args: &Sweep) -> Result<(Case, Vec<SweepAxis>, SweepPlan), StudyError
 }
 
 impl RunResult for SweepRun {
-    /// Measured values of a run. A scene too crowded to start is a result too.
+    /// Measured values of a run. The refusal of a scene too crowded to start is a result too.
     fn of(run: &ResumableRun, outcome: Result<Outcome, StudyError>) -> Result<Self, StudyError> {
         let mut result = Self { identity: run.identity.name.clone(), ..Self::default() };
         let outcome = match outcome {
@@ -113,7 +113,7 @@ impl RunResult for SweepRun {
         result.wall_seconds = outcome.timing.wall_seconds;
         result.failure = outcome.failure.as_ref().map(ToString::to_string);
         if result.failure.is_none() {
-            // the scatter within one run tells of other runs only if the run is steady and mixes
+            // the scatter within one run is valid for other runs only if the run is steady and its particles mix
             let tells = outcome.steadiness.steady && outcome.places_kept.is_none_or(|kept| kept <= FROZEN);
             let measured = OBSERVABLES.iter().filter_map(|one| {
                 let found = (one.of)(&outcome)?;
@@ -152,8 +152,8 @@ fn failures(rows: &[SweepRow], variants: &[String], axes: &[SweepAxis]) -> Resul
     if failed.is_empty() { Ok(()) } else { Err(StudyError::Failed(failed.join("\n"))) }
 }
 
-/// Gives the result of a run to every row that it belongs to. Averages are taken in the order of the replicas, in
-/// whatever order they end.
+/// Adds the result of a run to every row to which the run belongs. Averages are taken in the order of the replicas, in
+/// whatever order these end.
 fn give(rows: &mut [SweepRow], run: &SweepRun) {
     for row in rows {
         let times = row.identities.iter().filter(|identity| **identity == run.identity).count();
@@ -162,22 +162,22 @@ fn give(rows: &mut [SweepRow], run: &SweepRun) {
     }
 }
 
-/// Plan of a sweep.
+/// Plan of a sweep: its rows and its runs.
 #[derive(Default)]
 struct SweepPlan {
     variants: Vec<String>,
     rows: Vec<SweepRow>,
-    /// Variants of all points, with their warnings.
+    /// Variants of all points, each with its warnings.
     checked: Vec<Checked>,
-    /// The runs, each once.
+    /// Runs of the sweep, each once.
     runs: Vec<ResumableRun>,
-    /// Names of the runs in messages.
+    /// Names of the runs for messages.
     names: Vec<String>,
-    /// Identities of the runs.
+    /// Identities of the runs, by which equal runs are found.
     known: HashSet<String>,
     /// Reference variant with which the others are compared: the first hard one.
     reference: Option<usize>,
-    /// True if the case asks for trajectories, which a sweep does not write.
+    /// True if the case requests trajectories, which a sweep does not write.
     has_trajectories: bool,
 }
 
@@ -208,7 +208,7 @@ impl SweepPlan {
         Ok(plan)
     }
 
-    /// Adds a variant at a point, once for each replica.
+    /// Adds a variant at a point, with one run for each replica.
     fn add(&mut self, axes: &[SweepAxis], at: &[usize], checked: Checked, count: u16) -> Result<(), StudyError> {
         let experiment = &checked.0;
         let variant = self.variants.iter().position(|name| *name == experiment.name).unwrap_or_else(|| {
@@ -234,7 +234,7 @@ impl SweepPlan {
     }
 }
 
-/// Index of the value on each axis for the point of that index; the last axis changes fastest.
+/// Index of the value on each axis, for the point with the number `index`. The last axis changes fastest.
 fn at(axes: &[SweepAxis], mut index: usize) -> Vec<usize> {
     let mut at: Vec<usize> = Vec::new();
     for axis in axes.iter().rev() {
@@ -255,7 +255,7 @@ mod tests {
             |identity: &str, wall_seconds| SweepRun { identity: identity.into(), wall_seconds, ..SweepRun::default() };
         let identities = ["seed 1", "seed 2", "seed 3"].map(String::from).to_vec();
         let mut rows = [SweepRow { at: vec![0], variant: 0, identities: identities.clone(), runs: Vec::new() }];
-        // the last ends first
+        // the replica of the last seed ends first
         for (seconds, identity) in [(1.0, "seed 3"), (2.0, "seed 1"), (3.0, "seed 2")] {
             give(&mut rows, &run(identity, seconds));
         }

@@ -1,4 +1,4 @@
-//! Trust in the numbers of a run: its limits, in sentences.
+//! Limits of the reliability of the numbers of a run, in sentences.
 
 use crate::experiment::Model;
 use crate::outcome::Outcome;
@@ -7,11 +7,11 @@ use crate::predict::gas;
 use crate::statistics::{Estimate, UU, VV, WW};
 use crate::study::judge::not_steady;
 
-/// Error of the restitution that counts as a miss: restitution is quoted to two digits, and half of the last one is a
-/// miss.
+/// Difference between given and realised restitution from which it is reported. Restitution is given to two digits, and
+/// this is half of the last digit.
 pub(super) const MISS: f64 = 0.005;
 
-/// A run in one sentence.
+/// One sentence on a run: its length, wall time and impacts, or its failure.
 pub fn verdict(outcome: &Outcome) -> String {
     let how = match &outcome.failure {
         Some(why) => format!("stopped after {} s: {why}", numbers::significant(outcome.simulated_seconds, 4)),
@@ -27,8 +27,8 @@ pub fn verdict(outcome: &Outcome) -> String {
     format!("\"{}\": {how}.", outcome.experiment.name)
 }
 
-/// [m²/s²] granular temperature T = <|v - U|²>/3 over all slices, from the second moments about each slice's mean; `None` if
-/// nothing was sampled.
+/// [m²/s²] granular temperature T = <|v - U|²>/3 over all slices, from the second moments about the mean of each slice;
+/// `None` without samples.
 pub fn granular_temperature(outcome: &Outcome) -> Option<f64> {
     let (mut sum, mut count) = (0.0, 0.0);
     for row in &outcome.profiles.slices {
@@ -40,8 +40,8 @@ pub fn granular_temperature(outcome: &Outcome) -> Option<f64> {
     (count > 0.0).then(|| sum / count)
 }
 
-/// [-] relative reduction of the effective diameter of soft spheres, after Barker and Henderson. It is that of the
-/// first species. `None` for hard spheres, without samples or impacts, and for a few bodies, which are no gas.
+/// [-] relative reduction of the effective diameter of soft spheres of the first species, after Barker and Henderson.
+/// `None` for hard spheres, without samples or impacts, and for a few bodies, which are no gas.
 pub fn softness(outcome: &Outcome) -> Option<f64> {
     if outcome.record.pairs.count == 0 || !outcome.paths.points.is_empty() {
         return None;
@@ -52,7 +52,7 @@ pub fn softness(outcome: &Outcome) -> Option<f64> {
     shrink.is_finite().then_some(shrink)
 }
 
-/// Limits of the trust in each outcome, a sentence each.
+/// Limits of the reliability of each outcome, a sentence each.
 pub fn notes(outcomes: &[Outcome]) -> Vec<String> {
     let mut notes = Vec::new();
     for outcome in outcomes {
@@ -96,7 +96,7 @@ pub fn notes(outcomes: &[Outcome]) -> Vec<String> {
     notes
 }
 
-/// Adds a note if the realised restitution misses the one asked for.
+/// Adds a note if the realised restitution differs from the given one.
 fn restitution(outcome: &Outcome, note: &mut impl FnMut(String)) {
     let scene = &outcome.experiment.scene;
     if let Some(asked) = scene.restitution_of_pairs()

@@ -1,4 +1,4 @@
-//! The trust sheet of a variant: every number that shows how far the others can be trusted, beside its expected value.
+//! Trust sheet of a variant: every number that shows how reliable the others are, together with its expected value.
 
 use super::trust::{MISS, softness};
 use crate::engine::Failure;
@@ -7,20 +7,22 @@ use crate::outcome::Outcome;
 use crate::output::{Expected, HalvedStep, Judgement, TrustCheck, TrustSheet};
 use crate::statistics::Estimate;
 
-/// Number of standard errors beyond which a difference is not put down to chance.
+/// Number of standard errors beyond which a difference is not attributed to chance.
 const SUSPECT: f64 = 3.0;
-/// [-] largest share of the energy that may remain unexplained; the integrator's own error at 20 steps per contact
-/// stays well below.
+/// [-] largest share of the energy that may remain unexplained. The error of the integrator at 20 steps per contact is
+/// well below it.
 const RESIDUAL: f64 = 1e-3;
-/// [-] overlap over the (smaller) diameter at the mean impact speed: the paper's Eq. 11, λ.
+/// [-] limit of the overlap at the mean impact speed, over the diameter of the smaller particle: λ in the paper's Eq.
+/// 11.
 const MEAN_OVERLAP: f64 = 0.01;
-/// [-] largest overlap over the (smaller) diameter: the weaker of the two limits the paper quotes below its Eq. 10.
+/// [-] limit of the largest overlap, over the diameter of the smaller particle: the weaker of the two limits below the
+/// paper's Eq. 10.
 const LARGEST_OVERLAP: f64 = 0.1;
-/// [-] reduction of the diameter by softness that lowers the collision rate by 1 %: the rate of a dilute gas goes with
-/// the diameter squared.
+/// [-] reduction of the diameter by softness that lowers the collision rate by 1 %. The rate of a dilute gas is
+/// proportional to the diameter squared.
 const SOFTNESS: f64 = 0.005;
 
-/// The sheet of one outcome.
+/// Makes the trust sheet of one outcome.
 pub fn trust_sheet(outcome: &Outcome, halved_step: HalvedStep) -> TrustSheet {
     let mut checks = vec![completed(outcome), escapes(outcome)];
     checks.extend(restitutions(outcome));
@@ -37,8 +39,8 @@ fn certain(value: f64) -> Estimate {
     Estimate::without_error(value)
 }
 
-/// A check. `Equals` is suspect when it is missed by more than `allowed` and by more than 3 standard errors, where there is an
-/// error.
+/// One check of the sheet. With `Equals` the result is suspect if it differs by more than `allowed` and, where there is
+/// an error, by more than 3 standard errors.
 fn check(name: &'static str, unit: &'static str, found: Estimate, expected: Expected, allowed: f64) -> TrustCheck {
     let mut check =
         TrustCheck { name, unit, found: Some(found), expected, judgement: Judgement::Stated, remark: String::new() };

@@ -1,4 +1,5 @@
-//! Variants of a case, one after the other and each with its replicas: the list of their runs, and their results.
+//! Variants of a case that are run one after the other, each with its replicas: the list of their runs, and their
+//! results.
 
 use super::replicas::replicas;
 use super::trust_sheet::trust_sheet;
@@ -29,9 +30,9 @@ pub struct Variants {
     pub checked: Vec<Checked>,
     /// Number of runs of each variant, with different seeds.
     pub replicas: u16,
-    /// Trajectories that are written of the first run of each variant.
+    /// Trajectories to be written of the first run of each variant; `None` for none.
     pub trajectories: Option<Trajectories>,
-    /// True to test each variant with half the step.
+    /// True to test each variant with half the time step.
     pub verify: bool,
 }
 
@@ -41,10 +42,10 @@ impl Variants {
         self.checked.iter().map(|(experiment, _)| experiment)
     }
 
-    /// Refuses idle processes in a shared run: more processes than particles, with no replicas for them to do.
+    /// Refuses a shared run in which processes would be idle: more processes than particles, and no replicas to do.
     ///
     /// # Errors
-    /// There are idle processes.
+    /// Some processes would be idle.
     pub fn refuse_idle(&self, ranks: &Ranks) -> Result<(), StudyError> {
         let processes = ranks.count();
         let particles = self.experiments().map(|experiment| experiment.count().max(1)).min().unwrap_or(1);
@@ -58,12 +59,12 @@ impl Variants {
         )))
     }
 
-    /// A checksum of the variants, on which all processes have to agree before they make the starts.
+    /// Checksum of the variants, which all processes compare before they make the starts.
     pub fn mark(&self) -> u32 {
         mark_of_experiments(self.experiments())
     }
 
-    /// The runs, variant by variant: the first, which is a lone one, then its replicas.
+    /// Runs variant by variant: the first, which is done alone, then its replicas.
     fn runs(&self, ranks: &Ranks) -> Result<Vec<ResumableRun>, StudyError> {
         let names = file_names(self.experiments().map(|experiment| experiment.name.as_str()));
         let mut runs = Vec::new();
@@ -78,7 +79,7 @@ impl Variants {
         Ok(runs)
     }
 
-    /// Initial states of the variants. Where all processes share the runs, each process makes its part of a start.
+    /// Initial states of the variants. If all processes share the runs, each process makes its part of a start.
     fn starts(&self, ranks: &Ranks) -> Result<Vec<Start>, StudyError> {
         if ranks.count() == 1 {
             self.experiments().try_for_each(refuse_too_large)?;
@@ -95,26 +96,26 @@ impl Variants {
     }
 }
 
-/// Results of the variants so far, and the folder to which they are written.
+/// Results of the variants so far, and the executor with the folder to which they are written.
 pub struct VariantResults<'a> {
     variants: &'a Variants,
     executor: Executor<'a>,
     provenance: Provenance,
     parameters: Vec<Value>,
-    /// All replicas of each variant.
+    /// Outcomes of all replicas of each variant.
     pub runs: Vec<Vec<Outcome>>,
     sheets: Vec<TrustSheet>,
     frames: Vec<Frames>,
 }
 
-/// Findings of a document on the variants.
+/// Content of a document on the variants.
 #[derive(Default)]
 pub struct VariantFindings {
     /// Outcome of each variant, the average over its replicas.
     pub outcomes: Vec<Outcome>,
-    /// Variants against their references.
+    /// Comparisons of the variants with their references.
     pub comparisons: Vec<Verdict>,
-    /// The answer in sentences, the shortest first.
+    /// Answers in sentences, the shortest first.
     pub verdicts: Vec<String>,
     /// Settings of each variant, as typed in the case.
     pub overrides: Vec<String>,
@@ -123,11 +124,11 @@ pub struct VariantFindings {
 }
 
 impl<'a> VariantResults<'a> {
-    /// Prepares the runs of the variants; `scene`: description of their scene. A helper process does its part of the
-    /// work in here, until the command is over, and gets `None`.
+    /// Prepares the runs of the variants; `scene` is a description of their scene. In a helper process this call does
+    /// the helper's work until the command is over, and then returns `None`.
     ///
     /// # Errors
-    /// A scene too crowded to start, and the errors of [`Executor::begin`].
+    /// The scene is too crowded to start; and the errors of [`Executor::begin`].
     pub fn begin(
         variants: &'a Variants,
         settings: &CommandSettings,
@@ -152,11 +153,11 @@ impl<'a> VariantResults<'a> {
         Rc::clone(&self.executor.folder)
     }
 
-    /// Does the first run of the next variant, with observers besides the usual ones. Returns the final state, which
-    /// [`check`](Self::check) needs.
+    /// Does the first run of the next variant, with observers in addition to the standard ones. Returns the final
+    /// state, which is the argument of [`check`](Self::check).
     ///
     /// # Errors
-    /// The stored state is not of this run.
+    /// The stored state belongs to another run.
     pub fn run_first(&mut self, observers: Vec<&mut dyn Observer>) -> Result<Particles, StudyError> {
         let Variants { checked, replicas, verify, .. } = self.variants;
         let variant = self.runs.len();
@@ -171,10 +172,10 @@ impl<'a> VariantResults<'a> {
         Ok(end)
     }
 
-    /// Makes the trust sheet of the first run of the last variant, which ended in that state.
+    /// Makes the trust sheet of the first run of the last variant; `end` is the final state of this run.
     ///
     /// # Errors
-    /// The stored state of the test of half the step is not of it.
+    /// The stored state for the test with half the time step belongs to another run.
     pub fn check(&mut self, end: Particles) -> Result<(), StudyError> {
         let Some(outcome) = self.runs.last().and_then(|runs| runs.first()) else { return Ok(()) };
         let halved = if self.variants.verify {
@@ -186,11 +187,11 @@ impl<'a> VariantResults<'a> {
         Ok(())
     }
 
-    /// Does these replicas of a variant concurrently, counted from its first run. False if the user has stopped the
-    /// variant; unfinished replicas are left out then.
+    /// Does these replicas of a variant concurrently, counted from its first run. Returns false if the user has stopped
+    /// the variant; unfinished replicas are then left out.
     ///
     /// # Errors
-    /// The stored state of a replica is not of it.
+    /// The stored state of a replica belongs to another run.
     pub fn run_replicas(&mut self, variant: usize, range: Range<usize>) -> Result<bool, StudyError> {
         if !range.is_empty() && !self.executor.checkpointer.is_stopped() {
             let name = &self.variants.checked[variant].0.name;
@@ -214,7 +215,7 @@ impl<'a> VariantResults<'a> {
         self.executor.checkpointer.stop_error(&self.variants.checked[variant].0.name)
     }
 
-    /// Writes the document on the results so far; with a summary if they are `whole`. Returns the path of the report.
+    /// Writes the document on the results so far, with a summary if they are `whole`. Returns the path of the report.
     ///
     /// # Errors
     /// A file cannot be written.
@@ -234,18 +235,17 @@ impl<'a> VariantResults<'a> {
         self.executor.checkpointer.with_remedy(write(&self.executor.folder, &study))
     }
 
-    /// Ends the command after all results were written, with these sentences.
+    /// Ends the command after all results were written, and prints these sentences.
     ///
     /// # Errors
-    /// The variants that failed; a stored state that cannot be removed.
+    /// Some variants failed; a stored state cannot be removed.
     pub fn finish(self, findings: &VariantFindings, sentences: &[String], report: &Path) -> Result<(), StudyError> {
         self.executor.finish(sentences, report)?;
         failures(&findings.outcomes)
     }
 }
 
-/// Names of files for variants. They are the names of the variants, in letters that any system accepts, and all
-/// different.
+/// Names of files for variants: the names of the variants in letters that any system accepts. All are different.
 fn file_names<'a>(variants: impl Iterator<Item = &'a str>) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
     for variant in variants {

@@ -1,4 +1,4 @@
-//! `--verify`: the effect of half the step and half the window.
+//! `--verify`: measures the effect of half the time step and half the window.
 
 use crate::experiment::{AverageFrom, Experiment, HardStepping, TimeStep};
 use crate::outcome::Outcome;
@@ -9,15 +9,16 @@ use crate::schedule::Schedule;
 use crate::statistics::Estimate;
 use std::convert::Infallible;
 
-/// Divisor of the length of the run that gives a stretch. A stretch is run once as set and once at half the step, which
-/// costs twice as much where all is stepped. That makes three fifteenths, a fifth of the run.
+/// Divisor of the length of the run that gives the length of the test. The test is run once as set and once at half the
+/// step, which costs twice as much if all particles are stepped. That makes three fifteenths, a fifth of the run.
 const PARTS: f64 = 15.0;
 
-/// Samples in a stretch: enough blocks for a standard error.
+/// Number of samples in the test, enough blocks for a standard error.
 const SAMPLES: f64 = 48.0;
 
-/// Runs a fifteenth of the run on from its final state, as set and at half the step and window. `end`: the final state
-/// in the order of ids. Contacts in progress begin anew in both runs. Progress is shown unless `quiet`.
+/// Continues a run for a fifteenth of its length from its final state, once as set and once at half the step and
+/// window. `end` is the final state in the order of ids. Contacts in progress begin anew in both runs. Progress is
+/// shown unless `quiet`.
 pub fn verify(outcome: &Outcome, end: &Particles, quiet: bool) -> HalvedStep {
     let run = |experiment: &Experiment| {
         let progress = Progress::new([experiment], quiet);
@@ -27,10 +28,10 @@ pub fn verify(outcome: &Outcome, end: &Particles, quiet: bool) -> HalvedStep {
     halved
 }
 
-/// Verifies a run like [`verify`], with a checkpointer that may stop it.
+/// Tests a run like [`verify`], with a checkpointer that may stop the test.
 ///
 /// # Errors
-/// The stored state of a stretch is not of it.
+/// The stored state belongs to another run.
 pub(super) fn verify_with_checkpoints(
     outcome: &Outcome,
     end: &Particles,
@@ -44,7 +45,7 @@ pub(super) fn verify_with_checkpoints(
     })
 }
 
-/// Runs the stretch as set and at half the step, by means of `run`.
+/// Runs the test as set and at half the step; `run` does one run.
 fn halve<E>(outcome: &Outcome, mut run: impl FnMut(&Experiment) -> Result<Outcome, E>) -> Result<HalvedStep, E> {
     if let Some(why) = &outcome.failure {
         return Ok(HalvedStep::Unknown(format!("the run itself stopped early: {why}")));
@@ -76,11 +77,11 @@ fn halve<E>(outcome: &Outcome, mut run: impl FnMut(&Experiment) -> Result<Outcom
     }))
 }
 
-/// The experiment of a stretch.
+/// Experiment of the test over `stretch` [s], at half the step if `halved`.
 fn stretched(outcome: &Outcome, stretch: f64, halved: bool) -> Experiment {
     let mut experiment = outcome.experiment.clone();
     let factor = if halved { 0.5 } else { 1.0 };
-    // the windows at the end of the run, from which the stretch goes on
+    // windows of the length at the end of the run, where the test begins
     let window = Schedule::new(&outcome.experiment).longest().min(stretch);
     experiment.run.duration = stretch;
     experiment.run.average_from = AverageFrom::Time(0.0);
@@ -99,7 +100,7 @@ fn stretched(outcome: &Outcome, stretch: f64, halved: bool) -> Experiment {
     experiment
 }
 
-/// Quantities that are compared: name, unit and value of each.
+/// Quantities that are compared, each with name, unit and value.
 fn quantities(run: &Outcome) -> [(&'static str, &'static str, Option<Estimate>); 5] {
     let through = run.record.ledger.through(run.energy_at_start);
     let residual = (through > 0.0).then(|| run.energy_residual.over(through));

@@ -1,4 +1,4 @@
-//! Parts to be written into files: cubes, vessels, prisms.
+//! Bodies to be written to files in tests: cubes, vessels, prisms.
 
 use nalgebra::{Rotation3, Vector3};
 
@@ -25,7 +25,7 @@ pub const COMB: [[f64; 2]; 12] = [
     [0.0, 5.0],
 ];
 
-/// A cube of that half width about the origin, its normals outwards.
+/// A cube of the given half width about the origin, with outward normals.
 pub fn cube(half: f64) -> [[Vector3<f64>; 3]; 12] {
     let corner =
         |k: usize| Vector3::from_fn(|axis, _| if [0x66, 0xcc, 0xf0][axis] >> k & 1 == 1 { half } else { -half });
@@ -36,7 +36,7 @@ pub fn cube(half: f64) -> [[Vector3<f64>; 3]; 12] {
     })
 }
 
-/// STL in text: a solid of that name, seven lines for each triangle.
+/// STL in text form: a solid of that name, seven lines for each triangle.
 pub fn text(name: &str, heap: &[[Vector3<f64>; 3]]) -> Vec<u8> {
     let mut text = format!("solid {name}\n");
     for triangle in heap {
@@ -49,12 +49,12 @@ pub fn text(name: &str, heap: &[[Vector3<f64>; 3]]) -> Vec<u8> {
     (text + &format!("endsolid {name}\n")).into_bytes()
 }
 
-/// A number with at most five decimals, without zeros at its end.
+/// A number with at most five decimals, without zeros at the end.
 fn short(value: f64) -> String {
     ((value * 1e5).round() / 1e5).to_string()
 }
 
-/// STL in binary with that head.
+/// STL in binary form with the given head.
 pub fn binary(head: &[u8], heap: &[[Vector3<f64>; 3]]) -> Vec<u8> {
     let mut bytes = head.to_vec();
     bytes.resize(80, 0);
@@ -67,7 +67,8 @@ pub fn binary(head: &[u8], heap: &[[Vector3<f64>; 3]]) -> Vec<u8> {
     bytes
 }
 
-/// OBJ: a prism of that height over an outline, counter-clockwise, its ends each in one polygon; turned by an angle.
+/// OBJ file of a prism of the given height over a counter-clockwise outline, turned by an angle. Each of its ends is
+/// one polygon.
 pub fn prism(outline: &[[f64; 2]], height: f64, angle: f64) -> Vec<u8> {
     let turn = Rotation3::from_euler_angles(angle, 0.4 * angle, -0.7 * angle);
     let mut text = String::new();
@@ -83,7 +84,7 @@ pub fn prism(outline: &[[f64; 2]], height: f64, angle: f64) -> Vec<u8> {
     text += &format!("f{}\n", ring((count + 1..=2 * count).collect()));
     for k in 0..count {
         let next = (k + 1) % count;
-        // the way to a hole and back is no side
+        // the line to a hole and back is no side of the prism
         let way = (0..count).any(|other| outline[other] == outline[next] && outline[(other + 1) % count] == outline[k]);
         if !way {
             text += &format!("f {} {} {} {}\n", k + 1, next + 1, count + next + 1, count + k + 1);

@@ -4,7 +4,8 @@ use super::Expected::{self, Read, Refused};
 use super::{combinations, judge, read};
 use diptych::experiment::{Amount, Experiment, Model};
 
-/// A box of 20 mm, with one kind of beads or two from the file. No warning but those of the file.
+/// Case of a box of 20 mm, with one kind of beads or two from the file. It gives no warnings except those about the
+/// file.
 const ONE: &str = "domain = { size = [\"20 mm\", \"20 mm\", \"20 mm\"], periodic = [\"x\", \"y\", \"z\"] }\n\
     particles = [{ name = \"glass\", diameter = \"2 mm\", density = \"2500 kg/m^3\", file = \"FILE\" }]\n\
     contact = { restitution = 0.9 }\nsoft = { linear_spring_dashpot = { stiffness = \"10 kN/m\" } }\nrun = { duration = \"1 ms\" }\n";
@@ -14,7 +15,8 @@ fn two() -> String {
     ONE.replace("file = \"FILE\" }]", &format!("file = \"FILE\" }}, {steel}"))
 }
 
-/// Particles as they are read: position [mm] and velocity [m/s] of each particle, by kinds and in the order of the store.
+/// Particles as they are read: position [mm] and velocity [m/s] of each particle, by kind and in the order of the
+/// store.
 fn states(experiment: &Experiment) -> Vec<[f64; 6]> {
     let placed = experiment.start.iter().flat_map(|population| match &population.amount {
         Amount::Placed(particles) => {
@@ -32,7 +34,7 @@ fn found(name: &str, text: &str, case: &str) -> Result<(Vec<[f64; 6]>, Vec<Strin
     read(name, text.as_bytes(), case, Model::Hard).map(|(experiment, told)| (states(&experiment), told))
 }
 
-/// Rows of a table: what is odd, the change to the file, and what must come of it.
+/// Rows of a table: the oddity, the changes to the file, and the expected result.
 type Rows<'a> = Vec<(&'a str, &'a [(&'a str, &'a str)], Expected)>;
 
 fn judge_rows(name: &str, whole: &str, case: &str, rows: &Rows) {
@@ -47,7 +49,7 @@ fn judge_rows(name: &str, whole: &str, case: &str, rows: &Rows) {
     }
 }
 
-/// Both beads of the files below, as they must be read.
+/// Both beads of the files below, with the states that must be read.
 const BEADS: [[f64; 6]; 2] = [[5.0, 5.0, 5.0, 1.0, 0.25, 0.0], [15.0, 5.0, 5.0, -1.0, 0.0, 0.5]];
 
 const XYZ: &str = "2\nLattice=\"0.02 0 0 0 0.02 0 0 0 0.02\" Properties=species:S:1:pos:R:3:velo:R:3 pbc=\"T T T\" units=\"m s\"\n\
@@ -73,7 +75,7 @@ fn xyz_is_read_whatever_its_columns_are_called() {
     ] {
         let text = XYZ.replace("velo:R:3", names);
         assert_eq!(found("start.xyz", &text, ONE).unwrap(), (BEADS.to_vec(), vec![]), "{names}");
-        // told by what it holds, whatever it is called
+        // the format is found from the contents, whatever the name of the file
         assert_eq!(found("bed.txt", &text, ONE).unwrap(), (BEADS.to_vec(), vec![]), "{names}");
     }
 }
@@ -251,7 +253,7 @@ fn lammps_data_is_right_or_refused() {
 const DUMP: &str = "ITEM: UNITS\nsi\nITEM: TIMESTEP\n100\nITEM: NUMBER OF ATOMS\n2\nITEM: BOX BOUNDS pp pp pp\n0.0 0.02\n0.0 0.02\n0.0 0.02\n\
     ITEM: ATOMS id type x y z vx vy vz radius\n1 1 0.015 0.005 0.005 -1 0 0.5 0.001\n0 1 0.005 0.005 0.005 1 0.25 0 0.001\n";
 
-/// A dump and the name under which it stands.
+/// Text of a dump, and the name of the file.
 type Named = (String, &'static str);
 
 #[test]
@@ -337,7 +339,7 @@ fn dumps_are_right_or_refused() {
     judge_rows("bed.dump", DUMP, ONE, &rows);
 }
 
-/// A row of five beads, each a share of 0.03 d within the next, as beds of soft spheres are.
+/// A row of five beads. Each overlaps the next by the share 0.03 d, as in beds of soft spheres.
 fn bed(share: f64) -> String {
     let line = |k: u32| format!("X {} 0.01 0.01\n", 0.005 + f64::from(k) * 0.002 * (1.0 - share));
     let head = "5\nLattice=\"0.02 0 0 0 0.02 0 0 0 0.02\" Properties=species:S:1:pos:R:3 units=\"m s\"\n";
@@ -379,7 +381,7 @@ fn overlapping_beads_are_pushed_apart_on_demand() {
             assert!((2e-3..2.05e-3).contains(&apart), "{apart}");
         }
     }
-    // none overlap: none are moved
+    // no beads overlap, so none are moved
     let (_, told) = read("bed.xyz", bed(0.0).as_bytes(), &case, Model::Hard).unwrap();
     assert!(told.is_empty(), "{told:#?}");
     let nonsense = read("bed.xyz", bed(0.55).as_bytes(), &case, Model::Hard).err().unwrap();

@@ -1,4 +1,4 @@
-//! A page of the lab as far as its server can tell: plain requests, and a web socket.
+//! A page of the lab, as far as its server can distinguish it: plain requests, and a web socket.
 
 use diptych::lab::LabServer;
 use serde_json::{Value, json};
@@ -8,13 +8,13 @@ use std::time::{Duration, Instant};
 use tungstenite::client::IntoClientRequest;
 use tungstenite::{Message, WebSocket};
 
-/// How long a test waits for what must come: the machine may be busy.
+/// Longest wait of a test for an event that must occur, since the machine may be busy.
 pub const PATIENCE: Duration = Duration::from_secs(60);
 
-/// How long nothing must come for it to be nothing.
+/// Time without messages after which a test assumes that none will come.
 pub const SILENCE: Duration = Duration::from_millis(600);
 
-/// Status and headers of a plain request, and what follows.
+/// Status and headers of the answer to a plain request, and the rest of the answer.
 pub fn get(address: SocketAddr, path: &str, headers: &str) -> (u16, String) {
     let mut stream = TcpStream::connect(address).unwrap();
     write!(stream, "GET {path} HTTP/1.1\r\n{headers}Connection: close\r\n\r\n").unwrap();
@@ -27,13 +27,13 @@ pub fn path_of(lab: &LabServer) -> String {
     lab.url().split(&lab.address().to_string()).nth(1).unwrap().to_owned()
 }
 
-/// A page, as far as the server can tell.
+/// A page, as far as the server can distinguish it.
 pub struct Page {
     pub socket: WebSocket<TcpStream>,
     pub serial: u32,
 }
 
-/// What a page has been sent.
+/// Message that a page has received.
 pub enum Sent {
     Told(Value),
     Framed(Value, Vec<f32>),
@@ -85,7 +85,7 @@ impl Page {
         }
     }
 
-    /// The next thing it is told, frames left out.
+    /// Next message to the page, except frames.
     pub fn told(&mut self) -> Value {
         let end = Instant::now() + PATIENCE;
         while Instant::now() < end {
@@ -98,7 +98,7 @@ impl Page {
         panic!("nothing was told");
     }
 
-    /// The next frame of the scene chosen last, which it draws at once.
+    /// Next frame of the scene chosen last; the page draws it at once.
     pub fn frame(&mut self) -> (Value, Vec<f32>) {
         let end = Instant::now() + PATIENCE;
         while Instant::now() < end {

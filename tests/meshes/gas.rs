@@ -1,4 +1,4 @@
-//! A gas in vessels of triangles: nobody gets out, and its energy stays.
+//! A gas in vessels of triangles: no sphere leaves, and the energy is conserved.
 
 use super::heaps::{Heap, ball, torus};
 use super::{mesh, wall};
@@ -11,7 +11,7 @@ use nalgebra::Vector3;
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
-/// Closed vessels of 10,000 triangles and more in a box of 16 m, or so many times as large.
+/// Closed vessels of 10,000 triangles and more in a box of 16 m, or `times` as large.
 pub fn vessels(times: f64) -> [(&'static str, Mesh); 2] {
     let center = Vector3::repeat(8.0 * times);
     let round = |heap: Heap| mesh(&heap, Some(Sides::Inside));
@@ -21,15 +21,15 @@ pub fn vessels(times: f64) -> [(&'static str, Mesh); 2] {
     ]
 }
 
-/// An elastic gas in a vessel, of m = kT = 1.
+/// An elastic gas in a vessel, with m = kT = 1.
 struct Gas<'a> {
     vessel: &'a Mesh,
     /// [m] edge of the box around the vessel.
     edge: f64,
     spheres: usize,
-    /// [N/m]
+    /// Stiffness [N/m] of the contacts.
     stiffness: f64,
-    /// Of the shortest contact, that of a pair.
+    /// Number of steps in the shortest contact, that of a pair.
     steps_per_contact: f64,
 }
 
@@ -53,7 +53,7 @@ impl Gas<'_> {
         }
     }
 
-    /// [1/m] over all seams of the vessel, length times square of the angle between its triangles, per area.
+    /// [1/m] sum over all seams of the vessel of length times square of the angle between the triangles, per area.
     fn seams(&self) -> f64 {
         let (points, triangles) = self.vessel.triangles();
         let (mut area, mut sum, mut open) = (0.0, 0.0, BTreeMap::new());
@@ -70,17 +70,20 @@ impl Gas<'_> {
         sum / area
     }
 
-    /// [J] how far so many impacts may have moved the energy.
+    /// [J] largest change of the energy by these numbers of impacts that the methods explain.
     ///
-    /// Hard: each impact rounds, by 1e-15 of itself at most in the mean.
+    /// Hard spheres: each impact has a rounding error, on average at most 1e-15 of its energy.
     ///
-    /// Soft, each impact by itself, which has kT of energy M u²/2 in the mean and 2 (kT)² in the mean of its square: Runge and Kutta's scheme of fourth order takes (ω dt)⁶/72 of the energy
-    /// of an oscillator in a step, π⁶/(72 N⁵) in a contact of N steps, and a wall has √2 times the steps of a pair; what the scheme of Verlet gives depends on the phase, with the mean and the
-    /// deviation that `gain_of_an_impact` works out.
+    /// Soft spheres, each impact alone: its energy M u²/2 has the mean kT and the mean square 2 (kT)². The Runge-Kutta
+    /// scheme of fourth order loses (ω dt)⁶/72 of the energy of an oscillator in a step, and π⁶/(72 N⁵) in a contact of
+    /// N steps; a wall has √2 times the steps of a pair. The change by Verlet's scheme depends on the phase;
+    /// `gain_of_an_impact` computes its mean and deviation.
     ///
-    /// Soft, at seams: the direction of a force F jumps by the angle θ, and with it the power by F θ v, v across the seam. A step that the seam parts takes the one or the other value for a
-    /// share of itself that is wrong by 1/6 in the mean square (weights 1/6, 2/3, 1/6) or by √(1/12) (weights 1/2, 1/2), and by nothing in the mean. In a contact, which lasts π/√k,
-    /// <F²> = k, seams are passed at <|v|> per length and area, and <|v|³> = 2 √(2/π).
+    /// Soft spheres, at seams: the direction of a force F jumps by the angle θ, and so the power by F θ v, with v the
+    /// speed across the seam. In the step with the seam one of the two values acts for a wrong share of the step. The
+    /// error of the share is 1/6 in the root mean square (weights 1/6, 2/3, 1/6) or √(1/12) (weights 1/2, 1/2), and 0
+    /// in the mean. In a contact, which lasts π/√k with <F²> = k, seams are passed at the rate <|v|> per length and
+    /// area, and <|v|³> = 2 √(2/π).
     fn may_be_off(&self, way: Way, walls: f64, pairs: f64) -> f64 {
         let (n, k) = (self.steps_per_contact, self.stiffness);
         let (mean, square, share) = match way {
@@ -98,14 +101,14 @@ impl Gas<'_> {
         mean + 4.0 * (square + seam * walls).sqrt()
     }
 
-    /// Until walls have been hit so often: all must be inside with their energy.
+    /// Runs until walls have been hit `hits` times. All spheres must be inside and have their energy.
     fn stays(&self, name: &str, way: Way, hits: u64) {
         let mut scene = empty([self.edge; 3], [false; 3], unit(), surface(1.0, 0.0));
         scene.walls = vec![wall(self.vessel.clone(), 1.0, 0.0)];
         let start = random(&scene, self.spheres, 1.0, 4);
         let energy = start.kinetic_energy();
         let mut simulation = Simulation::with_engine(scene, start, self.engine(way));
-        // soft: nobody in 10^8 is faster than 6 at a wall, and sinks in by 6/√k
+        // soft spheres: none of 10^8 is faster than 6 at a wall, so overlaps are at most 6/√k
         let sunk = if way == Way::Hard { 1e-11 } else { 6.0 / self.stiffness.sqrt() };
         let mut deepest = f64::INFINITY;
         while simulation.record.walls.count < hits {
@@ -130,14 +133,15 @@ fn a_gas_stays_in_a_vessel_of_triangles_and_keeps_its_energy() {
         let gas = Gas { vessel: &vessel, edge: 16.0, spheres: 40, stiffness: 2e4, steps_per_contact: 40.0 };
         gas.stays(name, Way::Hard, 5_000);
         gas.stays(name, Way::Local, 5_000);
-        // uniform steps cost more, and say as much after fewer impacts
+        // uniform steps cost more, and fewer impacts give as much information
         gas.stays(name, Way::Uniform, 500);
     }
 }
 
-/// The test in so many parts, so that each can be run by itself.
+/// Divides the long test into parts, so that each can be run alone.
 fn a_million(which: usize, way: Way) {
-    // larger, so that fewer triangles are under a sphere, and softer, so that a contact has longer steps
+    // a larger vessel, so that fewer triangles are under a sphere, and softer spheres, so that a contact has longer
+    // steps
     let (name, vessel) = &vessels(2.0)[which];
     let gas = Gas { vessel, edge: 32.0, spheres: 100, stiffness: 1e3, steps_per_contact: 30.0 };
     gas.stays(name, way, 1_000_000);

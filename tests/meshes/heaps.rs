@@ -1,9 +1,9 @@
-//! Heaps of triangles: floors, boxes, spheres and tori.
+//! Lists of triangles for tests: floors, boxes, spheres and tori.
 
 use nalgebra::Vector3;
 use std::f64::consts::TAU;
 
-/// Corners [m] of triangles.
+/// List of triangles by their corners [m].
 pub type Heap = Vec<[Vector3<f64>; 3]>;
 
 /// A square of 2 n² triangles at y = 0 from -1 to `size` + 1.
@@ -46,7 +46,7 @@ pub fn block(center: Vector3<f64>, half: Vector3<f64>, n: u32) -> Heap {
     heap
 }
 
-/// A sphere about `center` of 20 · 4^n triangles: an icosahedron, each triangle cut into four again and again.
+/// A sphere about `center` of 20 · 4^n triangles: an icosahedron whose triangles are divided into four, n times.
 pub fn ball(center: Vector3<f64>, radius: f64, n: u32) -> Heap {
     let golden = 0.5 * (1.0 + 5.0f64.sqrt());
     let corners: Vec<Vector3<f64>> = (0..3)
@@ -73,7 +73,7 @@ pub fn ball(center: Vector3<f64>, radius: f64, n: u32) -> Heap {
     assert_eq!(heap.len(), 20);
     for _ in 0..n {
         let cut = |[a, b, c]: [Vector3<f64>; 3]| {
-            // the same middle from both sides of an edge
+            // both sides of an edge get an identical middle
             let middle = |p: Vector3<f64>, q: Vector3<f64>| (p + q).normalize() * corners[0].norm();
             let (ab, bc, ca) = (middle(a, b), middle(b, c), middle(c, a));
             [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]

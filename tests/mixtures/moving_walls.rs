@@ -5,7 +5,8 @@ use diptych::experiment::Model;
 use diptych::placement::initial_state;
 use diptych::study::execute;
 
-/// Four kinds of rough inelastic spheres between walls that slide past one another, and around a fixed ball.
+/// Case of four kinds of inelastic spheres with friction, between walls that slide past one another, and around a fixed
+/// ball.
 const FOUR_BETWEEN_MOVING_WALLS: &str = r#"
 [domain]
 size = ["12 mm", "10 mm", "12 mm"]
@@ -72,7 +73,8 @@ average_from = "0 s"
 slices = 4
 "#;
 
-/// Every engine accounts for its energy: hard spheres to rounding, soft ones to the error of their steps, which is linear in uniform ones (docs/theory/model.md, "Energy and momentum").
+/// Every engine accounts for the energy: hard spheres to rounding, soft ones to the error of their steps, which is
+/// linear in the step for uniform steps (docs/theory/model.md, "Energy and momentum").
 #[test]
 fn energy_of_four_kinds_between_moving_walls_closes() {
     let residual = |model: Model, sets: &[&str]| {

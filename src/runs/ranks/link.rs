@@ -1,27 +1,27 @@
-//! Connection between processes.
+//! Connection between the processes that work on one command.
 
 #[allow(unused_imports, reason = "for the links in the comments")]
 use crate::communicator::Communicator;
 
-/// Communication between the processes that work on one command. All methods are called from the thread that made the
-/// link.
+/// Communication between the processes that work on one command. All methods must be called from the thread that made
+/// the link.
 pub trait Link {
-    /// Number of this process, from 0.
+    /// Number of this process, from 0 (MPI: rank).
     fn rank(&self) -> usize;
 
     /// Number of processes.
     fn size(&self) -> usize;
 
-    /// Number of processes on this machine.
+    /// Number of these processes that run on this machine.
     fn on_this_machine(&self) -> usize;
 
-    /// Sends bytes to another process; they arrive in the order in which they were sent.
+    /// Sends bytes to another process. Messages arrive in the order in which they were sent.
     fn send(&self, to: usize, bytes: &[u8]);
 
-    /// Next message that has arrived from any process and has not been taken yet, with the number of its sender.
+    /// Next message that has arrived from any process and was not returned before, with the number of its sender.
     fn take(&self) -> Option<(usize, Vec<u8>)>;
 
-    /// The bytes of all processes, in the order of their numbers. All processes must call this.
+    /// Bytes of all processes, in the order of their numbers. All processes must call this method.
     fn gather(&self, own: &[u8]) -> Vec<Vec<u8>>;
 
     /// Exchanges bytes, as in [`Communicator::exchange`].
@@ -33,11 +33,11 @@ pub trait Link {
     /// Sums numbers, as in [`Communicator::sum`].
     fn sum(&self, numbers: &mut [i64]);
 
-    /// Takes the largest values, as in [`Communicator::largest`].
+    /// Takes the largest values over all processes, as in [`Communicator::largest`].
     fn largest(&self, values: &mut [f64]);
 }
 
-/// A process by itself.
+/// Link of a process that works alone.
 pub struct LoneProcess;
 
 impl Link for LoneProcess {
@@ -76,8 +76,8 @@ impl Link for LoneProcess {
     fn largest(&self, _values: &mut [f64]) {}
 }
 
-/// True if this process was started as one of several: by Open MPI, MPICH and its relatives, or Slurm with PMIx. Each
-/// of them gives its processes a number in one of these variables.
+/// True if this process was started as one of several by Open MPI, MPICH and its relatives, or Slurm with PMIx. Each of
+/// these sets one of the variables below to the number of the process.
 pub fn is_one_of_several() -> bool {
     ["OMPI_COMM_WORLD_RANK", "PMIX_RANK", "PMI_RANK"].iter().any(|name| std::env::var_os(name).is_some())
 }

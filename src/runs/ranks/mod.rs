@@ -1,10 +1,10 @@
-//! Processes that work on one command: this one alone, or as many as `mpirun` has started (feature `mpi`). MPI calls
-//! their numbers ranks.
+//! Processes that work on one command: this process alone, or as many as `mpirun` has started (feature `mpi`). MPI
+//! calls their numbers ranks.
 //!
-//! All processes read one command line and one case, and [agree](Ranks::agree) that they have. Then process 0, the
-//! lead, does the command. The others help: they do runs that the lead names by their indices in a list, and send back
-//! the results. Each process has made that list by itself, so only indices and results travel. The result of a run does
-//! not depend on the process that did it.
+//! All processes read equal command lines and cases, and [check](Ranks::agree) that these are equal. Then process 0,
+//! the lead, does the command. The other processes are helpers: they do runs that the lead names by their indices in a
+//! list, and send back the results. Each process makes this list by itself, so only indices and results are sent. The
+//! result of a run does not depend on the process that did it.
 
 mod link;
 #[cfg(feature = "mpi")]
@@ -25,50 +25,50 @@ use std::collections::VecDeque;
 /// The processes that work on one command.
 pub struct Ranks {
     link: Box<dyn Link>,
-    /// True if the processes have agreed on their work.
+    /// True if the processes have compared their work and found it equal.
     agreed: Cell<bool>,
-    /// Helpers that could take a run, each listed once for every run that it could take.
+    /// Numbers of the helpers that are free to do a run. A helper occurs once for every run that it could do at once.
     free: RefCell<VecDeque<usize>>,
-    /// Number of runs that helpers are working on.
+    /// Number of runs that helpers are doing.
     away: Cell<usize>,
-    /// Exit code that the lead has told a helper.
+    /// Exit code that this helper has received from the lead.
     dismissed: Cell<Option<u8>>,
 }
 
-/// Messages between processes.
+/// Messages between the lead process and its helpers.
 #[derive(Serialize, Deserialize)]
 pub enum Message {
     /// Lead to helper: do the run at this index of the list.
     Do(usize),
-    /// Lead to helper: the run at this index of the list of shared runs begins.
+    /// Lead to helper: take part in the shared run at this index of the list, which begins.
     Follow(usize),
-    /// Lead to helper: leave the present runs at the ends of their windows.
+    /// Lead to helper: stop the present runs at the ends of their windows.
     Stop,
     /// Lead to helper: the command is over, with this exit code.
     End(u8),
-    /// Helper to lead: this number of runs could be taken.
+    /// Helper to lead: the helper is free to do this number of runs.
     Free(usize),
-    /// Helper to lead: the run at this index has come to that simulated time [s].
+    /// Helper to lead: the run at this index has reached this simulated time [s].
     At(usize, f64),
-    /// Helper to lead: the run at this index is over, with that result; `None` if it was left before its end.
+    /// Helper to lead: the run at this index is over, with this result; `None` if it was stopped before its end.
     Done(usize, Result<Option<Vec<u8>>, StudyError>),
-    /// Helper to lead: it cannot help.
+    /// Helper to lead: the helper cannot do any run, for this reason.
     Failed(String),
-    /// Helper to lead: nothing more will come.
+    /// Helper to lead: this is the last message of the helper.
     Gone,
 }
 
 /// Result of reading the command and the case in one process.
 #[derive(Clone, PartialEq, Serialize, Deserialize)]
 enum Found {
-    /// Something to do, with a checksum of it.
+    /// The process has work to do, with this checksum.
     Work(u32),
-    /// An error, and true if the input is at fault.
+    /// The process has this error; true if the input is wrong.
     Error(String, bool),
 }
 
 impl Ranks {
-    /// Joins the processes that were started together with this one, or returns this one alone if there are none.
+    /// Joins the processes that were started together with this one. Returns this process alone if there are no others.
     ///
     /// # Errors
     /// MPI cannot be started.
@@ -91,7 +91,7 @@ impl Ranks {
         }
     }
 
-    /// This process by itself.
+    /// This process alone.
     pub fn alone() -> Self {
         Self::with(Box::new(LoneProcess))
     }
@@ -106,7 +106,7 @@ impl Ranks {
         }
     }
 
-    /// True if this process does the command and prints its messages.
+    /// True if this is process 0, which does the command and prints its messages.
     pub fn is_lead(&self) -> bool {
         self.link.rank() == 0
     }
@@ -116,34 +116,34 @@ impl Ranks {
         self.link.size()
     }
 
-    /// Number of threads for this process: the number asked for, or its share of the available cores.
+    /// Number of threads for this process: the number requested, or its share of the available cores.
     pub fn threads(&self, asked: Option<u16>) -> usize {
         let cores = || std::thread::available_parallelism().map_or(1, usize::from);
         asked.map_or_else(|| (cores() / self.link.on_this_machine()).max(1), usize::from)
     }
 
-    /// Says that several processes share the runs, if they do.
+    /// Prints that several processes share the runs, if they do.
     pub fn announce(&self, threads: usize, quiet: bool) {
         if self.count() > 1 && !quiet {
             tell(format!("{} processes share the work, {} in this one", self.count(), counted(threads, "thread")));
         }
     }
 
-    /// Does work that is not shared, only in the lead.
+    /// Does work that is not shared. It is done by the lead only.
     ///
     /// # Errors
-    /// The error of the work, or that of a process that could not begin.
+    /// The error of the work, or the error of a process that could not begin.
     pub fn by_lead(&self, work: impl FnOnce() -> Result<(), StudyError>) -> Result<(), StudyError> {
         self.agree(Ok(()), |()| 0)?;
         if self.is_lead() { work() } else { Ok(()) }
     }
 
-    /// Agrees with the other processes that all have equal work; `mark` is its checksum. All processes must call this
-    /// or [`close`](Self::close).
+    /// Checks with the other processes that all have equal work; `mark` computes its checksum. All processes must call
+    /// this or [`close`](Self::close).
     ///
     /// # Errors
-    /// The error of the first process that has one, returned in all processes. It is also an error if a process has
-    /// other work than the lead.
+    /// The error of the first process that has one, returned in all processes. It is also an error if the work of a
+    /// process differs from that of the lead.
     pub fn agree<T>(&self, found: Result<T, StudyError>, mark: impl FnOnce(&T) -> u32) -> Result<T, StudyError> {
         self.agreed.set(true);
         if self.count() == 1 {
@@ -159,7 +159,7 @@ impl Ranks {
     }
 
     /// Ends the common work of the processes, with the result of this one. The lead prints the reason of an error, and
-    /// all end with the exit code for its result. All processes must call this.
+    /// all processes end with the exit code for the lead's result. All processes must call this.
     pub fn close<T>(&self, result: Result<T, StudyError>, code: impl FnOnce(&Result<T, StudyError>) -> u8) -> u8 {
         let result = if self.agreed.get() { result } else { self.agree(result, |_| 0) };
         if !self.is_lead() {
@@ -181,7 +181,7 @@ impl Ranks {
         code
     }
 
-    /// Waits, in a helper that has nothing left to do, for the end of the command; returns the exit code.
+    /// Waits for the end of the command, in a helper without further work; returns the exit code.
     fn wait_for_the_end(&self, why: Option<StudyError>) -> u8 {
         if let (Some(why), None) = (why, self.dismissed.get()) {
             self.report(&Message::Failed(why.to_string()));
@@ -200,12 +200,12 @@ impl Ranks {
         code
     }
 
-    /// Notes that the lead has told this helper the end of the command.
+    /// Records the exit code with which the lead has ended the command, in a helper.
     pub fn dismissed(&self, code: u8) {
         self.dismissed.set(Some(code));
     }
 
-    /// Gives the run at this index to a helper that could take one; false if there is none.
+    /// Sends the run at this index to a free helper; returns false if there is none.
     pub fn hand_out(&self, index: usize) -> bool {
         let Some(helper) = self.free.borrow_mut().pop_front() else { return false };
         self.send(helper, &Message::Do(index));
@@ -213,22 +213,22 @@ impl Ranks {
         true
     }
 
-    /// Number of runs that helpers are working on.
+    /// Number of runs that helpers are doing.
     pub fn away(&self) -> usize {
         self.away.get()
     }
 
-    /// Tells all helpers that a shared run begins.
+    /// Sends all helpers the index of a shared run that begins.
     pub fn call_together(&self, index: usize) {
         (1..self.count()).for_each(|helper| self.send(helper, &Message::Follow(index)));
     }
 
-    /// Tells all helpers to leave their present runs.
+    /// Sends all helpers the order to stop their present runs.
     pub fn stop_helpers(&self) {
         (1..self.count()).for_each(|helper| self.send(helper, &Message::Stop));
     }
 
-    /// Next message of a helper to the lead, which keeps account of the free helpers.
+    /// Next message from a helper to the lead. The list of free helpers is updated.
     pub fn heard(&self) -> Option<Message> {
         let (from, message) = self.take()?;
         match &message {
@@ -248,7 +248,7 @@ impl Ranks {
     }
 
     fn send(&self, to: usize, message: &Message) {
-        // a message of these types can always be written into memory
+        // a message of these types can always be serialised
         if let Ok(bytes) = packed(message) {
             self.link.send(to, &bytes);
         }
@@ -257,7 +257,7 @@ impl Ranks {
     fn take(&self) -> Option<(usize, Message)> {
         loop {
             let (from, bytes) = self.link.take()?;
-            // bytes that are no message are those of another program, which `agree` has found out already
+            // bytes that are no message come from another program, which `agree` has already found
             if let Ok(message) = unpacked(&bytes) {
                 return Some((from, message));
             }
@@ -277,7 +277,7 @@ fn unfit(why: postcard::Error) -> StudyError {
     StudyError::Failed(format!("error: a message between processes cannot be read: {why}"))
 }
 
-/// Reason why the processes cannot begin, if there is one.
+/// Reason why the processes cannot begin together; `None` if there is none.
 fn disagreement(all: &[Found]) -> Option<StudyError> {
     let error = all.iter().enumerate().find_map(|(rank, found)| match found {
         Found::Error(why, input) => Some((rank, why, *input)),

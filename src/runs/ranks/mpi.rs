@@ -1,4 +1,4 @@
-//! Processes joined by MPI.
+//! Connection of processes by MPI.
 
 use super::link::Link;
 use mpi::Threading;
@@ -8,17 +8,17 @@ use mpi::environment::Universe;
 use mpi::point_to_point::{Destination, Source};
 use mpi::topology::{Communicator, SimpleCommunicator};
 
-/// [bytes] longest piece of a message: MPI counts bytes by 32 bits.
+/// [bytes] largest piece in which a message is sent, because MPI counts bytes in 32 bits.
 const PIECE: usize = 1 << 30;
 
-/// Tag of the messages within a shared run, to tell them from those about runs.
+/// Tag of the messages within a shared run. It distinguishes them from the messages between lead and helpers.
 const SHARED: i32 = 1;
 
-/// Processes joined by MPI.
+/// Connection of processes by MPI.
 pub struct Mpi {
     world: SimpleCommunicator,
     on_this_machine: usize,
-    /// Ends MPI when it is dropped. It must be the last field.
+    /// Handle that ends MPI when it is dropped. It must be the last field.
     _universe: Universe,
 }
 
@@ -33,7 +33,7 @@ impl Mpi {
 }
 
 impl Drop for Mpi {
-    /// Aborts all processes if this one panicked, since the others would wait forever.
+    /// Aborts all processes if this one panicked, since the others would wait for ever.
     fn drop(&mut self) {
         if std::thread::panicking() {
             self.world.abort(1);
@@ -64,7 +64,7 @@ impl Link for Mpi {
         let (message, status) = self.world.any_process().immediate_matched_probe()?;
         let mut length = [0; 8];
         message.matched_receive_into(&mut length[..]);
-        // the pieces follow at once, with nothing else of this sender between them
+        // the pieces follow at once, without other messages of this sender in between
         let from = self.world.process_at_rank(status.source_rank());
         let mut bytes = vec![0; u64::from_le_bytes(length) as usize];
         bytes.chunks_mut(PIECE).for_each(|piece| {
@@ -93,7 +93,7 @@ impl Link for Mpi {
         let own = self.rank();
         let pieces = outgoing.iter().map(|bytes| bytes.len().div_ceil(PIECE)).sum();
         mpi::request::multiple_scope(pieces, |scope, sent| {
-            // only to processes for which there are bytes: in most parts of a run these are neighbours
+            // bytes are sent only to processes for which there are any; in most parts of a run these are neighbours
             for (rank, bytes) in outgoing.iter().enumerate().filter(|(rank, _)| *rank != own) {
                 let to = self.world.process_at_rank(rank as i32);
                 bytes.chunks(PIECE).for_each(|piece| {

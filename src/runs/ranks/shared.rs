@@ -1,5 +1,5 @@
-//! One run that all processes share. The thread of the run makes requests, and the thread that MPI belongs to carries
-//! them out.
+//! Communication in a run that all processes share. MPI may only be called from the thread that started it. So the run
+//! works in another thread, which sends requests to the first one.
 
 use super::Ranks;
 use super::link::Link;
@@ -8,7 +8,7 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Request of the thread of the run, and the answer to it.
+/// Request from the thread of the run to the thread of MPI, and its answer.
 enum Call {
     Exchange(Vec<Vec<u8>>),
     Broadcast(Vec<u8>),
@@ -16,16 +16,16 @@ enum Call {
     Largest(Vec<f64>),
 }
 
-/// Communication of a process with others during a shared run.
+/// Amount of communication of a process with others during a shared run.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Traffic {
     /// Number of messages to single other processes.
     pub messages: u64,
     /// [bytes] size of these messages to single processes.
     pub bytes: u64,
-    /// Number of calls that all processes took part in.
+    /// Number of calls in which all processes took part.
     pub calls: u64,
-    /// Time spent on communication, including the wait for the others.
+    /// Time spent on communication, including the time spent waiting for other processes.
     pub waited: Duration,
     /// Time from the beginning to the end of the run.
     pub whole: Duration,
@@ -44,7 +44,7 @@ impl std::fmt::Display for Traffic {
     }
 }
 
-/// End of the channel on the side of the run.
+/// End of the channel in the thread of the run.
 struct LineEnd {
     rank: usize,
     size: usize,
@@ -52,7 +52,7 @@ struct LineEnd {
 }
 
 impl LineEnd {
-    /// Answer to a call; `None` if the other end of the channel is closed.
+    /// Sends a request and returns the answer; `None` if the other end of the channel is closed.
     fn ask(&self, call: Call) -> Option<Call> {
         let ends = self.ends.lock().unwrap_or_else(PoisonError::into_inner);
         ends.0.send(call).ok()?;
@@ -113,7 +113,7 @@ fn answer(link: &dyn Link, call: Call) -> Call {
 
 impl Ranks {
     /// Does work on a run that all processes share. Each process works in a second thread, since MPI may only be called
-    /// from the thread that started it. Returns the result of the work, and the communication that it took.
+    /// from the thread that started it. Returns the result of the work, and the amount of communication.
     pub fn together<T: Send>(&self, work: impl FnOnce(Arc<dyn Communicator>) -> T + Send) -> (T, Traffic) {
         let (asked, calls) = channel();
         let (answers, answered) = channel();
@@ -133,7 +133,7 @@ impl Ranks {
                 let answer = answer(&*self.link, call);
                 traffic.calls += 1;
                 traffic.waited += asked.elapsed();
-                // the run waits for this answer
+                // the thread of the run waits for this answer
                 let _ = answers.send(answer);
             }
             traffic.whole = began.elapsed();

@@ -1,4 +1,4 @@
-//! Processes that are threads of one test.
+//! Tests of several processes, which are threads of one test here.
 
 use super::link::Link;
 use super::*;
@@ -11,7 +11,7 @@ use std::sync::{Arc, Barrier, Mutex};
 use std::thread::scope;
 use std::time::Duration;
 
-/// A message that has been sent, with the number of the sender.
+/// Message that has been sent, with the number of its sender.
 type Letter = (usize, Vec<u8>);
 
 /// One of several threads that stand for processes.
@@ -99,7 +99,7 @@ fn processes(count: usize, work: impl Fn(&Ranks) -> Result<u8, StudyError> + Syn
     })
 }
 
-/// Squares of numbers; for one of them a process may fail or be stopped.
+/// Runs whose results are squares of numbers. For one of the numbers a process may fail or be stopped.
 struct Squares {
     by_others: AtomicUsize,
     unknown: Option<usize>,
@@ -161,7 +161,7 @@ fn every_run_is_done_once_and_by_all() {
             return help(&squares, SHARE, ranks, &Signals::listen()?).map(|()| 9);
         }
         let mut all = vec![0; COUNT];
-        // two lists of runs, one after the other, as in `compare`
+        // there are two lists of runs, one after the other, as in `compare`
         let indices: Vec<usize> = (0..COUNT).collect();
         for part in [&indices[..20], &indices[20..]] {
             distribute(&squares, part, SHARE, ranks, |index, square| {
@@ -172,7 +172,7 @@ fn every_run_is_done_once_and_by_all() {
         *found.lock().unwrap() = (all, squares.by_others.load(Ordering::Relaxed));
         Ok(3)
     });
-    // all end with the code of the lead
+    // all processes end with the exit code of the lead
     assert_eq!(codes, [3, 3, 3]);
     let (all, by_others) = found.into_inner().unwrap();
     assert!(all.iter().enumerate().all(|(index, square)| *square == index * index), "{all:?}");
@@ -193,7 +193,7 @@ fn a_helper_that_fails_ends_all_and_one_that_is_stopped_stops_all() {
                 over += 1;
                 square.map(drop)
             })?;
-            // each of four threads may be in a run, and get one more before the message arrives
+            // each of four threads may be in a run, and receive one more before the message arrives
             Ok(if over < COUNT / 2 { 130 } else { 3 })
         })
     };

@@ -1,24 +1,27 @@
-//! Conclusions of the chart, in sentences made from its numbers.
+//! Conclusions of a chart of precision against cost, in sentences made from its numbers.
 
 use crate::experiment::Model;
 use crate::output::numbers::{count, quantity as with_prefix, significant};
 use crate::output::{ChartMethod, ChartPoint, ChartQuantity, ChartSlope, CostMeasure, cheapest};
 use crate::statistics::power_law;
 
-/// Target errors, 1 % and 0.1 %.
+/// Target errors 1 % and 0.1 %, as numbers and in words.
 const TARGETS: [(f64, &str); 2] = [(0.01, "1 %"), (0.001, "0.1 %")];
-/// An error below this many of its standard errors may be chance.
+/// Number of standard errors below which an error may be chance.
 const RESOLVED: f64 = 3.0;
-/// [-] below this an error is rounding: positions are resolved to 1e-19 of a millimetre, overlaps are some micrometres.
+/// [-] error below which it is attributed to rounding: positions are resolved to 1e-19 of a millimetre, overlaps are
+/// some micrometres.
 const ROUNDING: f64 = 1e-12;
-/// Points in the asymptotic range: the finest that are resolved, at least three.
+/// Largest number of points in the asymptotic range, which consists of the finest resolved points. There are at least
+/// three.
 const ASYMPTOTIC: usize = 5;
-/// An exponent smaller than this is no order of convergence: the error is of another origin.
+/// Smallest exponent that is an order of convergence. With a smaller one, the error does not come from the swept
+/// parameter.
 const FLAT: f64 = 0.1;
 
-/// Order of convergence of each method in each quantity: the slope of its error over its knob. The asymptotic range is
-/// the finest three to five resolved points, whichever number of them lies closest to a line. Resolved errors exceed
-/// chance and rounding, and all have one sign.
+/// Order of convergence of each method in each quantity: the slope of the error over the parameter of the method, in
+/// logarithms. The asymptotic range is the finest three to five resolved points, whichever number lies closest to a
+/// line. Resolved errors exceed chance and rounding, and all have one sign.
 pub fn slopes(quantities: &[ChartQuantity], methods: usize, points: &[ChartPoint]) -> Vec<ChartSlope> {
     let mut slopes = Vec::new();
     for (index, quantity) in quantities.iter().enumerate() {
@@ -35,8 +38,8 @@ pub fn slopes(quantities: &[ChartQuantity], methods: usize, points: &[ChartPoint
     slopes
 }
 
-/// Knob and error of the resolved points of one method, from coarse to fine. Resolved errors exceed chance and
-/// rounding. Points up to the last one whose error has the other sign are left out.
+/// Parameter and error of the resolved points of one method, from coarse to fine. Resolved errors exceed chance and
+/// rounding. All points up to the last one whose error has the other sign are left out.
 fn resolved<'a>(
     points: impl Iterator<Item = &'a ChartPoint>,
     index: usize,
@@ -59,7 +62,7 @@ fn resolved<'a>(
     kept
 }
 
-/// A point in words.
+/// Name of a point: its method and the value of its parameter.
 pub fn name(methods: &[ChartMethod], point: &ChartPoint) -> String {
     let method = &methods[point.method];
     let value = if method.unit == "s" { with_prefix(point.knob, "s", 3) } else { significant(point.knob, 3) };
@@ -67,7 +70,7 @@ pub fn name(methods: &[ChartMethod], point: &ChartPoint) -> String {
     format!("{} ({} = {value}{unit})", method.name, method.knob)
 }
 
-/// The conclusion: the cheapest method within 1 % and 0.1 % in each quantity, the slopes, the failures.
+/// Conclusion: the cheapest method within 1 % and 0.1 % in each quantity, the orders of convergence, and the failures.
 pub fn sentences(
     methods: &[ChartMethod],
     quantities: &[ChartQuantity],
@@ -114,7 +117,7 @@ fn within(
     let Some((model, first)) = cheapest_of(methods, points, index, target, &all) else {
         return format!("nothing stays within {words} for certain");
     };
-    // hard spheres take some quantities as given: then the cheapest soft method is named too
+    // hard spheres may give a quantity exactly by construction; the cheapest soft method is then named too
     let soft = match (model, cheapest_of(methods, points, index, target, &[Model::Soft])) {
         (Model::Soft, _) => String::new(),
         (Model::Hard | Model::Hybrid, Some((_, text))) => format!("; of soft methods {text}"),
@@ -123,7 +126,7 @@ fn within(
     format!("within {words} the cheapest is {first}{soft}")
 }
 
-/// The cheapest method of some models by operations, and by wall time if that is another method.
+/// Cheapest method of some models by operations, and by wall time if another method is cheapest in that.
 fn cheapest_of(
     methods: &[ChartMethod],
     points: &[ChartPoint],

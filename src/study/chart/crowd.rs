@@ -1,5 +1,5 @@
-//! The chart of a scene with many particles: every method against exact collision instants, as far as statistical
-//! errors allow.
+//! Chart of a scene with many particles: every method is compared with exact collision instants, as far as statistical
+//! errors allow. A stretch is the piece of the simulated time of the case that every method runs.
 
 use super::methods::{MethodSweep, work};
 use super::outlook::Outlook;
@@ -13,22 +13,22 @@ use crate::runs::{StudyError, execute, start};
 use crate::statistics::{Estimate, SliceColumn, U, VV};
 use std::time::Instant;
 
-/// A scene to be charted.
+/// Scene with many particles whose methods are compared in a chart, and runs of the reference.
 pub struct Crowd {
-    /// Stretch of the case that every method runs.
+    /// Piece of the simulated time of the case that every method runs.
     pub stretch: Stretch,
-    /// Initial state of all methods.
+    /// Initial state from which all methods start.
     start: Particles,
-    /// Outcomes of the reference, one per start.
+    /// Outcomes of the runs of the reference, one per start.
     references: Vec<Outcome>,
     /// Method of the reference, in words.
     pub method: &'static str,
 }
 
-/// Function that reads one number off the outcome of a run.
+/// Function that returns one number of the outcome of a run.
 type OutcomeColumn = fn(&Outcome) -> Option<Estimate>;
 
-/// Numbers that can be charted: key, name, axis, unit, and the function that reads it.
+/// Numbers that can be charted: key, name, axis, unit, and the function that returns the number.
 const NUMBERS: [(&str, &str, &str, &str, OutcomeColumn); 2] = [
     ("collision_rate", "pair impacts per time", "|rate − reference|/reference", "1/s", |o| o.pair_rate),
     ("temperature", "granular temperature", "|T − reference|/reference", "m²/s²", |o| o.temperature),
@@ -46,11 +46,11 @@ const PROFILES: [(&str, &str, &str, SliceColumn); 2] = [
 ];
 
 impl Crowd {
-    /// Runs the time before a stretch, and the reference. The reference resolves exact instants; where this fails it is
-    /// the soft model by local fourth-order steps at N_c = 50.
+    /// Runs the time before the stretch, and the reference. The reference is hard spheres at exact instants. If this
+    /// fails, it is soft spheres with local fourth-order steps at N_c = 50.
     ///
     /// # Errors
-    /// A start that cannot be made, or a scene in which neither runs.
+    /// A start that cannot be made, or a scene in which neither reference runs to the end.
     pub fn new(stretch: Stretch, outlook: &mut Outlook) -> Result<Self, StudyError> {
         let mut why = String::new();
         for (way, method) in stretch.ways() {
@@ -63,8 +63,8 @@ impl Crowd {
         Err(StudyError::Failed(format!("error: no reference: neither model runs through this scene{why}")))
     }
 
-    /// Particles at the start of the first seed, and the outcome of one run per seed. The inner error is the first
-    /// failure of an engine.
+    /// Initial state for the first seed, and the outcome of one run per seed. The inner error is the first failure of
+    /// an engine.
     fn references(
         way: &Experiment,
         method: &str,
@@ -101,7 +101,7 @@ impl Crowd {
         Ok(Ok((first.unwrap_or_default(), outcomes)))
     }
 
-    /// The quantities that this scene has.
+    /// Quantities of this scene that can be charted.
     pub fn quantities(&self) -> Vec<ChartQuantity> {
         let mut quantities = Vec::new();
         let asked = self.stretch.experiment.scene.restitution_of_pairs();
@@ -135,13 +135,14 @@ impl Crowd {
             let unit = column.unit;
             let mean = self.mean_profile(column);
             let size = norm(&mean);
-            // squared distances from their own mean are low by (R-1)/R, those of another run from that mean high by (R+1)/R
+            // squared distances from the mean of R runs are too low by (R-1)/R; those of another run from that mean are
+            // too high by (R+1)/R
             let starts = STARTS as f64;
             let squares: f64 =
                 self.references.iter().map(|run| norm(&differences(&profile(run, column), &mean)).powi(2)).sum();
             let rms = (squares / starts).sqrt();
             let floor = rms * ((starts + 1.0) / (starts - 1.0)).sqrt() / size;
-            // a profile that is all noise is left out
+            // a profile whose scatter is more than a third of its size is left out
             if size > 0.0 && floor < 1.0 / 3.0 {
                 let slices = mean.iter().flatten().count().max(1) as f64;
                 let error = rms / (starts - 1.0).sqrt() / slices.sqrt();
@@ -152,7 +153,7 @@ impl Crowd {
         quantities
     }
 
-    /// One method at one value of its knob.
+    /// Runs one method at one value of its parameter.
     pub fn point(
         &self,
         sweep: &MethodSweep,
@@ -197,7 +198,7 @@ impl Crowd {
             key => {
                 let number = NUMBERS.iter().find(|(known, ..)| *known == key).map(|(.., pick)| pick(outcome));
                 if let Some(found) = number {
-                    // the scatter of a run is that of the reference's runs, or its own error if that is larger
+                    // the scatter of a run is that of the reference's runs, or the run's own error if that is larger
                     let (found, share) = (found?, found?.over(quantity.reference.value));
                     let uncertainty = share.error.map_or(quantity.floor, |own| own.max(quantity.floor));
                     single(found.value, (share.value - 1.0).abs(), Some(uncertainty))
@@ -213,7 +214,7 @@ impl Crowd {
         found.error.is_finite().then_some(found)
     }
 
-    /// Mean profile over the runs of the reference, in slices that all of them have sampled.
+    /// Mean profile over the runs of the reference, in slices that contain samples in all of these runs.
     fn mean_profile(&self, column: SliceColumn) -> Vec<Option<f64>> {
         let mut sums: Vec<Option<f64>> = Vec::new();
         for run in &self.references {
@@ -234,7 +235,7 @@ impl Crowd {
     }
 }
 
-/// The values of all slices; slices that no particle visits have none.
+/// Values of a profile in all slices; `None` in slices without particles.
 fn profile(outcome: &Outcome, column: SliceColumn) -> Vec<Option<f64>> {
     outcome.profiles.slices.iter().map(|row| Some(row.of(column)?.value)).collect()
 }
@@ -243,12 +244,12 @@ fn differences(values: &[Option<f64>], from: &[Option<f64>]) -> Vec<Option<f64>>
     values.iter().zip(from).map(|(value, from)| Some((*value)? - (*from)?)).collect()
 }
 
-/// Root of the sum of squares of the values that are known.
+/// Root of the sum of squares of the known values.
 fn norm(values: &[Option<f64>]) -> f64 {
     values.iter().flatten().map(|value| value * value).sum::<f64>().sqrt()
 }
 
-/// Mean of independent values with its standard error, and their standard deviation.
+/// Mean of independent values with its standard error, and standard deviation of the values.
 fn spread(values: &[f64]) -> (Estimate, f64) {
     let count = values.len() as f64;
     let mean = values.iter().sum::<f64>() / count;

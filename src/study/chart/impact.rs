@@ -1,4 +1,5 @@
-//! The chart of one impact: every method against the closed form, over many phases of the first touch within a step.
+//! Chart of one impact: every method is compared with the closed form, over many phases of the first touch within a
+//! step.
 
 use super::methods::{MethodParameter, MethodSweep, Values, total, work};
 use crate::contact_law::Bodies;
@@ -17,20 +18,20 @@ use nalgebra::Vector3;
 use std::path::Path;
 use std::time::Instant;
 
-/// Phases of the first touch within a step.
+/// Number of phases of the first touch within a step.
 pub const PHASES: usize = 128;
 
-/// One in this many phases is run to estimate the time of all.
+/// Divisor of the number of phases in a trial run, from which the time of all phases is estimated.
 const TRIAL: usize = 16;
 
-/// One head-on impact.
+/// One head-on impact of two spheres, or of a sphere on a plane wall.
 #[derive(Clone, Debug)]
 pub struct HeadOn {
-    /// Method settings; its scene is replaced by an empty one.
+    /// Settings of the methods. The scene in it is replaced by an empty one.
     pub experiment: Experiment,
-    /// The sphere, and the second sphere; `None` for a plane wall.
+    /// The first sphere, and the second sphere; `None` for a plane wall.
     pub bodies: (Species, Option<Species>),
-    /// Properties of the two bodies that the contact law needs.
+    /// Properties of the two bodies on which the contact law depends.
     pub contact: Bodies,
     /// Surface properties of the contact.
     pub surface: Surface,
@@ -38,11 +39,11 @@ pub struct HeadOn {
     pub approach: f64,
     /// [s] time of straight flight until the bodies touch.
     pub touch: f64,
-    /// [s] simulated time in all.
+    /// [s] simulated time of a run.
     pub duration: f64,
 }
 
-/// Work of one run before it failed.
+/// Cost of one run until it failed, and the reason.
 struct Stopped {
     why: ChartFailure,
     counters: Counters,
@@ -52,7 +53,7 @@ struct Stopped {
 /// Results of one run.
 struct Rebound {
     restitution: f64,
-    /// [-] energy that the balance leaves unexplained, over the energy at the start.
+    /// [-] energy that the energy balance does not explain, over the energy at the start.
     residual: f64,
     /// [-] distance from the positions after an instantaneous collision, over the diameter.
     displacement: f64,
@@ -61,10 +62,10 @@ struct Rebound {
 }
 
 impl HeadOn {
-    /// The impact of a case as a head-on one, at the normal speed with which its bodies approach.
+    /// Makes a head-on impact from the impact of a case, with the normal speed at which its bodies approach.
     ///
     /// # Errors
-    /// The case has no two bodies, or they do not approach, or there is no time left for an impact.
+    /// The case does not have two bodies, or they do not approach, or there is not enough time for an impact.
     pub fn of(experiment: &Experiment, particles: &Particles, case: &Path) -> Result<Self, StudyError> {
         let meeting = meeting(&experiment.scene, particles, case)?;
         let first = point(&experiment.scene, particles, &meeting, 0.0);
@@ -98,7 +99,7 @@ impl HeadOn {
         Ok(Self { experiment, bodies, contact: meeting.bodies, surface: meeting.surface, approach, touch, duration })
     }
 
-    /// Values of the knobs.
+    /// Values of the parameters over which the methods are swept.
     pub fn values(quick: bool) -> Values {
         let steps: &[f64] = if quick {
             &[1.5, 5.0, 10.0, 15.0, 20.0, 50.0]
@@ -113,7 +114,7 @@ impl HeadOn {
         }
     }
 
-    /// The quantities; the closed form is exact.
+    /// Quantities that are charted. Their references are exact closed forms.
     pub fn quantities(&self) -> Vec<ChartQuantity> {
         let of = |key, name, axis, reference| ChartQuantity {
             key,
@@ -141,24 +142,24 @@ impl HeadOn {
         (0.5 * self.bodies.0.diameter, self.bodies.1.as_ref().map_or(0.0, |other| 0.5 * other.diameter))
     }
 
-    /// [m] diameter that distances are measured in: the smaller of the two.
+    /// [m] diameter of the smaller sphere, by which distances are divided.
     fn diameter(&self) -> f64 {
         let first = self.bodies.0.diameter;
         self.bodies.1.as_ref().map_or(first, |other| first.min(other.diameter))
     }
 
-    /// The run of one method at one value of its knob.
+    /// Experiment of one method at one value of its parameter.
     fn run_of(&self, sweep: &MethodSweep, value: f64) -> Experiment {
         let mut experiment = sweep.experiment(&self.experiment, value);
         if let (Some(law), TimeStep::PerContact(steps)) = (experiment.law(), experiment.soft.time_step) {
-            // N_c of this very contact, whatever other species the case has
+            // contact time of this contact, whatever other species the case has
             let time = law.contact_time(&law.between(&self.contact), self.approach);
             experiment.soft.time_step = TimeStep::Fixed(time / steps);
         }
         experiment
     }
 
-    /// [s] expected wall time of every point of every method, from one in sixteen of its phases.
+    /// [s] expected wall time of every point of every method, from a trial of one in sixteen phases.
     pub fn expected(&self, sweeps: &[MethodSweep]) -> Vec<f64> {
         let points = sweeps.iter().flat_map(|sweep| sweep.values.iter().map(move |value| (sweep, *value)));
         let trial = |(sweep, value): (&MethodSweep, f64)| {
@@ -170,7 +171,7 @@ impl HeadOn {
         points.map(trial).collect()
     }
 
-    /// One method at one value of its knob.
+    /// Runs one method at one value of its parameter, over all phases.
     pub fn point(&self, sweep: &MethodSweep, method: usize, value: f64) -> ChartPoint {
         let experiment = self.run_of(sweep, value);
         let phases = (0..PHASES).map(|k| self.rebound(&experiment, sweep.knob, phase(k)));
@@ -199,7 +200,7 @@ impl HeadOn {
         let mut times: Vec<f64> = runs.iter().map(|run| run.wall).collect();
         times.sort_by(f64::total_cmp);
         let e = self.surface.restitution;
-        // relative to the restitution asked for, unless that is zero
+        // errors are relative to the given restitution, unless it is zero
         let scale = if e > 0.0 { e } else { 1.0 };
         let column = |of: fn(&Rebound) -> f64| -> Vec<f64> { runs.iter().map(of).collect() };
         let restitution = column(|run| run.restitution);
@@ -232,7 +233,7 @@ impl HeadOn {
                 let step = crate::engine::hard::SteppedHard::longest_step(theta, &particles, scene, self.duration);
                 step.min(self.duration)
             }
-            // no steps: any time serves to vary the start
+            // without steps, any time serves to vary the start
             (Model::Hard, HardStepping::Events) => 0.01 * self.touch,
         };
         let touch = ((self.touch / step).floor() + phase) * step;
@@ -242,7 +243,7 @@ impl HeadOn {
                 let window = experiment.run.window.unwrap_or(self.duration);
                 (window, (self.duration / window - 1e-9).ceil())
             }
-            // a whole number of steps, so that the step is exactly the one asked for
+            // a whole number of steps, so that the step has exactly the given length
             _ => ((self.duration / step - 1e-9).ceil() * step, 1.0),
         };
         let mut simulation = Simulation::new(&experiment, particles);
@@ -267,10 +268,10 @@ impl HeadOn {
         })
     }
 
-    /// An empty box with the bodies far apart on the x axis.
+    /// An empty box with the two bodies far from its sides, on the x axis.
     fn scene(&self) -> (Scene, Particles) {
         let (a, b) = self.radii();
-        // no sphere gets farther than this
+        // no sphere moves farther than this
         let reach = 4.0 * (a + b) + 2.0 * self.approach * (self.duration + self.touch) * 2.0;
         let size = Vector3::repeat(2.0 * reach);
         let plane = Plane { point: Vector3::zeros(), normal: Vector3::x() };
@@ -329,7 +330,7 @@ impl HeadOn {
     }
 }
 
-/// [-] the phases, equally spaced in (0, 1).
+/// [-] phase number k; the phases are equally spaced in (0, 1).
 fn phase(k: usize) -> f64 {
     (k as f64 + 0.5) / PHASES as f64
 }
@@ -338,8 +339,8 @@ fn range(values: &[f64]) -> (f64, f64) {
     values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(*v), high.max(*v)))
 }
 
-/// Error of the mean. The standard error given is that of as many random phases. That of equally spaced phases is well
-/// below it.
+/// Error of the mean. Its standard error is computed for an equal number of random phases. That of equally spaced
+/// phases is well below it.
 fn mean_error(values: &[f64], reference: f64, scale: f64) -> PointError {
     let count = values.len() as f64;
     let mean = values.iter().sum::<f64>() / count;
@@ -348,7 +349,7 @@ fn mean_error(values: &[f64], reference: f64, scale: f64) -> PointError {
     PointError { value: mean, error: (mean - reference).abs() / scale, uncertainty, range: Some(range(values)) }
 }
 
-/// Root mean square error over the phases, and its standard error from the scatter of the squares.
+/// Root mean square error over the phases, with a standard error computed from the scatter of the squares.
 fn rms_error(values: &[f64], reference: f64, scale: f64) -> PointError {
     let count = values.len() as f64;
     let squares: Vec<f64> = values.iter().map(|v| ((v - reference) / scale).powi(2)).collect();

@@ -1,27 +1,29 @@
-//! Methods that are charted, and the knob over which each is swept.
+//! Methods that are compared in a chart, and the parameter over which each is swept.
 
 use crate::contact_law::{ContactLaw, Parameter};
 use crate::engine::Counters;
 use crate::experiment::{Experiment, HardStepping, Integrator, Model, SoftStepping, Spheres, TimeStep};
 use crate::output::ChartMethod;
 
-/// Knob that trades cost for precision.
+/// Parameter of a method that trades cost for precision.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MethodParameter {
-    /// [-] steps per contact N_c.
+    /// [-] number of steps per contact N_c.
     StepsPerContact,
-    /// Elastic parameter of the contact law, swept at [`FINE_STEPS`] per contact; the value here is that of the case.
+    /// Elastic parameter of the contact law, swept at [`FINE_STEPS`] per contact. The value in this variant is that of
+    /// the case.
     Stiffness(Parameter),
-    /// [-] θ of the stepped hard engine.
+    /// [-] step criterion θ of hard spheres in time steps.
     Theta,
-    /// [s] window.
+    /// [s] length of the window, the time between two exchanges of momentum with the gas.
     Window,
 }
 
-/// Steps per contact while the stiffness is swept: Runge-Kutta's own error in the restitution is then below 1e-6.
+/// Number of steps per contact while the stiffness is swept. The error of the Runge-Kutta method in the restitution is
+/// then below 1e-6.
 pub const FINE_STEPS: f64 = 50.0;
 
-/// Treatment of contacts and collisions.
+/// Engine and settings with which a method treats contacts and collisions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum MethodKind {
     Soft(ContactLaw, SoftStepping, Integrator),
@@ -29,33 +31,33 @@ enum MethodKind {
     Events,
 }
 
-/// One method with the values of its knob, from cheap to expensive.
+/// One method with the values of its parameter, from cheap to expensive.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MethodSweep {
-    /// Name.
+    /// Name of the method.
     pub name: &'static str,
-    /// Knob of the method.
+    /// Parameter that is swept.
     pub knob: MethodParameter,
-    /// The values in SI units, from coarse to fine.
+    /// Values of the parameter in SI units, from coarse to fine.
     pub values: Vec<f64>,
     how: MethodKind,
 }
 
-/// The values that all methods take.
+/// Values of the parameters of all methods.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Values {
-    /// [-] N_c.
+    /// [-] numbers of steps per contact N_c.
     pub steps_per_contact: Vec<f64>,
     /// [-] factors on the stiffness of the case.
     pub stiffness: Vec<f64>,
-    /// [-] θ.
+    /// [-] step criteria θ.
     pub theta: Vec<f64>,
     /// [-] factors on the window of the case.
     pub windows: Vec<f64>,
 }
 
 impl MethodSweep {
-    /// All methods that can run `base`, whose window is `window` [s].
+    /// All methods that can run `base`, whose window is `window` [s]. `values` are the values of their parameters.
     pub fn all(base: &Experiment, window: f64, values: &Values) -> Vec<Self> {
         use Integrator::{Rk2, VelocityVerlet};
         let mut sweeps = Vec::new();
@@ -94,7 +96,7 @@ impl MethodSweep {
         sweeps
     }
 
-    /// `base` with this method at a value of its knob.
+    /// The experiment `base` with this method at a value of its parameter.
     pub fn experiment(&self, base: &Experiment, value: f64) -> Experiment {
         let mut experiment = base.clone();
         experiment.name = format!("{}, {} = {value}", self.name, self.method().knob);
@@ -126,7 +128,7 @@ impl MethodSweep {
         experiment
     }
 
-    /// Name and knob of the method as they stand in outputs.
+    /// Name and parameter of the method as they are written in outputs.
     pub fn method(&self) -> ChartMethod {
         let (knob, unit) = match self.knob {
             MethodParameter::StepsPerContact => ("N_c", ""),
@@ -142,12 +144,12 @@ impl MethodSweep {
     }
 }
 
-/// Number of operations, counted alike in every method: pair checks, force evaluations and events.
+/// Number of operations, counted equally in every method: pair checks, force evaluations and events.
 pub fn work(counters: &Counters) -> f64 {
     (counters.pair_checks + counters.force_evaluations + counters.events) as f64
 }
 
-/// Adds the counts of one run to those of others.
+/// Adds the counters of one run to the sums of others.
 pub fn total(sum: &mut Counters, one: &Counters) {
     sum.steps += one.steps;
     sum.uniform_steps += one.uniform_steps;

@@ -1,7 +1,7 @@
-//! `diptych chart CASE`: how much precision does each method give for its cost?
+//! `diptych chart CASE`: the precision that each method reaches for its cost.
 //!
-//! Every method is swept over its own knob, one run after the other on one thread; errors are measured against a
-//! reference that is named, with its own error.
+//! Every method is swept over a parameter of its own, one run after the other on one thread. Errors are measured
+//! against a reference, which is named together with its own error.
 
 mod conclusion;
 mod crowd;
@@ -30,20 +30,20 @@ pub struct ChartResults {
     pub reference: String,
     /// Description of the runs behind each point.
     pub setting: String,
-    /// The methods.
+    /// Methods that were swept.
     pub methods: Vec<ChartMethod>,
-    /// The quantities.
+    /// Quantities in which errors were measured.
     pub quantities: Vec<ChartQuantity>,
-    /// The points, method by method, coarse to fine.
+    /// Measured points, method by method, from coarse to fine.
     pub points: Vec<ChartPoint>,
     /// Notes for the reader.
     pub notes: Vec<String>,
 }
 
-/// Charts a case and writes its folder.
+/// Makes the chart of a case and writes its folder.
 ///
 /// # Errors
-/// Bad input before anything is computed; a scene in which no reference can be had.
+/// Bad input, before anything is computed; a scene for which there is no reference.
 pub fn chart(args: &Chart) -> Result<(), StudyError> {
     let case = read(&args.case, &args.input)?;
     let base = base(&case)?;
@@ -69,7 +69,7 @@ pub fn chart(args: &Chart) -> Result<(), StudyError> {
     };
     let report = write_chart(&folder, &study)?;
     if !quiet {
-        // each quantity has its sentence in the report
+        // the report has a sentence for each quantity
         let failures = verdicts.iter().skip(results.quantities.len()).cloned();
         let said: Vec<String> = std::iter::once(chart_answers(&study)).chain(failures).collect();
         conclude(&said, "Report", &report);
@@ -84,7 +84,7 @@ fn base(case: &Case) -> Result<Experiment, StudyError> {
     let known: Vec<Experiment> =
         run.iter().cloned().chain(variants.iter().flatten().cloned()).map(|(experiment, _)| experiment).collect();
     let Some(mut base) = known.first().cloned() else {
-        // both are errors here: that of the case itself says more
+        // both results are errors here, and that of the case itself says more
         return Err(run
             .err()
             .or(variants.err())
@@ -94,7 +94,7 @@ fn base(case: &Case) -> Result<Experiment, StudyError> {
     Ok(base)
 }
 
-/// One head-on impact if the case is one; `None` for any other scene.
+/// The scene as one head-on impact; `None` if it is another scene.
 fn scene(base: &Experiment, path: &std::path::Path) -> Result<Option<HeadOn>, StudyError> {
     let count: usize = base.start.iter().map(|population| population.amount.count()).sum();
     if count == 0 {
@@ -116,10 +116,10 @@ fn scene(base: &Experiment, path: &std::path::Path) -> Result<Option<HeadOn>, St
     HeadOn::of(base, &particles, path).map(Some)
 }
 
-/// Runs every method at every value of its knob.
+/// Runs every method at every value of its parameter.
 ///
 /// # Errors
-/// Where no reference can be had.
+/// No reference can be computed for the scene.
 pub fn measure(
     base: &Experiment,
     scene: Option<HeadOn>,

@@ -1,26 +1,26 @@
-//! Wall time of a chart, expected and left. It is told to the user and not used otherwise.
+//! Expected and remaining wall time of a chart. It is printed for the user and has no other use.
 
 use crate::runs::INTERVAL;
 use crate::simulation::Simulation;
 use std::time::Instant;
 
-/// [-] weight of the first estimate beside the times measured since, as a share of the chart.
+/// [-] weight of the first estimate, compared with the times measured since, as a share of the chart.
 const PRIOR: f64 = 0.05;
 
 /// Runs of a chart, the wall time expected of each, and the progress so far.
 pub struct Outlook {
     told: Option<fn(&str)>,
-    /// [s] wall time expected of each run, in their order.
+    /// [s] expected wall time of each run, in the order of the runs.
     expected: Vec<f64>,
     done: usize,
-    /// The present run.
+    /// Name of the present run.
     name: String,
     began: Instant,
     said: Instant,
 }
 
 impl Outlook {
-    /// Tells `told` line by line. With `None` nothing is told or estimated.
+    /// Progress whose lines are passed to `told`. With `None` nothing is printed or estimated.
     pub fn new(told: Option<fn(&str)>) -> Self {
         let now = Instant::now();
         Self { told, expected: Vec::new(), done: 0, name: String::new(), began: now, said: now }
@@ -34,7 +34,8 @@ impl Outlook {
         }
     }
 
-    /// Takes the wall time [s] expected of each run and tells the sum; `estimate` is not called if nothing is told.
+    /// Stores the expected wall time [s] of each run and prints the sum. `estimate` is not called if nothing is
+    /// printed.
     ///
     /// # Errors
     /// The error of `estimate`.
@@ -48,30 +49,31 @@ impl Outlook {
         Ok(())
     }
 
-    /// The runs begin, or begin again in another way.
+    /// Resets the progress: the runs begin, or begin again with another method.
     pub fn restart(&mut self) {
         self.done = 0;
         self.began = Instant::now();
     }
 
-    /// The next run begins.
+    /// Sets the name of the run that begins.
     pub fn begin(&mut self, name: String) {
         self.name = name;
     }
 
-    /// Follows a simulation that is a stretch of the present run: `before` [s] of its `whole` [s] have been done.
+    /// An observer of a simulation that is a part of the present run: `before` [s] of the `whole` [s] were done
+    /// earlier.
     pub fn watching(&mut self, before: f64, whole: f64) -> impl FnMut(&Simulation) {
         move |simulation| self.within((before + simulation.time) / whole)
     }
 
-    /// The present run has come to `part` [-] of its length; told now and then.
+    /// Prints the completed share `part` [-] of the present run, if the last line is old enough.
     fn within(&mut self, part: f64) {
         if self.said.elapsed() >= INTERVAL {
             self.tell(&format!("{}: {:.0} % of it{}", self.name, 100.0 * part, self.left(part)));
         }
     }
 
-    /// The present run is over.
+    /// Records that the present run is over, and prints a line that ends with `how`.
     pub fn end(&mut self, how: &str) {
         self.done += 1;
         self.tell(&format!("{}: {how}{}", self.name, self.left(0.0)));
@@ -85,8 +87,8 @@ impl Outlook {
     }
 }
 
-/// [s] wall time until the last of the runs is over, after `done` runs and a `part` of the next took `elapsed` [s];
-/// `None` after the last.
+/// [s] wall time until the last run is over, if `done` runs and the share `part` of the next one took `elapsed` [s];
+/// `None` after the last run.
 fn time_left(expected: &[f64], done: usize, part: f64, elapsed: f64) -> Option<f64> {
     let next = expected.get(done)?;
     let total: f64 = expected.iter().sum();
@@ -95,7 +97,7 @@ fn time_left(expected: &[f64], done: usize, part: f64, elapsed: f64) -> Option<f
     Some((total - over) * (elapsed + prior) / (over + prior))
 }
 
-/// Time in words, about.
+/// Approximate time in words.
 fn in_words(seconds: f64) -> String {
     match seconds {
         s if s < 1.0 => "less than a second".into(),
@@ -114,9 +116,9 @@ mod tests {
         let expected = [10.0, 10.0, 30.0];
         let close = |found: Option<f64>, wanted: f64| assert!((found.unwrap() - wanted).abs() < 1e-12, "{found:?}");
         close(time_left(&expected, 0, 0.0, 0.0), 50.0);
-        // as expected: what is not done is left
+        // as fast as expected: the time left is that of the runs not yet done
         close(time_left(&expected, 1, 0.5, 15.0), 35.0);
-        // twice as slow: 40 s for 20, beside a prior of 2.5 s
+        // twice as slow: 40 s for 20 s of runs, together with a prior of 2.5 s
         close(time_left(&expected, 2, 0.0, 40.0), 30.0 * 42.5 / 22.5);
         assert_eq!(time_left(&expected, 3, 0.0, 50.0), None);
         assert_eq!(time_left(&[], 0, 0.0, 1.0), None);

@@ -1,5 +1,5 @@
-//! The stretch of time that the methods run in a scene with many particles: a part of the time that the case averages
-//! over.
+//! The stretch of a scene with many particles: the piece of simulated time that every method runs. It is a part of the
+//! time over which the case averages.
 
 use super::methods::{FINE_STEPS, MethodParameter, MethodSweep, Values};
 use crate::experiment::{AverageFrom, Experiment, HardStepping, Integrator, SoftStepping, Spheres, TimeStep};
@@ -10,35 +10,36 @@ use crate::statistics::FEWEST_BLOCKS;
 use crate::study::calibration::{agitated, physics, timed};
 use std::time::Instant;
 
-/// Runs of the reference, each from its own start.
+/// Number of runs of the reference, each from a different start.
 pub const STARTS: usize = 8;
-/// Samples in a stretch, enough blocks for standard errors.
+/// Number of samples in a stretch, enough blocks for standard errors.
 pub const SAMPLES: f64 = 60.0;
-/// The time that the case averages over, divided by that of a stretch. So dozens of runs take minutes where one run
-/// takes seconds.
+/// Averaging time of the case divided by the length of a stretch. With this divisor dozens of runs take minutes if one
+/// run of the case takes seconds.
 const PARTS: f64 = 10.0;
 /// Divisor of the averaging time with `--quick`.
 const QUICK_PARTS: f64 = 100.0;
 /// [-] share of a run that is timed to estimate its wall time.
 const TRIAL: f64 = 0.02;
 
-/// [-] a number this close to one of three digits was meant to be that number.
+/// [-] largest relative difference from a number of three digits at which a number is taken as that number.
 const ROUNDING: f64 = 1e-9;
-/// [-] longest duration tried over that of the case: windows grow with the duration.
+/// [-] longest duration tried, over that of the case. Longer durations are tried because windows grow with the
+/// duration.
 const LONGEST: f64 = 1e6;
 
-/// A stretch of a case.
+/// A piece of the simulated time of a case.
 pub struct Stretch {
     /// Experiment that every method runs from the common start.
     pub experiment: Experiment,
-    /// [s] time before the stretch, run by the method of the reference.
+    /// [s] simulated time before the stretch, which is run with the method of the reference.
     pub before: f64,
-    /// [s] the window of the case.
+    /// [s] window of the case.
     pub window: f64,
 }
 
 impl Stretch {
-    /// Values of the knobs.
+    /// Values of the parameters over which the methods are swept.
     pub fn values(quick: bool) -> Values {
         let of = |long: &[f64], short: &[f64]| if quick { short.to_vec() } else { long.to_vec() };
         Values {
@@ -49,10 +50,10 @@ impl Stretch {
         }
     }
 
-    /// The stretch of a case.
+    /// Stretch of a case.
     ///
     /// # Errors
-    /// A case that averages over no time.
+    /// The case averages over no time.
     pub fn of(base: &Experiment, quick: bool) -> Result<Self, StudyError> {
         let duration = base.run.duration;
         let before = match base.run.average_from {
@@ -92,8 +93,8 @@ impl Stretch {
         ways
     }
 
-    /// Methods with the values of their knobs. Windows longer than the case's are left out where they would be too long
-    /// for error bars: no run has windows longer than itself.
+    /// Methods with the values of their parameters. Windows longer than that of the case are left out if a stretch
+    /// would have too few of them for error bars. No run has windows longer than itself.
     pub fn sweeps(&self, quick: bool) -> Vec<MethodSweep> {
         let window = Schedule::new(&self.experiment).window;
         let longest = window.max(self.experiment.run.duration / FEWEST_BLOCKS as f64);
@@ -104,7 +105,7 @@ impl Stretch {
         sweeps
     }
 
-    /// One method at one value of its knob. No sample interval is shorter than a window.
+    /// Experiment of one method at one value of its parameter. No sample interval is shorter than a window.
     pub fn run_of(&self, sweep: &MethodSweep, value: f64) -> Experiment {
         let mut experiment = sweep.experiment(&self.experiment, value);
         if let (Some(window), Some(interval)) = (experiment.run.window, experiment.statistics.sample_interval) {
@@ -126,7 +127,7 @@ impl Stretch {
         let placing = clock.elapsed().as_secs_f64();
         let trial = |experiment: &Experiment| timed(experiment, &particles, TRIAL);
         let ways = self.ways();
-        // as in the chart: the second method where the first fails
+        // as in the chart, the second method is used if the first fails
         let mut trials = ways.into_iter().map(|(mut way, _)| {
             way.run.duration = STARTS as f64 * (self.before + way.run.duration);
             trial(&way)
@@ -139,8 +140,8 @@ impl Stretch {
         Ok(expected)
     }
 
-    /// Message about a stretch with too few samples for error bars, with the shortest `run.duration` of `base` that
-    /// gives enough. `None` if there are enough.
+    /// Message for a stretch with too few samples for error bars, with the shortest `run.duration` of `base` that gives
+    /// enough samples. `None` if there are enough.
     pub fn shortfall(&self, base: &Experiment, quick: bool) -> Option<String> {
         let samples = Schedule::new(&self.experiment).samples;
         if samples >= FEWEST_BLOCKS as u64 {
@@ -148,7 +149,7 @@ impl Stretch {
         }
         let alone = shortest(base, quick).map(|duration| format!("--set run.duration=\"{duration} s\""));
         let remedy = alone.or_else(|| {
-            // windows are a part of the duration where nothing else limits them: they must not grow with it
+            // unless other limits apply, a window is a part of the duration: it must not grow with the duration
             let window = rounded(self.window * (1.0 + ROUNDING), f64::floor);
             let mut fixed = base.clone();
             fixed.run.window = Some(window);
@@ -170,7 +171,8 @@ impl Stretch {
     }
 }
 
-/// [s] shortest duration of a case, to three digits, whose stretches have error bars; `None` if no duration has.
+/// [s] shortest duration of a case, to three digits, whose stretches have error bars; `None` if there is no such
+/// duration.
 fn shortest(base: &Experiment, quick: bool) -> Option<f64> {
     let enough = |duration: f64| {
         let mut longer = base.clone();
@@ -189,7 +191,7 @@ fn shortest(base: &Experiment, quick: bool) -> Option<f64> {
         if enough(middle) { long = middle } else { short = middle }
     }
     let mut duration = rounded(long * (1.0 - ROUNDING), f64::ceil);
-    // whole numbers of windows: a slightly longer duration may have one window less
+    // a run has whole windows, so a slightly longer duration may have one window less
     for _ in 0..100 {
         if enough(duration) {
             return Some(duration);
@@ -199,9 +201,9 @@ fn shortest(base: &Experiment, quick: bool) -> Option<f64> {
     None
 }
 
-/// Value to three digits.
+/// A value rounded to three digits by `how`.
 fn rounded(value: f64, how: fn(f64) -> f64) -> f64 {
     let unit = 10f64.powi(value.log10().floor() as i32 - 2);
-    // through text: a product with a power of ten is not the nearest number to those digits
+    // through text, because a product with a power of ten is not the nearest number to these digits
     format!("{:.2e}", how(value / unit) * unit).parse().unwrap_or(value)
 }

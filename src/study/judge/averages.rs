@@ -1,4 +1,4 @@
-//! Observables compared between two steady runs: averages that may differ at all.
+//! Observables that are compared between two steady runs: averages that are not equal by definition or symmetry.
 
 use crate::experiment::Experiment;
 use crate::fluid::Profile;
@@ -10,18 +10,19 @@ use crate::walls::Wall;
 use nalgebra::Vector3;
 use std::borrow::Cow;
 
-/// Fewest slices on either side of the mid-plane for which the shape of a profile is compared besides its mean.
+/// Smallest number of slices on either side of the mid-plane for which the shape of a profile is compared, not its mean
+/// alone.
 const SLICES: usize = 4;
 
-/// Points in each half of the gas profile at which its symmetry is checked.
+/// Number of points in each half of the gas profile at which its symmetry is checked.
 const POINTS: usize = 20;
 
 /// Observables of a variant and of its reference, in equal order. In a mixture they include temperature and impact rate
-/// of each species and, where something drives a stream, the velocity of each species.
+/// of each species. If something drives a stream, they also include the velocity of each species.
 ///
-/// V vanishes since mass is conserved, and W, uw, vw vanish by symmetry: they are left out. U is left out where there
-/// is neither gas nor gravity along the stream, since momentum is conserved then. n and uv are left out where no wall
-/// makes a position differ from another.
+/// V, W, uw and vw are left out: V vanishes since mass is conserved, the others by symmetry. U is left out if there is
+/// neither gas nor gravity along the stream, since momentum is then conserved. n and uv are left out if no wall makes
+/// one position different from another.
 pub fn observables(variant: &Outcome, reference: &Outcome) -> [Vec<Observable>; 2] {
     let scene = &reference.experiment.scene;
     let walls = !scene.walls.is_empty();
@@ -68,7 +69,7 @@ fn profile(
     }
 }
 
-/// Temperature and impact rates, as far as the reference has them.
+/// Temperature and impact rates, as far as they exist in the reference.
 fn numbers(outcome: &Outcome, reference: &Outcome, until: f64) -> Vec<Observable> {
     let of = |outcome: &Outcome| {
         let averaged = outcome.averaged.clone();
@@ -80,9 +81,9 @@ fn numbers(outcome: &Outcome, reference: &Outcome, until: f64) -> Vec<Observable
     };
     let both = of(outcome).into_iter().zip(of(reference));
     let numbers = both.filter_map(|((name, unit, own), (_, _, other))| {
-        // the rates are those of as many particles as the reference has
+        // rates are converted to the number of particles of the reference
         let counts = (name != "granular temperature").then_some((reference.particles, outcome.particles));
-        // particles at rest have neither a temperature nor impacts that matter
+        // for particles at rest neither the temperature nor the impacts matter
         let rest = reference.experiment.scene.rest_speed().powi(2);
         reference.temperature.filter(|temperature| temperature.value > rest)?;
         let scale = (value(&other)?, "its value");
@@ -91,8 +92,8 @@ fn numbers(outcome: &Outcome, reference: &Outcome, until: f64) -> Vec<Observable
     numbers.collect()
 }
 
-/// Velocity (0), temperature (1) or rate of impacts with particles (2) of each species of a mixture, for the species
-/// that the reference has.
+/// Velocity (`which` = 0), temperature (1) or rate of impacts with particles (2) of each species of a mixture, if it
+/// exists in the reference.
 fn of_kinds(outcome: &Outcome, reference: &Outcome, until: f64, which: usize) -> Vec<Observable> {
     let (name, unit) = [("U", "m/s"), ("granular temperature", "m²/s²"), ("impacts per time", "1/s")][which];
     let of = |other: &SpeciesAverages| {
@@ -112,7 +113,8 @@ fn value(batches: &Option<Batches>) -> Option<f64> {
     batches.as_ref()?.values.first().copied().filter(|value| *value > 0.0)
 }
 
-/// Converts a sum over the second number of particles into one over the first number of particles.
+/// Converts a sum over particles to another number of particles. `counts` is the number wanted and the number in the
+/// sum.
 fn of_as_many(batches: Option<Batches>, counts: Option<(usize, usize)>) -> Option<Batches> {
     match counts {
         Some((wanted, present)) if wanted != present => {
@@ -127,13 +129,13 @@ fn number(name: Cow<'static, str>, unit: &'static str, (scale, scale_is): Scale,
     Observable { name, unit, places, parity, fixed_mean, scale, scale_is, parts }
 }
 
-/// A scale, and its name in words.
+/// A scale of differences, and its name in words.
 type Scale = (f64, &'static str);
 
-/// Scale of differences in a column, in the unit of the column. For the density and for a normal stress it is the mean.
-/// For U it is the mean slip between gas and particles or, without gas, the mean velocity past walls. The agitation is
-/// taken instead where it is larger. None of these depends on the frame of reference. For the shear stress it is the
-/// largest magnitude. `None` where nothing was sampled, or nothing moves.
+/// Scale of differences in a column, in the unit of the column. For the density and for a normal stress it is their
+/// mean. For the shear stress it is the largest magnitude. For U it is the mean slip between gas and particles or,
+/// without gas, the mean velocity past walls; or the agitation if that is larger. These do not depend on the frame of
+/// reference. `None` without samples, or if nothing moves.
 fn scale(column: &SliceColumn, reference: &Outcome) -> Option<Scale> {
     let table = &reference.profiles;
     let known: Vec<(f64, f64)> = (0..table.slices.len())
@@ -155,7 +157,7 @@ fn scale(column: &SliceColumn, reference: &Outcome) -> Option<Scale> {
         "uv" => (known.iter().fold(0.0, |most: f64, (_, value)| most.max(value.abs())), "its largest magnitude"),
         _ => (mean(&|(_, value)| *value), "its mean"),
     };
-    // particles at rest have no velocity to compare
+    // particles at rest have no velocity that could be compared
     let rest = match column.name {
         "number_density_ratio" => 0.0,
         "U" => scene.rest_speed(),

@@ -1,4 +1,4 @@
-//! Many particles that are not steady: curves over time, with errors from replicas.
+//! Comparison of runs of many particles that are not steady: by curves over time, with errors from replicas.
 
 use super::words::{self, in_prose, percent};
 use super::{Criteria, Finding, ReplicaRuns, unsteady};
@@ -9,17 +9,18 @@ use crate::output::numbers::{quantity, significant};
 use crate::statistics::{Answer, Batches, LEVEL, Observable, Parity, compare, two_sided};
 use std::borrow::Cow;
 
-/// Instants at which curves are compared: enough for their shape, few enough that each of them counts.
+/// Number of instants at which curves are compared. They are enough for the shape, and few enough for each of them to
+/// matter.
 const INSTANTS: usize = 20;
 
-/// Fewest replicas of each variant for which errors are given.
+/// Smallest number of replicas of each variant for which errors are given.
 pub const FEWEST: usize = 3;
 
-/// Number of replicas that is recommended where there are none: Student's t then has 14 degrees of freedom.
+/// Recommended number of replicas if there are none: Student's t then has 14 degrees of freedom.
 const ADVISED: usize = 8;
 
-/// Number of particles that may move as one without a single run giving a wrong "different". For molecular chaos it
-/// would be 1.
+/// Number of particles that may move together without a single run giving a wrong answer "different". For molecular
+/// chaos it would be 1.
 const CLUMP: f64 = 100.0;
 
 /// Quantities whose curves are compared.
@@ -27,12 +28,12 @@ fn curves() -> impl Iterator<Item = &'static SeriesColumn> {
     SERIES_COLUMNS.iter().filter(|column| column.scale.is_some())
 }
 
-/// Agitation [m/s].
+/// Agitation [m/s] of all particles: root of the granular temperature.
 fn agitation(row: &Row) -> Option<f64> {
     row.granular_temperature().map(|temperature| temperature.max(0.0).sqrt())
 }
 
-/// Compares two variants by curves over the time that both have run.
+/// Compares two variants by curves over the time that both have completed.
 pub fn judge(runs: &[ReplicaRuns; 2], asked: Criteria) -> Finding {
     let all: [Vec<&Outcome>; 2] = [0, 1].map(|k| std::iter::once(runs[k].outcome).chain(runs[k].others).collect());
     let why = unsteady([runs[0].outcome, runs[1].outcome]);
@@ -79,7 +80,7 @@ fn row_at(run: &Outcome, time: f64) -> Option<&Row> {
     rows.get(place).filter(|row| (row.time - time).abs() <= 1e-9 * time)
 }
 
-/// [s] some instants after the start that all runs have reached.
+/// [s] instants after the start at which all runs are compared, since all have reached them.
 pub fn common(all: &[Vec<&Outcome>]) -> Vec<f64> {
     let Some(first) = all.iter().flatten().next() else { return Vec::new() };
     let runs: Vec<&&Outcome> = all.iter().flatten().collect();
@@ -89,15 +90,15 @@ pub fn common(all: &[Vec<&Outcome>]) -> Vec<f64> {
     (1..=count).map(|k| times[k * times.len() / count - 1]).collect()
 }
 
-/// Curves of all runs of a variant that exist in the reference, with their scales: of all particles, and of each
-/// species.
+/// Curves of all runs of a variant that exist in the reference, with their scales. There are curves of all particles
+/// and of each species.
 pub fn observables(runs: &[&Outcome], references: &[&Outcome], times: &[f64]) -> Vec<Observable> {
     let kinds = references.first().map_or(&[][..], |reference| &reference.kinds.curves);
     let of_kinds = kinds.iter().filter_map(|curve| of_kind(curve, runs, references, times));
     curves().filter_map(|curve| observable(curve, runs, references, times)).chain(of_kinds).collect()
 }
 
-/// A curve of all runs of a variant; `None` where it does not exist, or has no scale in the reference.
+/// One curve of all runs of a variant; `None` if the curve does not exist, or has no scale in the reference.
 fn observable(curve: &SeriesColumn, runs: &[&Outcome], references: &[&Outcome], times: &[f64]) -> Option<Observable> {
     let scale = scale(curve, references, times)?;
     let value = |run: &Outcome, time| (curve.of)(row_at(run, time)?);
@@ -155,7 +156,7 @@ fn scale(curve: &SeriesColumn, references: &[&Outcome], times: &[f64]) -> Option
     let largest = |of: fn(&Row) -> Option<f64>, start: f64| {
         rows().filter_map(of).fold(0.0_f64, |most, value| most.max((value - start).abs()))
     };
-    // a velocity depends on the frame, its change does not
+    // a velocity depends on the frame of reference, its change does not
     let first = references.first().and_then(|run| (curve.of)(run.series.rows.first()?));
     let by_change = curve.scale == Some(CurveScale::LargestChange);
     let start = first.filter(|_| by_change).unwrap_or(0.0);
@@ -163,9 +164,9 @@ fn scale(curve: &SeriesColumn, references: &[&Outcome], times: &[f64]) -> Option
     (scale > 0.0).then_some(scale)
 }
 
-/// Compares one run of each. There is no error bar, but a difference may exceed what chance could do. If each of N
-/// particles moves on its own, temperature and energy scatter by sqrt(2/(3 N)) of their values. Here [`CLUMP`]
-/// particles together count as one.
+/// Compares two variants with one run each. There is no error bar, but a difference may exceed the largest one possible
+/// by chance. If N particles move independently, temperature and energy scatter by sqrt(2/(3 N)) of their values. Here
+/// groups of [`CLUMP`] particles are taken as moving independently.
 fn single(variant: &Outcome, reference: &Outcome, times: &[f64], why: &str) -> Finding {
     let clumps = variant.particles.min(reference.particles) as f64 / CLUMP;
     let scatter = (2.0 / (3.0 * clumps)).sqrt();

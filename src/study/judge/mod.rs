@@ -1,8 +1,8 @@
 //! Comparison of every variant with its reference: equivalent, different, or unresolved.
 //!
-//! Few bodies are compared by the path of each, as long as paths can be predicted. Beyond that time, and for many
-//! bodies, two steady runs are compared by their averages. Unsteady runs have no averages: they are compared by curves
-//! over time, whose errors come from replicas.
+//! Few bodies are compared by their paths, as long as paths can be predicted. Beyond that time, and for many bodies,
+//! two steady runs are compared by their averages. Unsteady runs are compared by curves over time, whose errors are
+//! computed from replicas.
 
 mod averages;
 mod curves;
@@ -23,26 +23,26 @@ use crate::statistics::{Answer, Comparison, ErrorLevels, compare};
 use crate::study::replicas::FROZEN;
 use words::{pair, percent};
 
-/// [s] wall time below which the ratio of two wall times says little about the methods. Work that is done once, such as
-/// the first search of neighbours and the start of threads, takes milliseconds.
+/// [s] wall time below which the ratio of two wall times is not meaningful. Work that is done once, such as the first
+/// search of neighbours and the start of threads, takes milliseconds.
 const TELLING: f64 = 0.1;
 
-/// [-] largest ratio of the sample interval of a longer run to that of this run. Up to it the averages of the longer
-/// run improve in proportion to its length.
+/// [-] largest ratio of the sample interval of a longer run to that of this run. Up to this ratio the averages of the
+/// longer run improve in proportion to its length. Beyond it, the recommendation also names a sample interval.
 const CLOSE: f64 = 1.1;
 
 /// [-] volume fraction up to which soft spheres collide as often as hard ones, except for about 5 % of their softness
 /// (docs/theory/softness.md).
 const DILUTE: f64 = 0.03;
 
-/// Compares every variant that has a reference other than itself, in a single look. `others` are the replicas of each
-/// variant but the first; the averages of the outcome already contain them. `margin` [-]: over the scale of each
-/// observable.
+/// Compares every variant that has a reference other than itself, in a single test. `others` holds the replicas of each
+/// variant except the first; the averages of the outcome already include them. `margin` [-] is relative to the scale of
+/// each observable.
 pub fn judge(outcomes: &[Outcome], others: &[Vec<Outcome>], margin: f64) -> Vec<Verdict> {
     judge_at(outcomes, others, Criteria { margin, levels: ErrorLevels::default() })
 }
 
-/// Compares the variants at one of several looks, with the error levels of that look.
+/// Compares the variants in one of several interim tests, with the error levels of that test.
 pub fn judge_at(outcomes: &[Outcome], others: &[Vec<Outcome>], asked: Criteria) -> Vec<Verdict> {
     let replicas = |place: usize| others.get(place).map_or(&[][..], Vec::as_slice);
     let pairs = references(outcomes).into_iter().enumerate().filter(|(place, other)| place != other);
@@ -62,16 +62,16 @@ pub struct Criteria {
     pub levels: ErrorLevels,
 }
 
-/// A variant with its replicas.
+/// A variant with all its replicas.
 #[derive(Clone, Copy)]
 pub struct ReplicaRuns<'a> {
-    /// Outcome of the first replica, with averages over all replicas where there are several.
+    /// Outcome of the first replica. If there are several, its averages are over all replicas.
     pub outcome: &'a Outcome,
-    /// All replicas but the first.
+    /// Outcomes of all replicas except the first.
     pub others: &'a [Outcome],
 }
 
-/// Parts of an answer before it gets the names of the variants.
+/// Answer of a comparison and its reasons, without the names of the variants.
 struct Finding {
     answer: Answer,
     basis: Basis,
@@ -101,7 +101,7 @@ fn one(runs: &[ReplicaRuns; 2], asked: Criteria) -> Verdict {
     }
 }
 
-/// Answer for two variants, by the kind of comparison that fits them.
+/// Answer for two variants, by the kind of comparison that is valid for them.
 fn found(runs: &[ReplicaRuns; 2], asked: Criteria) -> Finding {
     let both = [runs[0].outcome, runs[1].outcome];
     let [variant, reference] = both;
@@ -121,7 +121,7 @@ fn found(runs: &[ReplicaRuns; 2], asked: Criteria) -> Finding {
     }
 }
 
-/// Finding without "equivalent" if a run stopped early: such runs cannot show that.
+/// The finding, with any answer "equivalent" withdrawn if a run stopped early, since such runs cannot show equivalence.
 fn stopped(runs: &[ReplicaRuns; 2], found: Finding) -> Finding {
     let Some(stopped) = runs.iter().map(|one| one.outcome).find(|one| one.failure.is_some()) else { return found };
     if found.answer != Answer::Equivalent {
@@ -133,7 +133,7 @@ fn stopped(runs: &[ReplicaRuns; 2], found: Finding) -> Finding {
     Finding { answer: Answer::Unresolved, sentence, ..found }
 }
 
-/// Message about a run that stopped, or whose stopped replicas are left out; `None` if all came to their end.
+/// Message about a run that stopped early, or whose stopped replicas are left out; `None` if all were completed.
 fn how_it_stopped(run: &Outcome) -> Option<String> {
     let (name, why) = (&run.experiment.name, run.failure.as_ref()?);
     let time = quantity(run.simulated_seconds, "s", 4);
@@ -144,13 +144,13 @@ fn how_it_stopped(run: &Outcome) -> Option<String> {
     })
 }
 
-/// [-] share of the particles that keep their positions, if it is so large that averages of one run say nothing of
-/// other runs.
+/// [-] share of the particles that keep their positions. `None` unless it is so large that averages of one run are not
+/// valid for other runs.
 fn frozen(both: [&Outcome; 2]) -> Option<f64> {
     both.iter().filter_map(|one| one.places_kept).reduce(f64::max).filter(|kept| *kept > FROZEN)
 }
 
-/// Compares one run each of a scene that does not mix: another run would settle in another way.
+/// Compares one run of each variant in a scene that does not mix, where another run would settle differently.
 fn one_of_many(both: [&Outcome; 2], kept: f64) -> Finding {
     let placed = both[1].experiment.start.iter().all(|one| matches!(one.amount, Amount::Placed(_)));
     let advice = if placed {
@@ -212,7 +212,8 @@ fn steady(variant: &Outcome, reference: &Outcome, asked: Criteria) -> Finding {
     }
 }
 
-/// Description of a run whose averaged part is `stretch` times as long, with samples as close as in this run.
+/// Description of a run whose averaging period is `stretch` times as long, with samples as close in time as in this
+/// run.
 fn longer(run: &Outcome, stretch: f64) -> String {
     let from = run.profiles.from;
     let mut experiment = run.experiment.clone();
@@ -224,7 +225,7 @@ fn longer(run: &Outcome, stretch: f64) -> String {
     format!("{longer} (statistics.sample_interval = \"{}\")", quantity(run.sample_interval, "s", 2))
 }
 
-/// Names of the runs that are not steady, with the reasons: such runs are not compared by averages over time.
+/// Names of the runs that are not steady, with the reasons. Such runs are not compared by averages over time.
 fn unsteady(runs: [&Outcome; 2]) -> String {
     let why = runs.into_iter().filter_map(|one| {
         let predicate = words::not_steady(&one.steadiness)?;
@@ -233,7 +234,8 @@ fn unsteady(runs: [&Outcome; 2]) -> String {
     why.collect::<Vec<_>>().join(", ")
 }
 
-/// Effect of finite stiffness on a difference in the impact rate, in a dilute gas.
+/// Remark on the effect of finite stiffness on a difference of the impact rates, in a dilute gas; `None` if there is no
+/// such effect.
 fn soft_rate(variant: &Outcome, reference: &Outcome) -> Option<String> {
     let scene = &variant.experiment.scene;
     let volume = |(count, species): (usize, &crate::scene::Species)| count as f64 * species.volume();
@@ -247,7 +249,8 @@ fn soft_rate(variant: &Outcome, reference: &Outcome) -> Option<String> {
     ))
 }
 
-/// Cost of a variant over that of its reference; `None` if either stopped, since its cost is not that of the case.
+/// Cost of a variant over that of its reference, in words; `None` if either stopped, since its cost is not that of the
+/// whole case.
 fn costs(variant: &Outcome, reference: &Outcome) -> Option<String> {
     if [variant, reference].iter().any(|one| one.failure.is_some()) {
         return None;

@@ -1,8 +1,8 @@
-//! Comparison of few bodies that are not steady: position and velocity of each of them at equal instants.
+//! Comparison of few bodies that are not steady, by position and velocity of each body at equal instants.
 //!
-//! Paths of colliding spheres are chaotic: small differences grow with every impact. A twin of the reference, whose
-//! velocities are slightly disturbed, shows how fast. Paths are compared up to the instant at which that disturbance
-//! has grown a thousandfold. Beyond it they would differ for reasons that have nothing to do with the models.
+//! Paths of colliding spheres are chaotic: small differences grow with every impact. The growth is measured with a twin
+//! of the reference, a second run whose initial velocities are slightly disturbed. Paths are compared up to the instant
+//! at which this disturbance has grown a thousandfold. Later differences are not due to the models.
 
 use super::Finding;
 use super::words::{self, percent};
@@ -17,17 +17,18 @@ use crate::runs::execute;
 use crate::statistics::Answer;
 use nalgebra::Vector3;
 
-/// [-] disturbance of the twin over the largest speed: far above rounding, far below the differences compared.
+/// [-] disturbance of the twin's velocities over the largest speed. It is far above rounding and far below the
+/// differences that are compared.
 const DISTURBANCE: f64 = 1e-6;
 
-/// [-] growth of the disturbance beyond which paths are not compared. Even a difference between the models as small as
-/// the margin of 1 % has by then outgrown everything else.
+/// [-] growth of the disturbance up to which paths are compared. Beyond it, a difference between the models as small as
+/// the margin of 1 % has grown beyond all other effects.
 const GROWTH: f64 = 1e3;
 
-/// The particles at one instant, by id.
+/// States of all particles at one instant, by id.
 type Instant<'a> = &'a [PathSample];
 
-/// The instants of a run.
+/// Recorded instants of a run.
 fn instants(run: &Outcome) -> Vec<Instant<'_>> {
     run.paths.points.chunk_by(|a, b| a.time == b.time).collect()
 }
@@ -37,7 +38,7 @@ fn near(s: f64, t: f64) -> bool {
     (s - t).abs() <= 1e-9 * s.abs().max(t.abs())
 }
 
-/// Instants that two runs have in common.
+/// Instants that two runs have in common, with the states in both.
 fn common<'a>(a: &'a Outcome, b: &'a Outcome) -> Vec<[Instant<'a>; 2]> {
     let others = instants(b);
     let same = |one: Instant<'a>| {
@@ -59,7 +60,7 @@ fn largest_speed(run: &Outcome) -> f64 {
     run.paths.points.iter().map(|point| point.velocity.norm()).fold(0.0, f64::max)
 }
 
-/// True if a disturbance of the reference grows a thousandfold in the course of the run.
+/// True if a disturbance of the reference grows a thousandfold during the run.
 pub fn is_chaotic(reference: &Outcome) -> bool {
     predictable(reference).is_some()
 }
@@ -134,10 +135,10 @@ pub fn judge(variant: &Outcome, reference: &Outcome, margin: f64) -> Finding {
     Finding { answer, basis: Basis::Paths, sentence, reason, comparison: None }
 }
 
-/// Deviation of a particle from its position or velocity in the other run.
+/// Deviation of one particle from its position or velocity in the other run.
 #[derive(Clone, Copy, Default)]
 struct Apart {
-    /// [m/s] or [m], size of the deviation.
+    /// [m/s] or [m] magnitude of the deviation.
     size: f64,
     id: u32,
     /// [s] time of the deviation.
@@ -241,20 +242,20 @@ fn impact_time(experiment: &Experiment) -> f64 {
 }
 
 impl Apart {
-    /// The larger of two.
+    /// The larger of two deviations.
     fn or(self, other: Self) -> Self {
         if other.size > self.size { other } else { self }
     }
 }
 
 /// [s] last instant at which a disturbance of the reference has grown less than a thousandfold. `None` if it never
-/// grows that much, or if this cannot be determined.
+/// grows so much, or if this cannot be determined.
 fn predictable(reference: &Outcome) -> Option<f64> {
     let speed = largest_speed(reference);
     let mut start = initial_state(&reference.experiment).ok()?;
     let ids = start.id.clone();
     for (velocity, id) in start.velocity.iter_mut().zip(ids) {
-        // any directions will do, as long as they differ
+        // any directions are suitable, as long as they differ from particle to particle
         let angle = f64::from(id);
         *velocity += DISTURBANCE * speed * Vector3::new(angle.sin(), (2.0 * angle).cos(), angle.cos()).normalize();
     }
@@ -262,16 +263,16 @@ fn predictable(reference: &Outcome) -> Option<f64> {
     let grown = |both: &[Instant; 2]| velocity_apart(*both).0 > GROWTH * DISTURBANCE * speed;
     let common = common(reference, &twin);
     let first = common.iter().position(grown)?;
-    // impacts that come a little earlier or later differ for an instant only
+    // impacts that occur a little earlier or later differ for an instant only
     let lasting = common[first..].iter().filter(|both| grown(both)).count() * 2 > common.len() - first;
     lasting.then(|| common[first.saturating_sub(1)][0][0].time)
 }
 
-/// Time up to which the paths of a reference can be predicted.
+/// Time up to which the paths of a reference can be predicted; none if it is the whole run.
 pub struct Horizon(Option<f64>);
 
 impl Horizon {
-    /// True if that time is before the end of the run.
+    /// True if this time is before the end of the run.
     pub fn is_chaotic(&self) -> bool {
         self.0.is_some()
     }
@@ -282,20 +283,20 @@ pub fn horizon(reference: &Outcome) -> Horizon {
     Horizon(predictable(reference))
 }
 
-/// Deviation of a weighted sum of runs from zero.
+/// Deviation from zero of a sum of runs with weights that add up to zero.
 pub struct Missed {
     /// [s] instant of the deviation.
     pub time: f64,
-    /// [m/s] the largest speed of the reference.
+    /// [m/s] largest speed in the reference.
     pub speed: f64,
-    /// [m/s] the largest velocity of the sum.
+    /// [m/s] largest velocity in the sum.
     pub velocity: f64,
-    /// [m] the largest distance of the sum.
+    /// [m] largest distance in the sum.
     pub place: f64,
 }
 
-/// Sum of runs with weights that add up to zero, particle by particle, at the last common instant at which nothing
-/// touches.
+/// Weighted sum of runs, particle by particle, at the last common instant at which no particles touch. The weights add
+/// up to zero.
 ///
 /// # Errors
 /// The reason why there is no such instant, in words.

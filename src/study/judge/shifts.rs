@@ -1,9 +1,10 @@
-//! Shift of each observable by a factor: one number for each observable, to be compared with those of other factors.
+//! Shift of each observable by a change of the case: one number per observable, for comparison with those of other
+//! changes.
 //!
 //! Two steady runs are compared by means over the channel, the number density at the walls, temperature and rates.
-//! Unsteady runs are compared by curves over time, at the clearest instant or in the mean. Few bodies are compared by
-//! velocities and positions at one instant. A weighted sum of runs may be compared as well, such as the slope of a line
-//! through several.
+//! Unsteady runs are compared by curves over time, at the instant of the most significant difference or by the mean.
+//! Few bodies are compared by velocities and positions at one instant. A weighted sum of runs may be compared as well,
+//! such as the slope of a line through several runs.
 
 use super::paths::{self, Horizon};
 use super::{ReplicaRuns, averages, curves};
@@ -15,32 +16,32 @@ use crate::statistics::{
     student_bound, two_sided,
 };
 
-/// Runs with weights; their weighted sum is compared.
+/// Runs with their weights. The weighted sum of these runs is compared.
 pub type Mix<'a> = [(f64, ReplicaRuns<'a>)];
 
-/// The case as it is, with which all runs are compared in one way.
+/// The unchanged case, which determines how all runs are compared.
 pub struct ShiftReference<'a> {
     runs: ReplicaRuns<'a>,
     basis: Basis,
-    /// Time up to which paths are compared, if paths are compared.
+    /// Time up to which paths can be predicted; `None` if runs are not compared by paths.
     horizon: Option<Horizon>,
 }
 
-/// Function that picks the shift among the deviations of an observable.
+/// Function that chooses the shift among the deviations of an observable.
 type ShiftColumn = fn(&Tested) -> Option<Deviation>;
 
-/// Shifts of some observables, with the kind of comparison.
+/// Shifts of several observables, and the kind of comparison.
 pub struct Shifts {
     /// Shifts in the order of the observables.
     pub shifts: Vec<Shift>,
-    /// Kind of comparison behind them.
+    /// Kind of comparison by which the shifts were found.
     pub basis: Basis,
-    /// Reason why no claim is made, if none can be.
+    /// Reason why no statement is made; `None` if one is made.
     pub doubt: Option<String>,
 }
 
 impl<'a> ShiftReference<'a> {
-    /// Reference whose kind of comparison follows from the case as it is.
+    /// A reference from the runs of the unchanged case, with the kind of comparison that is valid for them.
     pub fn new(runs: ReplicaRuns<'a>) -> Self {
         let outcome = runs.outcome;
         let few = !outcome.paths.points.is_empty();
@@ -54,14 +55,14 @@ impl<'a> ShiftReference<'a> {
         Self { runs, basis, horizon }
     }
 
-    /// Sum of some runs minus that of others. Weights are positive and add up to equal totals on both sides. For curves
-    /// the shift is their mean or their clearest instant, whichever is clearer.
+    /// Shifts of the sum of some runs against the sum of others. Weights are positive and have equal totals on both
+    /// sides. For curves the shift is that of the mean or of one instant, whichever is more significant.
     pub fn shifts(&self, of: &Mix, against: &Mix, margin: f64) -> Shifts {
         self.found([of, against], margin, Tested::headline)
     }
 
-    /// Shifts that should be zero, such as the misses of a line. For curves the mean is taken, as the clearest of many
-    /// instants is never zero.
+    /// Shifts that should be zero, such as the deviations of runs from a line. For curves the mean is taken, since the
+    /// largest difference of many instants is never zero.
     pub fn misses(&self, of: &Mix, against: &Mix, margin: f64) -> Vec<Shift> {
         self.found([of, against], margin, |tested| tested.mean).shifts
     }
@@ -148,12 +149,12 @@ impl<'a> ShiftReference<'a> {
     }
 }
 
-/// Checksums of the final states of all runs: equal for runs that are equal bit for bit.
+/// Checksums of the final states of all runs, which are equal for runs that are equal bit for bit.
 fn ends(mix: &Mix) -> Vec<u64> {
     mix.iter().flat_map(|(_, runs)| all_of(runs)).map(|run| run.final_state_hash).collect()
 }
 
-/// Sets a shift of runs that are equal: exactly zero.
+/// Sets the shift of two equal runs to exactly zero.
 fn nothing(shift: &mut Shift) {
     shift.difference = 0.0;
     shift.error = Some(0.0);
@@ -166,8 +167,8 @@ fn all_of<'a>(runs: &ReplicaRuns<'a>) -> Vec<&'a Outcome> {
 }
 
 /// A profile as one number. It is the mean over the slices. For a profile that changes its sign at the mid-plane it is
-/// half the difference of both sides, for the density the value next to the walls. Single numbers stay as they are.
-/// `None` where nothing is known.
+/// half the difference of both sides, and for the density the value at the walls. A single number is not changed. The
+/// part is `None` if no value is known.
 fn number(profile: &Observable) -> Option<Observable> {
     let count = profile.places.len();
     if count == 0 {
@@ -216,7 +217,7 @@ fn sum(each: &[(f64, Vec<Observable>)]) -> Vec<Observable> {
     first.iter().enumerate().map(one).collect()
 }
 
-/// Differences of two sets of equal observables.
+/// Shifts between two lists of equal observables.
 fn judged([a, b]: [&[Observable]; 2], margin: f64, pick: ShiftColumn) -> Vec<Shift> {
     let comparison = compare(a, b, margin, ErrorLevels::default());
     let one = |(a, b): (&Observable, &Observable)| {
@@ -243,7 +244,7 @@ fn shift(judged: &Judged, found: Deviation) -> Shift {
     }
 }
 
-/// Largest difference of observables without error bars.
+/// Shift of an observable without error bars: its largest difference.
 fn without_error(a: &Observable, b: &Observable) -> Option<Shift> {
     let difference = |k: usize| {
         let [a, b] = [a, b].map(|one| one.parts.get(k)?.as_ref()?.values.first().copied());
@@ -267,9 +268,10 @@ fn without_error(a: &Observable, b: &Observable) -> Option<Shift> {
     })
 }
 
-/// Widens the errors of shifts that come from a line through several runs, by the distance of these runs from the line.
-/// That distance is measured in its own errors, those of `misses`. Where nothing scatters, the miss is the only error:
-/// then `share` [-] of it is the error of the shift. `misses` are those of equal observables.
+/// Increases the errors of shifts that come from a line through several runs, by the distance of these runs from the
+/// line. The distance is measured in units of its own error, from `misses`, which belong to equal observables. If runs
+/// do not scatter, the distance is the only source of error: the error of the shift is then the distance times `share`
+/// [-].
 pub fn widened(shifts: Vec<Shift>, misses: &[Shift], share: f64) -> Vec<Shift> {
     let one = |mut shift: Shift| {
         let miss = misses.iter().find(|miss| miss.observable == shift.observable);
@@ -281,7 +283,7 @@ pub fn widened(shifts: Vec<Shift>, misses: &[Shift], share: f64) -> Vec<Shift> {
         } else {
             share * miss.difference.abs()
         };
-        // the misses of three runs have one degree of freedom
+        // the distance of three runs from a line has one degree of freedom
         let freedom = shift.freedom.unwrap_or(1.0);
         if more > 0.0 {
             shift.error = Some(error + more);

@@ -1,16 +1,16 @@
-//! Answers of a comparison in words.
+//! Sentences for the answers of a comparison.
 
 use crate::output::numbers::{counted, quantity, significant, with_error};
 use crate::statistics::{Answer, Comparison, Deviation, Estimate, Judged, LARGEST_DRIFT, Steadiness};
 
-/// Number of differences that are named in a sentence; the table has them all.
+/// Number of differences that are named in a sentence; the table contains all of them.
 const NAMED: usize = 3;
 
-/// [-] factor on the length of a run or the number of replicas beyond which no number is given: no run would be that
-/// long.
+/// [-] largest recommended factor on the length of a run or on the number of replicas. Beyond it no number is given,
+/// since no run would be that long.
 const ENDLESS: f64 = 1000.0;
 
-/// The names of two variants, quoted, as the beginning of a sentence.
+/// Names of two variants, quoted, as the beginning of a sentence.
 pub fn pair(variant: &str, reference: &str) -> String {
     format!("\"{variant}\" against \"{reference}\":")
 }
@@ -34,7 +34,7 @@ pub fn not_steady(steadiness: &Steadiness) -> Option<String> {
     Some(format!("is not steady ({why})"))
 }
 
-/// A margin in percent, as it would be typed.
+/// A margin in percent, as a user would type it.
 pub fn margin(share: f64) -> String {
     let digits = format!("{:.4}", 100.0 * share);
     format!("{} %", digits.trim_end_matches('0').trim_end_matches('.'))
@@ -51,8 +51,8 @@ pub fn in_prose(name: &str) -> String {
     }
 }
 
-/// Answer of a comparison of averages or curves. `across`: the unit of the positions, m or s. `needed`: text for a run
-/// that is longer by a factor, which would decide.
+/// Answer of a comparison of averages or curves. `across` is the unit of the positions, m or s. `needed` returns a text
+/// about a run that is longer by a factor, with which the comparison would be decided.
 pub fn answer(comparison: &Comparison, across: &str, needed: impl Fn(f64) -> String) -> String {
     match comparison.answer {
         Answer::Equivalent => equivalent(comparison, across),
@@ -61,7 +61,7 @@ pub fn answer(comparison: &Comparison, across: &str, needed: impl Fn(f64) -> Str
     }
 }
 
-/// Phrase for something that holds everywhere.
+/// Phrase for a statement that holds at all positions.
 fn anywhere(across: &str) -> &'static str {
     if across == "s" { "at any instant compared" } else { "in any slice" }
 }
@@ -80,7 +80,7 @@ fn equivalent(comparison: &Comparison, across: &str) -> String {
 
 fn different(detected: &[&Judged], across: &str, limit: f64) -> String {
     let mut different: Vec<&&Judged> = detected.iter().filter(|one| one.answer == Answer::Different).collect();
-    // what is certainly beyond the margin comes first, however clear smaller differences are
+    // differences that are certainly beyond the margin come first, however significant smaller ones are
     different.sort_by_key(|one| !one.beyond);
     let Some((first, rest)) = different.split_first() else { return "different.".into() };
     let named: Vec<String> = rest.iter().take(NAMED - 1).map(|one| size(one, across)).collect();
@@ -96,7 +96,7 @@ fn different(detected: &[&Judged], across: &str, limit: f64) -> String {
     sentence + "."
 }
 
-/// A difference with its error, over the scale, with its position.
+/// A difference over the scale, with its error and position, in words.
 fn size(one: &Judged, across: &str) -> String {
     let name = in_prose(&one.tested.name);
     let Some(Deviation { place, difference, error, .. }) = one.tested.headline() else { return name };
@@ -124,7 +124,8 @@ fn unresolved(comparison: &Comparison, across: &str, needed: &impl Fn(f64) -> St
         return format!("unresolved: there are no error bars for {}.", names.join(", "));
     };
     let limit = margin(comparison.margin);
-    // all observables have to be shown equivalent; what these runs just fail to show needs more than a little
+    // all observables have to be shown equivalent; if these runs nearly show it, at least twice the length is
+    // recommended
     let stretch = comparison.judged.iter().map(|one| one.stretch).fold(2.0, f64::max);
     let advice = if stretch > ENDLESS {
         format!(

@@ -1,4 +1,4 @@
-//! Soft spheres that deflect one another less: decay of the anisotropy of the agitation, over the stiffness.
+//! Decay of the anisotropy of the agitation, over the stiffness: soft spheres deflect one another less than hard ones.
 
 use super::picture::{curve, curves, even, measured, points};
 use super::scenes::{DIAMETER, collision_rate, fill, mass, mean, run, simulation, soften};
@@ -14,15 +14,15 @@ use crate::runs::StudyError;
 use crate::statistics::Estimate;
 use std::f64::consts::{FRAC_2_PI, PI};
 
-/// [-] volume fraction, as in the paper's case D.
+/// [-] volume fraction of the gas, as in the paper's case D.
 const FRACTION: f64 = 0.01;
-/// Collisions per particle before the decay is measured: then as many lasting contacts begin as end.
+/// Number of collisions per particle before the decay is measured. After these, as many lasting contacts begin as end.
 const BEFORE: f64 = 0.1;
-/// Collisions per particle while the decay is measured. The anisotropy falls by a third. A longer time would add more
-/// scatter than it removes, since later collisions of soft and hard spheres differ by chance.
+/// Number of collisions per particle while the decay is measured. The anisotropy falls by a third. A longer time would
+/// add more scatter than it removes, since later collisions of soft and hard spheres differ by chance.
 const DURING: f64 = 0.5;
 
-/// [m²/s²] T_z - (T_x + T_y)/2 of all particles about their common mean.
+/// [m²/s²] anisotropy T_z - (T_x + T_y)/2 of all particles, about their common mean velocity.
 fn anisotropy(particles: &Particles) -> f64 {
     let count = particles.len() as f64;
     let mean = particles.velocity.iter().sum::<nalgebra::Vector3<f64>>() / count;
@@ -31,14 +31,15 @@ fn anisotropy(particles: &Particles) -> f64 {
     variance.z - 0.5 * (variance.x + variance.y)
 }
 
-/// [m²/s²] temperature of the start.
+/// [m²/s²] granular temperature of the start.
 fn start_temperature(experiment: &Experiment) -> f64 {
     experiment.start[0].mean_fluctuation().powi(2)
 }
 
-/// [1/s] the rate at which the anisotropy decays, and the failure of the run if it had one.
+/// [1/s] rate at which the anisotropy decays, and failure of the run if there was one.
 fn rate(experiment: &Experiment) -> Result<(f64, Option<Failure>), StudyError> {
-    /// Windows per collision of a particle: few particles that collide within a window have just collided with others.
+    /// Number of windows per collision of a particle. It is so large that few particles that collide within a window
+    /// have just collided with others.
     const WINDOWS: f64 = 40.0;
     let time = 1.0 / collision_rate(FRACTION, start_temperature(experiment));
     let mut simulation = simulation(experiment)?;
@@ -48,7 +49,7 @@ fn rate(experiment: &Experiment) -> Result<(f64, Option<Failure>), StudyError> {
     Ok(((before / anisotropy(&simulation.particles)).ln() / (DURING * time), failure))
 }
 
-/// Decay of the anisotropy of soft spheres over that of hard ones, over κ_n.
+/// Map of the decay rate of soft spheres over that of hard ones, over the overlap number κ_n.
 pub fn anisotropy_decay(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let (kappas, count, seeds) =
         grid.choose((vec![0.05], 10_000, 6), (vec![0.003, 0.009, 0.02, 0.035, 0.05], 20_000, 48));
@@ -57,7 +58,7 @@ pub fn anisotropy_decay(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let softness = |kappa: f64| kappa / FRAC_2_PI.sqrt();
     let temperature = start_temperature(&grid.base);
     let stiffness = |kappa: f64| mass() * temperature / (softness(kappa) * DIAMETER).powi(2);
-    // zero softness stands for hard spheres
+    // softness 0 means hard spheres
     let all: Vec<f64> = std::iter::once(0.0).chain(kappas.iter().copied()).collect();
     let runs = grid.run(&points(&seeds, &all), |&(seed, kappa)| {
         let experiment = grid.with(|case| {
@@ -73,7 +74,8 @@ pub fn anisotropy_decay(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     })?;
     let (hard, soft) = runs.split_at(seeds.len());
     let row = |(&kappa, runs): (&f64, &[(f64, Option<Failure>)])| {
-        // starts are common, so most first collisions are too: most of their scatter cancels in the ratio
+        // all runs of a seed have one start, so most first collisions are equal: most of their scatter cancels in the
+        // ratio
         let ratios: Vec<f64> = runs.iter().zip(hard).map(|(soft, hard)| soft.0 / hard.0).collect();
         let (ratio, error) = mean(&ratios, |ratio| *ratio);
         let s = softness(kappa);

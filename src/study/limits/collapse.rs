@@ -1,4 +1,5 @@
-//! Hard, inelastic collapse: infinitely many collisions in finite time, on a line, at a wall, in a gas, and of a bed at rest.
+//! Inelastic collapse of hard spheres: infinitely many collisions in finite time. It occurs on a line, at a wall, in a
+//! gas, and in a bed at rest.
 
 use super::picture::{MapAxis, curve, curves, even, plane, points};
 use super::scenes::{collision_rate, fill, restitute, row, run, scatter, simulation, temperature};
@@ -10,14 +11,14 @@ use crate::output::panel::SeriesStyle;
 use crate::runs::StudyError;
 use std::f64::consts::PI;
 
-/// [-] limit tan²(π/4 (1 - 1/n)) of the restitution for a column of n equal spheres that meets a wall: below it they
-/// collide infinitely often (Bernu and Mazighi 1990, J. Phys. A 23, 5745). A free line of N = 2n spheres is its own
-/// mirror image.
+/// [-] limit tan²(π/4 (1 - 1/n)) of the restitution for a column of n equal spheres that meets a wall. Below it they
+/// collide infinitely often (Bernu and Mazighi 1990, J. Phys. A 23, 5745). A free line of N = 2n spheres is equivalent,
+/// since it is its own mirror image.
 fn threshold(n: f64) -> f64 {
     (PI / 4.0 * (1.0 - 1.0 / n)).tan().powi(2)
 }
 
-/// Time of an inelastic collapse; `None` for any other end.
+/// Time of an inelastic collapse; `None` if the run ended in another way.
 fn collapse(failure: &Option<Failure>) -> Option<f64> {
     match failure {
         Some(Failure::InelasticCollapse { time, .. }) => Some(*time),
@@ -25,8 +26,8 @@ fn collapse(failure: &Option<Failure>) -> Option<f64> {
     }
 }
 
-/// Gaps [m] and velocities [m/s] of a row. It is a column that meets a wall at 1 m/s, or a line whose outer spheres
-/// approach each other at -1 and 1 m/s, with the others in between.
+/// Gaps [m] and velocities [m/s] of a row at the start. It is a column that meets a wall at 1 m/s, or a line. The outer
+/// spheres of a line approach each other at -1 and 1 m/s, with the velocities of the others in between.
 fn start(count: usize, set: usize, wall: bool) -> (Vec<f64>, Vec<f64>) {
     let middle = if wall { 0.0 } else { 9.0 * count as f64 };
     let gap = |k: usize| 0.5 + scatter(set, k) + if k == 0 { middle } else { 0.0 };
@@ -34,8 +35,8 @@ fn start(count: usize, set: usize, wall: bool) -> (Vec<f64>, Vec<f64>) {
     (0..count).map(|k| (gap(k), speed(k))).unzip()
 }
 
-/// Share of the starts that collapse, over the number of spheres and the restitution. The starts are lines that run
-/// together, or columns at the wall if the case has one.
+/// Map of the share of the starts that collapse, over the number of spheres and the restitution. The starts are lines
+/// whose ends approach each other, or columns at the wall if the case has one.
 pub fn one_dimension(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let wall = !grid.base.scene.walls.is_empty();
     let counts = match (wall, grid.choose(true, false)) {
@@ -85,7 +86,8 @@ pub fn one_dimension(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     Ok(vec![MapSweep::new(rows, lesson, picture)])
 }
 
-/// Cooling gases in three dimensions.
+/// Map of cooling gases in three dimensions: collisions per sphere until a collapse, over volume fraction and
+/// restitution.
 pub fn cooling(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let (e, fraction, count, collisions) = grid.choose(
         (even(0.1, 0.9, 5), vec![0.05, 0.2, 0.4], 200, 30.0),
@@ -99,7 +101,7 @@ pub fn cooling(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
         let mut failure = None;
         let suffered = |pairs: u64| 2.0 * pairs as f64 / count as f64;
         while failure.is_none() && suffered(simulation.record.pairs.count) < collisions {
-            // a fifth of a collision per particle at the temperature of the moment
+            // a fifth of a collision per particle at the present temperature
             let window = 0.2 / collision_rate(fraction, temperature(&simulation));
             failure = run(&mut simulation, 1, window);
         }
@@ -129,30 +131,31 @@ pub fn cooling(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     Ok(vec![MapSweep::new(rows, lesson, picture)])
 }
 
-/// [s] width of the time bins for the collisions of a bed: a sixtieth of the time in which it comes to rest.
+/// [s] width of the time bins for the collisions of a bed, a sixtieth of the time in which the bed comes to rest.
 const BIN: f64 = 2e-3;
-/// Number of bins.
+/// Number of time bins.
 const BINS: usize = 75;
 
 /// Collisions and energy of a bed in one time bin.
 struct CollapseInterval {
     /// [s] middle of the bin.
     at: f64,
-    /// [1/s] collisions per sphere.
+    /// [1/s] collision rate per sphere.
     rate: f64,
-    /// [-] energy kept by the TC model up to the end of the bin, over the initial energy plus the work of gravity.
+    /// [-] share of the energy (initial energy plus work of gravity) that the TC model has not dissipated, up to the
+    /// end of the bin.
     kept: f64,
     failure: Option<Failure>,
 }
 
-/// A bed that comes to rest.
+/// Runs a bed that comes to rest, in time bins. `contact_time` [s] is that of the TC model; `None` without it.
 fn bed(grid: &Points, contact_time: Option<f64>) -> Result<Vec<CollapseInterval>, StudyError> {
     let mut simulation = simulation(&grid.with(|case| case.hard.contact_time = contact_time))?;
     let start = simulation.energy();
     let (mut rows, mut before) = (Vec::new(), 0);
     for _ in 0..BINS {
         let (began, failure) = (simulation.time, run(&mut simulation, 1, BIN));
-        // a failure cuts its bin short
+        // after a failure the bin is shorter
         let spent = collapse(&failure).map_or(BIN, |time| time - began);
         let events = simulation.record.pairs.count + simulation.record.walls.count;
         let rate = (events - before) as f64 / spent / simulation.particles.len() as f64;
@@ -168,7 +171,7 @@ fn bed(grid: &Points, contact_time: Option<f64>) -> Result<Vec<CollapseInterval>
     Ok(rows)
 }
 
-/// Collisions per time of a bed that comes to rest, without and with the TC model.
+/// Map of the collision rate of a bed that comes to rest, without and with the TC model.
 pub fn rest(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let times = grid.choose(&[1e-3, 1e-4][..], &[1e-3, 1e-4, 1e-5, 1e-6]);
     let variants: Vec<Option<f64>> = std::iter::once(None).chain(times.iter().copied().map(Some)).collect();

@@ -1,4 +1,4 @@
-//! Several contacts at once: rows of spheres that pass a blow on, and one sphere hit from both sides.
+//! Several contacts at once: rows of spheres that pass an impulse on, and one sphere hit from both sides.
 
 use super::picture::{curve, curves, even};
 use super::scenes::{restitute, row, run, simulation, speeds};
@@ -10,14 +10,14 @@ use crate::runs::StudyError;
 use crate::simulation::Simulation;
 use std::f64::consts::PI;
 
-/// [N/m] stiffness of the cases: contacts of spheres of 1 kg then last 2.2 ms.
+/// [N/m] stiffness in these cases, for which contacts of spheres of 1 kg last 2.2 ms.
 const STIFFNESS: f64 = 1e6;
-/// Restitutions of the cradle.
+/// Restitutions for which the row of touching spheres is run.
 const RESTITUTIONS: [f64; 2] = [1.0, 0.94];
 /// [m] length of the box.
 const LENGTH: f64 = 30.0;
 
-/// The case with a change, under the soft model and under the hard one.
+/// The case with a change, as simulations with soft spheres and with hard spheres.
 fn both(grid: &Points, change: impl Fn(&mut Experiment)) -> Result<[Simulation; 2], StudyError> {
     let soft = grid.with(&change);
     let hard = grid.with(|case| {
@@ -27,7 +27,7 @@ fn both(grid: &Points, change: impl Fn(&mut Experiment)) -> Result<[Simulation; 
     Ok([simulation(&soft)?, simulation(&hard)?])
 }
 
-/// Velocity of the last sphere in a row of touching spheres that the first one hits.
+/// Map of the velocity of the last sphere in a row of touching spheres, after a sphere has hit the first one.
 pub fn cradle(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let points: Vec<(usize, f64)> =
         RESTITUTIONS.iter().flat_map(|e| (2..=grid.choose(5, 8)).map(|n| (n, *e))).collect();
@@ -68,8 +68,8 @@ pub fn cradle(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     Ok(vec![MapSweep::new(rows, lesson, picture)])
 }
 
-/// Middle one of three spheres, hit from both sides at nearly equal times: from the right `late` contact times after
-/// the left.
+/// Map of the middle one of three spheres that is hit from both sides. The impact from the right is `late` contact
+/// times after that from the left.
 pub fn simultaneous(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let contact = PI * (0.5 / STIFFNESS).sqrt();
     let late = even(-2.0, 2.0, grid.choose(17, 81));

@@ -12,12 +12,12 @@ use crate::predict::integrator::{Scheme, heating_per_collision, realised_restitu
 use crate::runs::StudyError;
 use crate::statistics::Estimate;
 
-/// [m/s] speed per component at the start: T = 0.49 m²/s², as in the paper's case D.
+/// [m/s] standard deviation of each velocity component at the start: T = 0.49 m²/s², as in the paper's case D.
 const SPEED: f64 = 0.7;
-/// [-] volume fraction: pairs collide often, and three particles at once seldom.
+/// [-] volume fraction, at which pairs collide often and three particles at once seldom.
 const FRACTION: f64 = 0.1;
 
-/// Relative change of the temperature per collision that a particle suffers, over N_c.
+/// Map of the relative change of the temperature per collision that a particle suffers, over N_c.
 pub fn heating(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let (steps, seeds, collisions) = grid.choose(
         (vec![5.0, 7.735, 10.0, 15.0], 3, 20.0),

@@ -1,9 +1,9 @@
-//! `diptych limits`: maps of the parameters at which each method fails. Every point is a run, and every failure has a
-//! type.
+//! `diptych limits`: maps of the parameters at which each method fails. Every point of a map is a run, and every
+//! failure has a type.
 //!
-//! The scene of each map is a case file in `cases/limits/`. Its heading holds the question, the meaning of a point, and
-//! the columns of the table. One driver reads it and runs all points of a sweep. For each family of maps, a file here
-//! says what changes from point to point, and which conclusion follows.
+//! The scene of each map is a case file in `cases/limits/`. The heading of the file holds the question, the meaning of
+//! a point, and the columns of the table. One driver reads the file and runs all points of a sweep. For each family of
+//! maps, a file in this folder defines the changes from point to point, and the conclusion from the results.
 
 mod anisotropy;
 mod collapse;
@@ -31,10 +31,10 @@ use sweep::{MapSweep, Points};
 
 pub use sweep::Grid;
 
-/// A map: its name, its case file, and the columns of its table.
+/// A map: name, case file, and columns of the table.
 type MapEntry = (&'static str, &'static str, &'static str);
 
-/// The maps of one sweep, and the function that runs it and returns one result for each of them.
+/// The maps of one sweep, and the function that runs the sweep and returns one result for each map.
 type MapRun = (&'static [MapEntry], fn(&Points) -> Result<Vec<MapSweep>, StudyError>);
 
 macro_rules! map {
@@ -92,7 +92,7 @@ const SWEEPS: [MapRun; 18] = [
     (&[map!("simultaneous", "late,middle_soft_m_s,middle_hard_m_s")], cradle::simultaneous),
 ];
 
-/// Runs one sweep: its maps, in their order.
+/// Runs one sweep; returns its maps in their order.
 fn sweep(&(entries, run): &MapRun, grid: &Grid) -> Result<Vec<Map>, StudyError> {
     let cases: Vec<Case> = entries
         .iter()
@@ -113,10 +113,10 @@ fn sweep(&(entries, run): &MapRun, grid: &Grid) -> Result<Vec<Map>, StudyError> 
     Ok(maps.collect())
 }
 
-/// The map of that name; `None` if there is none.
+/// Runs the map with a given name; `None` if there is no such map.
 ///
 /// # Errors
-/// A scene that could not be made, which would be a fault of the program.
+/// The scene could not be made, which would be an error in the program.
 pub fn map(name: &str, grid: &Grid) -> Option<Result<Map, StudyError>> {
     let one = SWEEPS.iter().find(|(entries, _)| entries.iter().any(|entry| entry.0 == name))?;
     sweep(one, grid).map(|maps| maps.into_iter().find(|map| map.name == name)).transpose()
@@ -127,11 +127,11 @@ pub fn names() -> impl Iterator<Item = &'static str> {
     SWEEPS.iter().flat_map(|(entries, _)| entries.iter().map(|entry| entry.0))
 }
 
-/// Runs the maps and writes one folder.
+/// Runs the requested maps and writes one folder.
 ///
 /// # Errors
-/// Bad input before anything is computed; a file that cannot be written afterwards. Failures of engines are results
-/// here.
+/// Bad input, before anything is computed; a file that cannot be written afterwards. Failures of engines are results of
+/// this command.
 pub fn limits(args: &Limits) -> Result<(), StudyError> {
     if let Some(unknown) = args.only.iter().find(|name| !names().any(|known| known == *name)) {
         let names: Vec<&str> = names().collect();

@@ -1,13 +1,13 @@
-//! Grids of points, and the pictures of their results.
+//! Grids of points for the maps, and pictures of the results.
 
 use crate::output::limits::{Cell, Class, Picture, RegimeMap, Shade};
 use crate::output::panel::{Panel, PanelSeries, SeriesPoint, SeriesStyle};
 
-/// An axis of a grid: its label, the values of the points, and whether it is logarithmic.
+/// An axis of a grid: label, values of the points, and true for a logarithmic axis.
 pub struct MapAxis<'a>(pub &'a str, pub &'a [f64], pub bool);
 
-/// Ends of the cell around each of some ascending values. They lie halfway to the next value, on a logarithmic axis
-/// halfway in the logarithm.
+/// Lower and upper end of the cell around each of several ascending values. The ends lie halfway to the next value; on
+/// a logarithmic axis, halfway in the logarithm.
 fn edges(values: &[f64], log: bool) -> Vec<(f64, f64)> {
     let from = |at: f64| if log { at.exp() } else { at };
     let at: Vec<f64> = values.iter().map(|value| if log { value.ln() } else { *value }).collect();
@@ -16,15 +16,15 @@ fn edges(values: &[f64], log: bool) -> Vec<(f64, f64)> {
     let end = |k: usize| {
         let below = if k > 0 { half(k - 1, k) } else { half(0, 1.min(last)) };
         let above = if k < last { half(k, k + 1) } else { below };
-        // quantities that are never negative have no cells below zero
+        // the cells of values that are not negative end at zero
         let low = from(at[k] - below);
         (if values[k] >= 0.0 { low.max(0.0) } else { low }, from(at[k] + above))
     };
     (0..at.len()).map(end).collect()
 }
 
-/// A plane of coloured cells around the points of a grid, with lines of theory on it. The points run through `x` first.
-/// `class` gives the index of a point in `classes`, from the number of the point.
+/// A picture of coloured cells around the points of a grid, with theoretical lines on it. The points are in the order
+/// of rows, `x` changing fastest. `class` returns the index in `classes` for the number of a point.
 pub fn plane(
     x: &MapAxis,
     y: &MapAxis,
@@ -45,18 +45,19 @@ pub fn plane(
     })
 }
 
-/// Curves over one quantity; labels and logarithms of the horizontal axis, then the vertical one.
+/// A picture of curves over one quantity. Labels and logarithms are given for the horizontal axis, then for the
+/// vertical one.
 pub fn curves(labels: [&str; 2], [log_x, log_y]: [bool; 2], series: Vec<PanelSeries>) -> Picture {
     let [x_label, y_label] = labels.map(String::from);
     Picture::Curves(Panel { x_label, y_label, series, log_x, log_y, ..Panel::default() })
 }
 
-/// One curve through points of abscissa and ordinate.
+/// One curve through points given as abscissa and ordinate.
 pub fn curve(label: impl Into<String>, look: SeriesStyle, points: impl Iterator<Item = [f64; 2]>) -> PanelSeries {
     PanelSeries::new(label, look, points.map(|[x, y]| SeriesPoint::at(x, y)))
 }
 
-/// Points of abscissa, ordinate, and standard error of the ordinate.
+/// Points given as abscissa, ordinate, and standard error of the ordinate.
 pub fn measured(label: impl Into<String>, place: usize, points: impl Iterator<Item = [f64; 3]>) -> PanelSeries {
     PanelSeries::new(
         label,
@@ -65,7 +66,7 @@ pub fn measured(label: impl Into<String>, place: usize, points: impl Iterator<It
     )
 }
 
-/// All points of a grid, running through `x` first.
+/// All points of a grid in the order of rows, `x` changing fastest.
 pub fn points<T: Copy>(x: &[T], y: &[T]) -> Vec<(T, T)> {
     y.iter().flat_map(|&y| x.iter().map(move |&x| (x, y))).collect()
 }
@@ -73,7 +74,7 @@ pub fn points<T: Copy>(x: &[T], y: &[T]) -> Vec<(T, T)> {
 /// `count` values from `first` to `last`, equally spaced.
 pub fn even(first: f64, last: f64, count: usize) -> Vec<f64> {
     let step = (last - first) / (count - 1) as f64;
-    // the rounding error of a sum of decimal steps would show in tables
+    // rounded, since the rounding error of a sum of decimal steps would show in tables
     (0..count).map(|k| ((first + step * k as f64) * 1e9).round() / 1e9).collect()
 }
 

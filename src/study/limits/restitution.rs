@@ -1,4 +1,4 @@
-//! Realised restitution of a head-on pair of soft spheres whose touch falls anywhere within a step.
+//! Realised restitution of a head-on pair of soft spheres, where the touch may fall anywhere within a time step.
 
 use super::picture::{MapAxis, even, plane, points};
 use super::scenes::{DIAMETER, mass, place, restitute, run, simulation, speeds};
@@ -12,8 +12,8 @@ use crate::predict::integrator::{Scheme, realised_restitution};
 use crate::runs::StudyError;
 use nalgebra::Vector3;
 
-/// Ends of the classes of |realised - asked|. They stand for no error, a digit, a fluctuation of one percent, and one
-/// of five percent.
+/// Limits of the classes of |realised restitution - given restitution|. They correspond to no error, one digit, a
+/// fluctuation of one percent, and one of five percent.
 const CLASSES: [f64; 4] = [0.001, 0.005, 0.02, 0.05];
 
 /// Mean, least and largest restitution [-] over touches at several phases of a step [s], and the first failure.
@@ -44,7 +44,8 @@ fn rebounds(
     Ok(([sum, least, largest], failure))
 }
 
-/// Realised restitution over steps per contact and restitution, with the law and the integrator of the case.
+/// Map of the realised restitution over steps per contact and given restitution, with the law and the integrator of the
+/// case.
 pub fn restitution(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let (steps, e, phases) = grid.choose(
         (vec![5.0, 7.735, 10.0, 15.0, 20.0, 50.0], vec![0.1, 0.5, 0.8, 0.94, 1.0], 20),

@@ -1,4 +1,4 @@
-//! Changes of scenes from point to point of a map, and quantities that the maps read from them.
+//! Changes of scenes from point to point of a map, and quantities that are computed from their runs.
 
 use crate::contact_law::ContactLaw;
 use crate::domain::Domain;
@@ -30,17 +30,17 @@ pub fn mass() -> f64 {
     .mass()
 }
 
-/// An experiment at its start.
+/// A simulation of an experiment at its start.
 pub fn simulation(experiment: &Experiment) -> Result<Simulation, StudyError> {
     Ok(Simulation::new(experiment, start(experiment)?))
 }
 
-/// Runs a simulation; its failure is a result.
+/// Runs a simulation for `duration` [s]; returns the failure, if there was one, since a failure is a result here.
 pub fn run(simulation: &mut Simulation, windows: u64, duration: f64) -> Option<Failure> {
     simulation.run(windows, duration / windows as f64).err()
 }
 
-/// Runs with soft spheres of this contact law.
+/// Sets soft spheres with this contact law for the run.
 pub fn soften(experiment: &mut Experiment, law: ContactLaw) {
     experiment.soft.law = Some(law);
     experiment.run.spheres = Spheres::Soft(law);
@@ -57,8 +57,8 @@ pub fn place(experiment: &mut Experiment, list: Vec<(Vector3<f64>, Vector3<f64>)
     experiment.start[0].amount = Amount::Placed(particles);
 }
 
-/// Puts spheres of 1 m and 1 kg in a row along x, in a box of a length [m]. Their gaps [m] are given, the first from
-/// the wall at 0 or from an edge, and their velocities [m/s].
+/// Puts spheres of 1 m and 1 kg in a row along x, in a box of a length [m]. `gaps` [m] are the gaps between them; the
+/// first one is that to the wall at 0 or to the edge of the box. `velocities` [m/s] are along x.
 pub fn row(experiment: &mut Experiment, length: f64, gaps: &[f64], velocities: &[f64]) {
     let mut at = 0.0;
     let spheres = gaps.iter().zip(velocities).map(|(gap, velocity)| {
@@ -72,7 +72,7 @@ pub fn row(experiment: &mut Experiment, length: f64, gaps: &[f64], velocities: &
     *domain = Domain::new(Vector3::new(length, domain.size.y, domain.size.z), domain.periodic);
 }
 
-/// Gives all contacts and walls this restitution [-].
+/// Sets the restitution [-] of all contacts and walls.
 pub fn restitute(experiment: &mut Experiment, restitution: f64) {
     let scene = &mut experiment.scene;
     let walls = scene.walls.iter_mut().map(|wall| &mut wall.surface);
@@ -82,43 +82,43 @@ pub fn restitute(experiment: &mut Experiment, restitution: f64) {
         .for_each(|surface| surface.restitution = restitution);
 }
 
-/// Gives a gas of small spheres this number and volume fraction φ [-], in a periodic cube.
+/// Sets number and volume fraction φ [-] of a gas of small spheres, in a periodic cube.
 pub fn fill(experiment: &mut Experiment, count: usize, fraction: f64) {
     let edge = (count as f64 * mass() / DENSITY / fraction).cbrt();
     experiment.scene.domain = Domain::new(Vector3::repeat(edge), [true; 3]);
     experiment.start[0].amount = Amount::Count(count);
 }
 
-/// [1/s] collisions that a sphere of a gas of volume fraction φ suffers at temperature T [m²/s²]: Enskog's
-/// 24 φ g sqrt(T/π)/d with Carnahan and Starling's (1969) g = (1 - φ/2)/(1 - φ)³.
+/// [1/s] collision rate of a sphere of a gas with volume fraction φ and temperature T [m²/s²]. It is Enskog's 24 φ g
+/// sqrt(T/π)/d with Carnahan and Starling's (1969) g = (1 - φ/2)/(1 - φ)³.
 pub fn collision_rate(fraction: f64, temperature: f64) -> f64 {
     let g = (1.0 - 0.5 * fraction) / (1.0 - fraction).powi(3);
     24.0 * fraction * g * (temperature / std::f64::consts::PI).sqrt() / DIAMETER
 }
 
-/// [m²/s²] temperature of a gas of equal spheres whose total momentum is zero and takes up three degrees of freedom:
-/// 2E/(3(N-1)m).
+/// [m²/s²] temperature 2E/(3(N-1)m) of a gas of equal spheres with kinetic energy E. The total momentum is zero, which
+/// removes three degrees of freedom.
 pub fn temperature(simulation: &Simulation) -> f64 {
     2.0 * simulation.particles.kinetic_energy() / (3.0 * (simulation.particles.len() as f64 - 1.0) * mass())
 }
 
-/// [m/s] velocities along x, in the order of the row.
+/// [m/s] velocities of the spheres along x, in the order of the row.
 pub fn speeds(simulation: &Simulation) -> Vec<f64> {
     let mut particles = simulation.particles.clone();
     particles.sort_by_id();
     particles.velocity.iter().map(|v| v.x).collect()
 }
 
-/// Evenly scattered numbers in [0, 1) without chance: multiples of the golden section, shifted by the number of the
-/// set.
+/// Number k of a set of evenly scattered numbers in [0, 1) that are not random: multiples of the golden section,
+/// shifted by the number of the set.
 pub fn scatter(set: usize, k: usize) -> f64 {
-    // 1/φ, and the root of x³ = x + 1 for the sets (Roberts 2018)
+    // the inverse golden section, and the inverse root of x³ = x + 1 for the sets (Roberts 2018)
     const GOLDEN: f64 = 0.618_033_988_749_895;
     const PLASTIC: f64 = 0.754_877_666_246_693;
     ((k + 1) as f64 * GOLDEN + (set + 1) as f64 * PLASTIC).fract()
 }
 
-/// Mean over runs with different seeds, and its standard error; for one run the error is NaN.
+/// Mean over runs with different seeds, and its standard error; with one run the error is NaN.
 pub fn mean<T>(runs: &[T], of: impl Fn(&T) -> f64) -> (f64, f64) {
     let n = runs.len() as f64;
     let mean = runs.iter().map(&of).sum::<f64>() / n;

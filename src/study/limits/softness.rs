@@ -1,4 +1,4 @@
-//! Soft spheres that act as if smaller: their collision rate over the softness.
+//! Collision rate of soft spheres over their softness: soft spheres act as if they were smaller.
 
 use super::picture::{curve, curves, even, measured, points};
 use super::scenes::{DIAMETER, collision_rate, mass, mean, run, simulation, soften, temperature};
@@ -12,32 +12,33 @@ use crate::runs::StudyError;
 use crate::statistics::Estimate;
 use std::f64::consts::PI;
 
-/// [m/s] speed per component at the start.
+/// [m/s] standard deviation of each velocity component at the start.
 const SPEED: f64 = 0.7;
-/// [-] volume fraction.
+/// [-] volume fraction of the gas.
 const FRACTION: f64 = 0.1;
-/// Samples of the temperature in a run.
+/// Number of samples of the temperature in a run.
 const SAMPLES: u32 = 50;
 
-/// [N/m] stiffness at which sqrt(m T/k) is that share of a diameter.
+/// [N/m] stiffness at which sqrt(m T/k) is the share `softness` of a diameter.
 fn stiffness(softness: f64) -> f64 {
     mass() * (SPEED / (softness * DIAMETER)).powi(2)
 }
 
-/// [-] d_eff/d = 1 - sqrt(π m T/(2k))/d (Barker and Henderson 1967, for a linear spring).
+/// [-] effective diameter d_eff/d = 1 - sqrt(π m T/(2k))/d (Barker and Henderson 1967, for a linear spring).
 fn effective_diameter(softness: f64) -> f64 {
     1.0 - (PI / 2.0).sqrt() * softness
 }
 
-/// [-] collision rate of hard spheres of the effective diameter over that of hard spheres of the full one.
+/// [-] collision rate of hard spheres of the effective diameter, over that of hard spheres of the full diameter.
 fn of_smaller_spheres(softness: f64) -> f64 {
     let smaller = effective_diameter(softness);
     collision_rate(FRACTION * smaller.powi(3), 1.0) / smaller / collision_rate(FRACTION, 1.0)
 }
 
 /// [-] rate at which soft spheres touch, over that of hard ones. Both touch at the distance d. For soft spheres the
-/// density of neighbours there is that of a fluid of spheres of d_eff, slightly off contact: g (1 + g'/g (d - d_eff)).
-/// The slope at contact follows from Percus and Yevick's equation (Wertheim 1963): g' d = -(9/2) φ (1+φ)/(1-φ)³.
+/// density of neighbours at this distance is that in a fluid of spheres of diameter d_eff, slightly beyond contact: g
+/// (1 + g'/g (d - d_eff)). The slope at contact is from Percus and Yevick's equation (Wertheim 1963): g' d = -(9/2) φ
+/// (1+φ)/(1-φ)³.
 fn touches(softness: f64) -> f64 {
     let contact = |fraction: f64| (1.0 - 0.5 * fraction) / (1.0 - fraction).powi(3);
     let smaller = effective_diameter(softness);
@@ -46,10 +47,10 @@ fn touches(softness: f64) -> f64 {
     (contact(fraction) + slope * (1.0 / smaller - 1.0)) / contact(FRACTION)
 }
 
-/// [1/m] collision rate over the square root of the temperature, in a run of a length [s].
+/// [1/m] collision rate over the square root of the temperature, in a run of `duration` [s].
 fn rate(experiment: &Experiment, duration: f64) -> Result<(f64, Option<Failure>), StudyError> {
     let mut simulation = simulation(experiment)?;
-    // a tenth of the time to forget the start
+    // the first tenth of the time lets the influence of the start decay
     let mut failure = run(&mut simulation, 5, 0.1 * duration);
     let before = simulation.record.pairs.count;
     let mut roots = 0.0;
@@ -63,7 +64,7 @@ fn rate(experiment: &Experiment, duration: f64) -> Result<(f64, Option<Failure>)
     Ok((collisions / (0.9 * duration) / roots, failure))
 }
 
-/// Collision rate of soft spheres over that of hard ones, over the softness.
+/// Map of the collision rate of soft spheres over that of hard ones, over the softness.
 pub fn softness(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let (softness, seeds, collisions) = grid.choose(
         (vec![0.01, 0.02, 0.05], 3, 30.0),
@@ -71,7 +72,7 @@ pub fn softness(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     );
     let seeds = even(1.0, f64::from(seeds), seeds as usize);
     let duration = collisions / collision_rate(FRACTION, SPEED * SPEED);
-    // zero softness stands for hard spheres
+    // softness 0 means hard spheres
     let all: Vec<f64> = std::iter::once(0.0).chain(softness.iter().copied()).collect();
     let runs = grid.run(&points(&seeds, &all), |&(seed, softness)| {
         let experiment = grid.with(|case| {

@@ -1,4 +1,5 @@
-//! Separate treatment of drag and flight: the error of the splitting over the length of the window.
+//! Error of the splitting of drag from flight, over the length of the window. A window is the time between two drag
+//! kicks.
 
 use super::picture::{curve, curves};
 use super::scenes::{run, simulation};
@@ -7,13 +8,13 @@ use crate::output::numbers::significant;
 use crate::output::panel::SeriesStyle;
 use crate::runs::StudyError;
 
-/// Windows of the reference: its error is (1/32)² of that of the finest point.
+/// Number of windows of the reference. Its error is (1/32)² of that of the finest point.
 const REFERENCE: u64 = 16_384;
 
-/// Error of position and velocity over the window.
+/// Map of the error of position and velocity over the window.
 pub fn splitting(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let powers: Vec<u32> = grid.choose(vec![0, 3, 6, 9], (0..=9).collect());
-    // [s] the paper's small sphere falls for about its response time
+    // [s] in this time the paper's small sphere falls for about its response time
     let duration = grid.base.run.duration;
     let at = |windows: u64| {
         let mut simulation = simulation(&grid.base)?;

@@ -1,7 +1,7 @@
 //! Stability of lasting contacts of soft spheres: a sphere held between two walls, slightly disturbed.
 //!
-//! Each of the two walls has half the stiffness and half the dashpot. Together they are one lasting contact of
-//! stiffness k_n and restitution e. There is no force that would press the sphere against a single wall.
+//! Each of the two walls has half the stiffness and half the dashpot. Together they act as one lasting contact of
+//! stiffness k_n and restitution e. No force presses the sphere against a single wall.
 
 use super::picture::{MapAxis, even, plane, points};
 use super::scenes::{DIAMETER, STIFFNESS, mass, restitute, run, simulation};
@@ -14,26 +14,28 @@ use crate::predict::integrator::{Scheme, reduced_step, stability_limit};
 use crate::runs::StudyError;
 use std::f64::consts::PI;
 
-/// [-] overlap with each wall over the diameter.
+/// [-] overlap of the sphere with each wall, over the diameter.
 const SQUEEZE: f64 = 0.005;
 
-/// [-] the disturbance over the overlap with each wall: the contacts last until it has grown a hundredfold.
+/// [-] size of the disturbance, over the overlap with each wall. The contacts last until the disturbance has grown a
+/// hundredfold.
 const DISTURBANCE: f64 = 0.01;
 
-/// Time steps of a point: Heun's growth without damping at ω_0 Δt = 0.1 is 1.25e-5 a step, a factor of 3.5 in all.
+/// Number of time steps of a point. The growth of Heun's method without damping at ω_0 Δt = 0.1 is 1.25e-5 per step, a
+/// factor of 3.5 in all.
 const STEPS: f64 = 1e5;
 
-/// Growth factor of a swing from which it counts as unstable. It is far from 1, the value without damping, and from the
-/// hundred at which contacts open.
+/// Smallest growth factor of an oscillation that is called unstable. It is far from 1, the value without damping, and
+/// from the hundred at which contacts open.
 const GROWS: f64 = 2.0;
 
-/// [-] restitution of a contact with one of the two walls, whose damping ratio is √2 times that of a single contact.
+/// [-] restitution of the contact with one of the two walls. Its damping ratio is that of a single contact over √2.
 fn of_one(restitution: f64) -> f64 {
     let damping = damping_ratio(restitution) / 2.0f64.sqrt();
     (-PI * damping / (1.0 - damping * damping).sqrt()).exp()
 }
 
-/// Growth of a disturbance over time step and restitution, with the integrator of the case.
+/// Map of the growth of a disturbance over time step and restitution, with the integrator of the case.
 pub fn stability(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let (x, e) = grid.choose((even(0.2, 3.0, 15), even(0.2, 1.0, 5)), (even(0.1, 3.0, 30), even(0.05, 1.0, 20)));
     let frequency = (STIFFNESS / mass()).sqrt();
@@ -46,10 +48,10 @@ pub fn stability(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
             case.soft.time_step = TimeStep::Fixed(step);
         }))?;
         let mut failure = run(&mut simulation, 1, STEPS * step);
-        // half the range of its positions, over a period at the shortest step
+        // amplitude: half the range of the positions, over a period at the shortest step
         let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
         for _ in 0..64 {
-            // an energy that grew does not stop the motion
+            // the motion continues after a failure for an energy that grew
             failure = failure.or(run(&mut simulation, 1, step));
             let place = simulation.particles.position[0].y;
             (least, most) = (least.min(place), most.max(place));

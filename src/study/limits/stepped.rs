@@ -1,4 +1,5 @@
-//! Hard spheres in steps: collisions missed and overlaps left when collisions are looked for at the ends of steps.
+//! Hard spheres in time steps: collisions that are missed and overlaps that remain if collisions are searched at the
+//! ends of steps.
 
 use super::picture::{curve, curves, even, measured, points};
 use super::scenes::{collision_rate, mean, run, simulation};
@@ -11,25 +12,25 @@ use crate::runs::StudyError;
 use crate::statistics::Estimate;
 use std::f64::consts::PI;
 
-/// [m/s] speed per component.
+/// [m/s] standard deviation of each velocity component.
 const SPEED: f64 = 0.5;
-/// [-] volume fraction.
+/// [-] volume fraction of the gas.
 const FRACTION: f64 = 0.1;
 
-/// Results of a run.
+/// Results of a run of hard spheres in time steps.
 struct SteppedRun {
-    /// Collisions that got an impulse.
+    /// Number of collisions that got an impulse.
     pairs: f64,
-    /// Collisions that were over when collisions were next looked for.
+    /// Number of collisions that were over at the next search for collisions.
     missed: f64,
-    /// [-] mean overlap found, over the diameter; 0 if there was no collision.
+    /// [-] mean overlap at which collisions were found, over the diameter; 0 if there was no collision.
     overlap: f64,
-    /// [-] 99 % quantile of the overlap, over the diameter.
+    /// [-] 99 % quantile of this overlap, over the diameter.
     deepest: f64,
     failure: Option<Failure>,
 }
 
-/// Missed collisions and remaining overlap over θ, from one set of runs.
+/// Maps of the missed collisions and of the remaining overlap over the step criterion θ, from one set of runs.
 pub fn missed_and_overlap(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let (theta, seeds, collisions) = grid.choose(
         (vec![0.05, 0.1, 0.3, 1.0], 3, 20.0),
@@ -37,14 +38,14 @@ pub fn missed_and_overlap(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     );
     let seeds = even(1.0, f64::from(seeds), seeds as usize);
     let duration = collisions / collision_rate(FRACTION, SPEED * SPEED);
-    // 0 stands for exact instants
+    // θ = 0 means exact instants
     let all: Vec<f64> = std::iter::once(0.0).chain(theta.iter().copied()).collect();
     let runs = grid.run(&points(&seeds, &all), |&(seed, theta)| {
         let mut simulation = simulation(&grid.with(|case| {
             case.run.seed = seed as u64;
             case.hard.stepping = if theta > 0.0 { HardStepping::Steps { theta } } else { HardStepping::Events };
         }))?;
-        // one window: a step is a whole part of it, and in a short window would be shorter than θ asks for
+        // one window: a step is a whole part of the window, so in a short window it would be shorter than θ allows
         let failure = run(&mut simulation, 1, duration);
         let summary = simulation.record.pairs.summary();
         Ok(SteppedRun {
@@ -60,7 +61,7 @@ pub fn missed_and_overlap(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     Ok(vec![missed(exact, &stepped), overlap(&stepped)])
 }
 
-/// A row per θ.
+/// Table rows, one for each value of θ.
 fn rows(stepped: &[(f64, &[SteppedRun])], values: impl Fn(f64, &[SteppedRun]) -> Vec<f64>) -> Vec<KnownPoint> {
     let failure = |runs: &[SteppedRun]| runs.iter().find_map(|seen| seen.failure.clone());
     stepped.iter().map(|(theta, runs)| KnownPoint { values: values(*theta, runs), failure: failure(runs) }).collect()
@@ -102,7 +103,7 @@ fn overlap(stepped: &[(f64, &[SteppedRun])]) -> MapSweep {
     let rows = rows(stepped, |theta, runs| {
         let (overlap, error) = mean(runs, |seen| seen.overlap);
         let (deepest, _) = mean(runs, |seen| seen.deepest);
-        // half a step at the mean normal speed of impacts sqrt(π T), with u_r = sqrt(4T/π)
+        // expected overlap: half a step at the mean normal speed of impact sqrt(π T), with u_r = sqrt(4T/π)
         vec![theta, overlap, error, deepest, PI / 4.0 * theta]
     });
     let lesson = rows.iter().find(|row| row.values[0] == 0.3).map_or(String::new(), |row| {

@@ -1,4 +1,4 @@
-//! One sweep: runs all of its points, and holds their results.
+//! One sweep of a map: runs all of its points, and holds their results.
 
 use crate::engine::Failure;
 use crate::experiment::Experiment;
@@ -9,30 +9,30 @@ use rayon::prelude::*;
 use std::io::{IsTerminal, stderr};
 use std::time::Instant;
 
-/// Options for running the points.
+/// Options for running the points of a sweep.
 #[derive(Clone, Copy, Debug)]
 pub struct Grid {
-    /// Coarser grids, shorter runs.
+    /// True for coarser grids and shorter runs.
     pub quick: bool,
-    /// No progress.
+    /// True to show no progress.
     pub quiet: bool,
 }
 
-/// Starting point of a sweep.
+/// Base experiment and options of a sweep, with which its points are made.
 pub struct Points<'a> {
     /// Options for running the points.
     pub grid: &'a Grid,
     /// Name of the first map of the sweep, for the progress.
     pub name: &'static str,
-    /// The experiment of the case file of the sweep. Every point changes something of it.
+    /// Experiment of the case file of the sweep. Every point changes a part of it.
     pub base: Experiment,
 }
 
-/// One point of which every number is known.
+/// One point of a map whose numbers are all known.
 pub struct KnownPoint {
-    /// The numbers in the order of the columns, each in the unit of its column.
+    /// Numbers in the order of the columns, each in the unit of its column.
     pub values: Vec<f64>,
-    /// Reason why the point stopped, if it did: that of the first run that stopped.
+    /// Failure of the first run of the point that stopped; `None` if none did.
     pub failure: Option<Failure>,
 }
 
@@ -47,7 +47,7 @@ pub struct MapSweep {
 }
 
 impl MapSweep {
-    /// Map of points of which every number is known.
+    /// Map from points whose numbers are all known.
     pub fn new(rows: Vec<KnownPoint>, lesson: String, picture: Picture) -> Self {
         let row = |row: KnownPoint| limits::MapPoint {
             values: row.values.into_iter().map(Some).collect(),
@@ -58,26 +58,27 @@ impl MapSweep {
 }
 
 impl Points<'_> {
-    /// `quick` in the quick grid, `full` in the full one.
+    /// Returns `quick` for the coarse grid, `full` for the full one.
     pub fn choose<T>(&self, quick: T, full: T) -> T {
         if self.grid.quick { quick } else { full }
     }
 
-    /// The experiment of the case file with a change.
+    /// Experiment of the case file with a change.
     pub fn with(&self, change: impl FnOnce(&mut Experiment)) -> Experiment {
         let mut experiment = self.base.clone();
         change(&mut experiment);
         experiment
     }
 
-    /// Runs all points, several at once, and gives their results in the order of the points, whatever thread ran them.
+    /// Runs all points, several at once, and returns their results in the order of the points. The results do not
+    /// depend on the threads.
     pub fn run<P: Sync, R: Send>(
         &self,
         points: &[P],
         one: impl Fn(&P) -> Result<R, StudyError> + Sync,
     ) -> Result<Vec<R>, StudyError> {
         let bar = if self.grid.quiet { ProgressBar::hidden() } else { ProgressBar::new(points.len() as u64) };
-        // a template that does not parse would only spoil the look
+        // if the template is not valid, the default bar is used
         if let Ok(style) = ProgressStyle::with_template("{bar:16} {pos} of {len} points, {eta} left  {wide_msg}") {
             bar.set_style(style);
         }

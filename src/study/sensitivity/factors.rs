@@ -1,7 +1,7 @@
-//! Factors of a sensitivity study: the change that each makes in a case, its size, and the reason for that size.
+//! Factors of a sensitivity study. A factor is a change of the case; it has a size, and a reason for that size.
 //!
-//! Where a case idealises (restitution 1, no friction) a factor takes a real value. Where the case has a real value,
-//! the factor moves it by the uncertainty of measurements. A factor that makes no sense for a scene says why.
+//! If the case is idealised (restitution 1, no friction) a factor sets a real value. If the case has a real value, the
+//! factor changes it by the uncertainty of measurements. A factor that makes no sense for a scene returns the reason.
 
 use super::plan::{PlannedFactor, SensitivityPlan};
 use crate::contact_law::ContactLaw;
@@ -11,38 +11,42 @@ use crate::output::numbers::quantity;
 use crate::rotation::{ImpactRule, LinearTangential, TangentialLaw};
 use crate::scene::{Kind, Surface};
 
-/// [-] restitution of the paper's inelastic walls (section 4), where a case is elastic.
+/// [-] restitution of the paper's inelastic walls (section 4), which is set if a case is elastic.
 const PAPER_RESTITUTION: f64 = 0.94;
-/// [-] standard error of a measured restitution: cellulose acetate 0.87 ± 0.02 (Foerster, Louge, Chang and Allia 1994, Phys. Fluids 6, 1108).
+/// [-] standard error of a measured restitution: cellulose acetate 0.87 ± 0.02 (Foerster, Louge, Chang and Allia 1994,
+/// Phys. Fluids 6, 1108).
 const RESTITUTION_ERROR: f64 = 0.02;
-/// [-] friction of glass on glass (Foerster et al. 1994), where particles have none.
+/// [-] friction of glass on glass (Foerster et al. 1994), which is set if particles have no friction.
 const GLASS_FRICTION: f64 = 0.092;
 /// [-] tangential restitution of glass on glass, and its standard error (Foerster et al. 1994).
 const GLASS_TANGENTIAL: f64 = 0.44;
 const TANGENTIAL_ERROR: f64 = 0.07;
-/// [-] friction of the paper's rough walls (section 4), where walls have none.
+/// [-] friction of the paper's rough walls (section 4), which is set if walls have no friction.
 const PAPER_WALL_FRICTION: f64 = 0.325;
 /// [-] standard error of a measured friction: cellulose acetate 0.25 ± 0.02 (Foerster et al. 1994).
 const FRICTION_ERROR: f64 = 0.02;
-/// [-] steps per contact of the paper's cases B to D: their printed step and stiffness (docs/paper.md, "The audit").
+/// [-] steps per contact in the paper's cases B to D, from their printed step and stiffness (docs/paper.md, "The
+/// audit").
 const PAPER_STEPS: f64 = 7.7;
-/// [-] θ of stepped hard spheres: a third of the usual 0.3, at which fast ones pass through walls (docs/limits.md).
+/// [-] step criterion θ of hard spheres in steps: a third of the usual 0.3, at which fast spheres pass through walls
+/// (docs/limits.md).
 const THETA: f64 = 0.1;
-/// [-] ratio of successive stiffnesses: overlaps then double, and the softest spheres overlap four times as deeply.
+/// [-] ratio of successive stiffnesses. Overlaps then double, and the softest spheres overlap four times as deeply.
 const STIFFNESS_RATIO: f64 = 4.0;
 /// [-] length of the shorter box over that of the whole one.
 const BOX_SHARE: f64 = 0.5;
 
-/// Plans the runs of a factor, or says why it makes no sense. `size`: the size as typed, if one was typed.
+/// Plans the runs of a factor, or returns the reason why it makes no sense. `size` is the size that the user typed;
+/// `None` if none was typed.
 type Make = fn(&mut SensitivityPlan, Option<&str>) -> Result<PlannedFactor, String>;
 
-/// A built-in factor.
+/// A factor that is built in.
 pub struct Known {
     /// Name on the command line.
     pub name: &'static str,
-    /// Title in a sentence.
+    /// Title of the factor in a sentence.
     pub title: &'static str,
-    /// Function that plans the change.
+    /// Function that plans the runs of the factor.
     pub make: Make,
 }
 
@@ -64,29 +68,29 @@ pub const KNOWN: [Known; 14] = [
     Known { name: "seed", title: "another seed", make: seed },
 ];
 
-/// Size as typed, within `from ..= to`, or the usual size.
+/// Size as typed, checked to be within `from ..= to`, or the usual size.
 fn sized(size: Option<&str>, usual: f64, from: f64, to: f64) -> Result<f64, String> {
     let Some(text) = size else { return Ok(usual) };
     let number = text.trim().parse().ok().filter(|number| (from..=to).contains(number));
     number.ok_or_else(|| format!("its size `{text}` is no number from {from} to {to}"))
 }
 
-/// Reason for the value of a size: asked for, or usual.
+/// Reason for the value of a size: typed by the user, or the usual one.
 fn why(size: Option<&str>, usual: impl Into<String>) -> String {
     if size.is_some() { "as asked for".into() } else { usual.into() }
 }
 
-/// Refuses a size where there is nothing to choose.
+/// Returns an error if a size was typed for a factor that has none.
 fn no_size(size: Option<&str>) -> Result<(), String> {
     size.map_or(Ok(()), |text| Err(format!("it has no size, and `{text}` is given")))
 }
 
-/// A number as it would be typed, rounded to a millionth.
+/// A number as a user would type it, rounded to a millionth.
 fn plain(number: f64) -> f64 {
     (1e6 * number).round() / 1e6
 }
 
-/// The law of the soft spheres of a case in a few words.
+/// Contact law of the soft spheres of a case, in a few words.
 fn stiff(law: Option<ContactLaw>) -> String {
     law.map_or("soft".into(), |law| {
         let parameter = law.parameter();
@@ -113,7 +117,7 @@ fn stiffness(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<PlannedFa
     let law = plan.run(soft).law().ok_or("there is no contact law")?;
     let parameter = law.parameter();
     let mut runs = vec![(soft, 1.0)];
-    // an overlap goes with a power of the stiffness: the law tells the stiffness for half the overlap
+    // an overlap is a power of the stiffness; the law gives the stiffness for half the overlap, and thus the power
     let power = law.stiffening(2.0).log2();
     for k in 1..=2 {
         let factor = ratio.powi(k);
@@ -167,8 +171,7 @@ fn stepping(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<PlannedFac
     ))
 }
 
-/// Tables of the contacts between particles, each with its surface: `contact`, and the pairs of species that are
-/// listed.
+/// Tables of the contacts between particles, each with its surface: `contact`, and the listed pairs of species.
 fn pairs(plan: &SensitivityPlan) -> Result<Vec<(String, Surface)>, String> {
     let reference = plan.reference();
     if reference.count() < 2 {
@@ -179,9 +182,9 @@ fn pairs(plan: &SensitivityPlan) -> Result<Vec<(String, Surface)>, String> {
 }
 
 /// Tables of pairs whose second kind is `wanted`, each with its surface. A trial change of the friction in a table
-/// shows which pairs it belongs to.
+/// shows which pairs the table determines.
 fn listed(plan: &SensitivityPlan, wanted: fn(&Kind) -> bool) -> Vec<(String, Surface)> {
-    /// [-] a friction coefficient that no case has.
+    /// [-] a friction coefficient that does not occur in any case.
     const PROBE: f64 = 0.123_456_789;
     let before = &plan.reference().scene.pairs;
     let tables = (0..before.iter().count()).map_while(|k| {
@@ -259,7 +262,7 @@ fn tangential_restitution(plan: &mut SensitivityPlan, size: Option<&str>) -> Res
         _ => None,
     };
     let Some(own) = of_rule.or(of_spring) else { return Err("the case gives a stiffness ratio in its place".into()) };
-    // away from the reversal at 1, beyond which there is nothing
+    // away from the reversal at 1, the largest possible value
     let usual = plain(if own + TANGENTIAL_ERROR <= 1.0 { own + TANGENTIAL_ERROR } else { own - TANGENTIAL_ERROR });
     let to = sized(size, usual, -1.0, 1.0)?;
     let key = if of_rule.is_some() { "hard.friction.walton" } else { "soft.tangential.linear" };
@@ -268,7 +271,7 @@ fn tangential_restitution(plan: &mut SensitivityPlan, size: Option<&str>) -> Res
     Ok(PlannedFactor::against(first, run, format!("β_0 {} → {to}", plain(own)), why(size, usual)))
 }
 
-/// Reason for the step in friction.
+/// Reason for the size of the change in friction.
 const FRICTION_IS_KNOWN: &str = "a measured friction is known to ± 0.02, Foerster et al. 1994";
 
 fn usual_restitution(own: f64) -> f64 {
@@ -283,7 +286,7 @@ fn why_restitution(own: f64) -> &'static str {
     }
 }
 
-/// Keys of all walls, each with its value of the property.
+/// Keys of all walls, each with the wall's value of the property.
 fn walls(plan: &SensitivityPlan, of: fn(&Surface) -> f64) -> Result<Vec<(String, f64)>, String> {
     let walls = &plan.reference().scene.walls;
     if walls.is_empty() {
@@ -294,7 +297,8 @@ fn walls(plan: &SensitivityPlan, of: fn(&Surface) -> f64) -> Result<Vec<(String,
     Ok(every.chain(listed.iter().map(|(table, surface)| (table.clone(), of(surface)))).collect())
 }
 
-/// Factor that changes one property of several surfaces. Each is given by its table, its old and its new value.
+/// A factor that changes one property of several surfaces. Each surface is given by its table, its old and its new
+/// value.
 fn surface(
     plan: &mut SensitivityPlan,
     surfaces: &[(String, f64, f64)],
@@ -371,7 +375,7 @@ fn drag(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<PlannedFactor,
     Ok(PlannedFactor::against(plan.first(), run, change, why(size, "the other law of this program")))
 }
 
-/// Name of a law of a case as a title: `schiller_naumann` is Schiller-Naumann.
+/// Name of a law of a case, as a title: `schiller_naumann` becomes Schiller-Naumann.
 fn title(name: &str) -> String {
     let capital = |word: &str| {
         let mut rest = word.chars();
@@ -384,7 +388,7 @@ fn shorter_box(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<Planned
     let share = sized(size, BOX_SHARE, 0.01, 100.0)?;
     let reference = plan.reference();
     let scene = &reference.scene;
-    // along the flow, or else across it
+    // the box is shortened along the flow if possible, or else across it
     let axis = [2, 0].into_iter().find(|axis| scene.domain.periodic[*axis]);
     let axis = axis.ok_or("the box repeats itself neither along z nor along x")?;
     if reference.start.iter().any(|population| matches!(population.amount, Amount::Placed(_))) {
@@ -399,7 +403,7 @@ fn shorter_box(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<Planned
     let name = format!("box: {} along {}", quantity(after, "m", 4), ["x", "y", "z"][axis]);
     let shorter = format!("domain.size[{axis}]=\"{after:e} m\"");
     let number = |k: usize| format!("particles[{k}].count={}", (counts[k] as f64 * share).round().max(1.0));
-    // a case that gives the number of particles would crowd them: the number is reduced as well
+    // if the case gives the number of particles, a shorter box would crowd them: the number is then reduced as well
     let same = |experiment: &Experiment| experiment.counts() == reference.counts();
     let sets = match plan.changed(std::slice::from_ref(&shorter), None, None) {
         Ok(experiment) if !same(&experiment) => vec![shorter],
@@ -421,7 +425,7 @@ fn seed(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<PlannedFactor,
         return Err("all particles start at given places: there is no chance in it".into());
     }
     let own = reference.run.seed;
-    // beyond the seeds of the replicas
+    // a seed that no replica has
     let usual = own.wrapping_add(u64::from(plan.replicas));
     let to = match size {
         None => usual,
@@ -439,7 +443,7 @@ fn seed(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<PlannedFactor,
     ))
 }
 
-/// Factor defined by the user.
+/// A factor defined by the user.
 pub fn own(plan: &mut SensitivityPlan, text: &str) -> Result<PlannedFactor, String> {
     let run = plan.add(text, &[text.to_owned()], None, None)?;
     Ok(PlannedFactor::against(plan.first(), run, text.to_owned(), "as asked for"))

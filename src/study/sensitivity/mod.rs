@@ -1,7 +1,7 @@
-//! `diptych sensitivity`: the factors that matter most, in one chart.
+//! `diptych sensitivity`: shows in one chart which factors matter most.
 //!
-//! Every factor is a run of the case with something changed, compared with the case as it is. All runs go on
-//! concurrently; all shifts are judged together.
+//! A factor is a change of the case. Its run is compared with the run of the unchanged case. All runs are done
+//! concurrently, and all shifts of observables are judged together.
 
 mod factors;
 mod outlook;
@@ -26,10 +26,10 @@ use plan::SensitivityPlan;
 use std::path::PathBuf;
 use std::time::Instant;
 
-/// Runs a sensitivity study and writes one folder. Returns the answer of all factors together.
+/// Runs a sensitivity study and writes one folder. Returns the answer for all factors together.
 ///
 /// # Errors
-/// Bad input before anything is computed; failures of engines after everything has been written.
+/// Bad input, before anything is computed; failures of engines, after everything has been written.
 pub fn sensitivity(args: &Sensitivity, ranks: &Ranks) -> Result<Option<Answer>, StudyError> {
     sensitivity_on(args, CommandOrigin::Typed, ranks)
 }
@@ -91,14 +91,14 @@ fn runs(plan: &SensitivityPlan) -> Result<Vec<ResumableRun>, StudyError> {
     Ok(runs)
 }
 
-/// Does all runs concurrently. Where the user stops the command, unfinished runs are stored and left out.
+/// Does all runs concurrently. If the user stops the command, unfinished runs are stored and left out.
 fn run_all(executor: &Executor, table: &mut SensitivityTable) -> Result<(), StudyError> {
     let replicas = usize::from(table.plan.replicas);
     let all: Vec<usize> = (0..replicas * table.plan.runs.len()).collect();
     let mut written = Instant::now();
     executor.concurrently(&all, |index, outcome| {
         table.outcomes[index / replicas][index % replicas] = Some(outcome);
-        // the results so far are written so that the user can look at them
+        // results so far are written, so that the user can read them during the study
         if written.elapsed() >= INTERVAL && !table.is_whole() {
             executor.checkpointer.with_remedy(table.write(&executor.folder))?;
             written = Instant::now();
@@ -107,22 +107,22 @@ fn run_all(executor: &Executor, table: &mut SensitivityTable) -> Result<(), Stud
     })
 }
 
-/// Outcomes of all runs that are over.
+/// Outcomes of all runs that are complete.
 struct SensitivityTable<'a> {
     plan: &'a SensitivityPlan<'a>,
     margin: f64,
     provenance: Provenance,
-    /// Outcomes by run and replica.
+    /// Outcomes by run and replica; `None` for an incomplete run.
     outcomes: Vec<Vec<Option<Outcome>>>,
 }
 
 impl SensitivityTable<'_> {
-    /// True if all runs are over.
+    /// True if all runs are complete.
     fn is_whole(&self) -> bool {
         self.outcomes.iter().flatten().all(Option::is_some)
     }
 
-    /// Pooled replicas of each run; `None` for a run that is not over.
+    /// Pooled replicas of each run; `None` for a run of which a replica is incomplete.
     fn pooled(&self) -> Vec<Option<Outcome>> {
         let one = |runs: &Vec<Option<Outcome>>| {
             let runs: Vec<Outcome> = runs.iter().cloned().collect::<Option<_>>()?;
@@ -132,13 +132,14 @@ impl SensitivityTable<'_> {
         self.outcomes.iter().map(one).collect()
     }
 
-    /// Writes the results so far, with the summary if all runs are over. Returns the page, the sentences and the answer.
+    /// Writes the results so far, and the summary if all runs are complete. Returns the page, the sentences and the
+    /// answer.
     fn write(&self, folder: &Folder) -> Result<(PathBuf, Vec<String>, Option<Answer>), OutputError> {
         let pooled = self.pooled();
         let (factors, waiting) = weigh::factors(self.plan, &pooled, &self.outcomes, self.margin);
         let sentences = words::sentences(&factors, &waiting, self.margin);
         let over: Vec<Outcome> = pooled.into_iter().flatten().collect();
-        // run by run: runs may differ in their start on purpose
+        // run by run, because runs may have different starts on purpose
         let notes: Vec<String> = over.iter().flat_map(|one| notes(std::slice::from_ref(one))).collect();
         let left_out: &[OmittedFactor] = &self.plan.left_out;
         let runs = self.runs();

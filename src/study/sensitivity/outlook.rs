@@ -1,4 +1,4 @@
-//! Number of runs and wall time of a study, before it begins.
+//! Number of runs and wall time of a sensitivity study, estimated before it begins.
 
 use super::plan::SensitivityPlan;
 use crate::experiment::Model;
@@ -7,13 +7,13 @@ use crate::runs::{StudyError, span, start};
 use crate::study::calibration::timed;
 use std::fmt::Write;
 
-/// [-] largest share of a run that is timed: a run of many collisions shows its cost within seconds.
+/// [-] largest share of a run that is timed; the cost of a run with many collisions is known within seconds.
 const TRIED: f64 = 0.02;
 
-/// Line with the number of runs and their approximate wall time on this number of threads.
+/// Line with the number of runs and their approximate wall time on `threads` threads.
 ///
 /// # Errors
-/// A scene too crowded to start.
+/// The scene is too crowded to start.
 pub fn line(plan: &SensitivityPlan, threads: usize) -> Result<String, StudyError> {
     let runs = plan.runs.len() * usize::from(plan.replicas);
     let replicas = match plan.replicas {
@@ -32,7 +32,7 @@ pub fn line(plan: &SensitivityPlan, threads: usize) -> Result<String, StudyError
     ))
 }
 
-/// [s] wall time of one replica of every run, on one thread, from a trial run of each model.
+/// [s] wall time of one replica of every run on one thread, from a trial run of each model.
 fn time(plan: &SensitivityPlan) -> Result<f64, StudyError> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build();
     let pool = pool.map_err(|why| StudyError::Input(format!("error: cannot start a thread: {why}")))?;
@@ -42,13 +42,13 @@ fn time(plan: &SensitivityPlan) -> Result<f64, StudyError> {
         let Some(first) = of().next() else { continue };
         let start = start(&first.experiment)?;
         let tried = pool.install(|| timed(&first.experiment, &start, TRIED));
-        // a trial that stops at once says nothing of the time of the others
+        // a trial that stops at once gives no information on the time of the others
         times += of().count() as f64 * tried.seconds;
     }
     Ok(times)
 }
 
-/// The factors with their sizes, the factors that are left out, and the line of [`line`].
+/// Text of the factors with their sizes, the factors that are left out, and the line of [`line`].
 ///
 /// # Errors
 /// The errors of [`line`].

@@ -1,4 +1,4 @@
-//! Runs of a sensitivity study, each once, and the comparisons of each factor.
+//! Plan of a sensitivity study: its runs, each once, and the runs that each factor compares.
 
 use super::factors::{KNOWN, own};
 use crate::case::{Case, Checked, fingerprint};
@@ -10,14 +10,14 @@ use crate::runs::StudyError;
 use crate::study::plan::any_model;
 use crate::study::replicas::replicas;
 
-/// Default number of replicas of each run that is not steady: Student's t of a difference then has 14 degrees of
+/// Default number of replicas of each run that is not steady. Student's t of a difference then has 14 degrees of
 /// freedom.
 const REPLICAS: u16 = 8;
 
 /// Reason for leaving out a factor that the user has not named.
 pub const NOT_ASKED: &str = "not asked for";
 
-/// Largest number of particles for which paths are compared. For paths replicas would say nothing.
+/// Largest number of particles for which paths are compared. Replicas are of no use for a comparison of paths.
 const FEW: usize = 50;
 
 /// Runs that a factor compares.
@@ -25,32 +25,32 @@ const FEW: usize = 50;
 pub enum Compared {
     /// The second run minus the first one.
     Against(usize, usize),
-    /// The limit of runs of ever stiffer spheres minus the first run. Each run has its position on an axis along which
-    /// the effect of softness grows in proportion; the first is at 1.
+    /// The limit of runs of ever stiffer spheres minus the first run. Each run has a position on an axis to which the
+    /// effect of softness is proportional; the first is at 1.
     Extrapolated(Vec<(usize, f64)>),
 }
 
 /// A factor whose runs are planned.
 pub struct PlannedFactor {
-    /// Name of the factor on the command line; for a factor of the user, its key.
+    /// Name of the factor on the command line; for a factor defined by the user, its key.
     pub name: String,
-    /// Title in a sentence.
+    /// Title of the factor in a sentence.
     pub title: String,
     /// Runs that the factor compares.
     pub compared: Compared,
-    /// Change from the old value to the new one.
+    /// Change from the old value to the new one, in words.
     pub change: String,
     /// Reason for the size of the change.
     pub why: String,
 }
 
 impl PlannedFactor {
-    /// One run against another.
+    /// A factor that compares one run with another.
     pub fn against(base: usize, run: usize, change: impl Into<String>, why: impl Into<String>) -> Self {
         Self::new(Compared::Against(base, run), change.into(), why.into())
     }
 
-    /// The limit of runs.
+    /// A factor that compares the limit of several runs with the first one.
     pub fn extrapolated(runs: Vec<(usize, f64)>, change: String, why: String) -> Self {
         Self::new(Compared::Extrapolated(runs), change, why)
     }
@@ -59,7 +59,7 @@ impl PlannedFactor {
         Self { name: String::new(), title: String::new(), compared, change, why }
     }
 
-    /// Indices of the runs on the factor's side of the comparison, and of those on the other side.
+    /// Indices of the runs on the side of the change, and of those on the other side.
     pub fn sides(&self) -> [Vec<usize>; 2] {
         match &self.compared {
             Compared::Against(base, run) => [vec![*run], vec![*base]],
@@ -70,35 +70,36 @@ impl PlannedFactor {
     }
 }
 
-/// A run and what it changes in the case.
+/// A run of the study, and its changes of the case.
 pub struct PlannedRun {
     /// Experiment with the first of its seeds.
     pub experiment: Experiment,
-    /// Changes of the case as they would be typed.
+    /// Changes of the case as a user would type them.
     pub set: String,
     hash: String,
 }
 
-/// The runs of a study; the first is the case as it is.
+/// Runs of a sensitivity study; the first one is the unchanged case.
 pub struct SensitivityPlan<'a> {
     case: &'a Case,
     seed: Option<u64>,
     model: Option<Model>,
-    /// Runs, each once.
+    /// Runs of the study, each once.
     pub runs: Vec<PlannedRun>,
-    /// The factors in the order of the help text.
+    /// Planned factors, in the order of the help text.
     pub factors: Vec<PlannedFactor>,
-    /// Factors that make no sense for this case.
+    /// Factors that are not studied, with the reasons.
     pub left_out: Vec<OmittedFactor>,
     /// Number of replicas of each run, with different seeds.
     pub replicas: u16,
 }
 
 impl<'a> SensitivityPlan<'a> {
-    /// Plans the factors that are asked for.
+    /// Plans the factors that the user has requested.
     ///
     /// # Errors
-    /// The case itself cannot run, or a factor is unknown, named twice, or asked for and makes no sense here.
+    /// The unchanged case cannot run; or a factor is unknown, named twice, or requested although it makes no sense for
+    /// the case.
     pub fn new(case: &'a Case, args: &Sensitivity) -> Result<(Self, Checked), StudyError> {
         let seed = args.effort.seed;
         let checked = match args.model {
@@ -107,7 +108,7 @@ impl<'a> SensitivityPlan<'a> {
         };
         let reference = checked.0.clone();
         let placed = reference.start.iter().all(|population| matches!(population.amount, Amount::Placed(_)));
-        // refused before anything is planned
+        // replicas are refused before anything is planned
         replicas(&reference, args.replicas.unwrap_or(1))?;
         let transient = fades(&reference) && !placed && reference.count() > FEW;
         let count = args.replicas.unwrap_or(if transient { REPLICAS } else { 1 });
@@ -129,7 +130,7 @@ impl<'a> SensitivityPlan<'a> {
         Ok((plan, checked))
     }
 
-    /// Plans the built-in factors that are asked for, or all.
+    /// Plans the built-in factors that the user has named, or all.
     fn choose(&mut self, args: &Sensitivity) -> Result<(), StudyError> {
         let mut wanted: Vec<(&str, Option<&str>)> = Vec::new();
         for text in &args.factors {
@@ -167,12 +168,12 @@ impl<'a> SensitivityPlan<'a> {
         Ok(())
     }
 
-    /// Experiment of the case as it is.
+    /// Experiment of the unchanged case.
     pub fn reference(&self) -> &Experiment {
         &self.runs[self.first()].experiment
     }
 
-    /// Index of the case as it is.
+    /// Index of the run of the unchanged case.
     pub fn first(&self) -> usize {
         0
     }
@@ -198,7 +199,7 @@ impl<'a> SensitivityPlan<'a> {
         self.add("hard", &[], Some(Model::Hard), None)
     }
 
-    /// Experiment with these changes. It has the model of the case as it is unless another one is given.
+    /// Experiment with these changes of the case. Its model is that of the unchanged case unless another one is given.
     ///
     /// # Errors
     /// The reason why the case refuses these changes, in words.
@@ -207,7 +208,7 @@ impl<'a> SensitivityPlan<'a> {
         changed.map(|(experiment, _)| experiment).map_err(|why| why.message)
     }
 
-    /// Index of a run with these changes. The run is added unless it is there already.
+    /// Index of a run with these changes of the case. The run is added unless an equal one exists.
     ///
     /// # Errors
     /// The reason why the case refuses these changes, in words.
@@ -228,7 +229,7 @@ impl<'a> SensitivityPlan<'a> {
         if let Some(place) = self.runs.iter().position(|one| one.hash == hash) {
             return Ok(place);
         }
-        // names tell runs apart
+        // different runs need different names
         let name = experiment.name.clone();
         for k in 2.. {
             if self.runs.iter().all(|one| one.experiment.name != experiment.name) {

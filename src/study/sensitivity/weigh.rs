@@ -1,4 +1,4 @@
-//! Shift of each observable by each factor, judged together.
+//! Computes the shift of each observable by each factor, and judges all shifts together.
 
 use super::plan::{Compared, PlannedFactor, SensitivityPlan};
 use crate::outcome::Outcome;
@@ -7,7 +7,7 @@ use crate::output::sensitivity::{Factor, Shift};
 use crate::statistics::{Answer, LEVEL, holm};
 use crate::study::judge::{ReplicaRuns, ShiftReference, Shifts, widened};
 
-/// Factors whose runs are over, the most important first, and the names of the others.
+/// Factors whose runs are complete, the most important first, and the names of the other factors.
 pub fn factors(
     plan: &SensitivityPlan,
     pooled: &[Option<Outcome>],
@@ -28,16 +28,16 @@ pub fn factors(
         }
     }
     decide(&mut found, margin);
-    // first the factors found to matter, then the unresolved ones, then those that do not matter; the largest first in
-    // each
+    // the order is: factors found to matter, unresolved ones, factors that do not matter; in each group the largest
+    // first
     let size = |factor: &Factor| factor.headline().map_or(0.0, |shift| shift.share().abs());
     found.sort_by(|a, b| b.answer.cmp(&a.answer).then(size(b).total_cmp(&size(a))));
-    // runs that stopped say nothing of sizes
+    // factors with runs that stopped come last, since these say nothing of sizes
     found.sort_by_key(|factor| factor.stopped.is_some());
     (found, waiting)
 }
 
-/// One factor, whose answer is still to be given; `None` if a run of it is not over.
+/// One factor with its shifts, without an answer yet; `None` if one of its runs is incomplete.
 fn factor<'a>(
     plan: &SensitivityPlan,
     planned: &PlannedFactor,
@@ -91,7 +91,8 @@ fn shifts<'a>(
     }
 }
 
-/// Positive weights of the runs on either side of a weighted sum.
+/// Runs with positive weights and runs with negative weights of a weighted sum, both with the magnitudes of the
+/// weights.
 fn split<'a>(weights: &[f64], runs: &[ReplicaRuns<'a>]) -> [Vec<(f64, ReplicaRuns<'a>)>; 2] {
     let side = |sign: f64| -> Vec<(f64, ReplicaRuns<'a>)> {
         let all = weights.iter().zip(runs).map(|(weight, run)| (sign * weight, *run));
@@ -102,12 +103,13 @@ fn split<'a>(weights: &[f64], runs: &[ReplicaRuns<'a>]) -> [Vec<(f64, ReplicaRun
 
 /// Straight line through values at given positions, by least squares with equal weights.
 struct LineFit {
-    /// Weights of the values that give the line at position 0 minus the line at position 1: minus the slope.
+    /// Weights of the values whose weighted sum is the line at position 0 minus the line at position 1, that is, minus
+    /// the slope.
     to_zero: Vec<f64>,
-    /// Weights of the values that give the deviation of the second value from the line through the first and the last
-    /// one.
+    /// Weights of the values whose weighted sum is the deviation of the second value from the line through the first
+    /// and the last value.
     miss: Vec<f64>,
-    /// [-] standard error of the slope over the deviation, if nothing else scatters.
+    /// [-] standard error of the slope over this deviation, if the values do not scatter otherwise.
     share: f64,
 }
 
@@ -122,14 +124,13 @@ impl LineFit {
             let part = (second - first) / (third - first);
             miss = vec![-(1.0 - part), 1.0, -part];
         }
-        // three values leave a sum of squared residuals that is the squared deviation over the sum of its squared
-        // weights
+        // for three values the sum of squared residuals is the squared deviation over the sum of its squared weights
         let norm = miss.iter().map(|weight| weight * weight).sum::<f64>();
         Self { to_zero, miss, share: (1.0 / (norm * square)).sqrt() }
     }
 }
 
-/// Gives every shift its answer: Holm's procedure over all of them together.
+/// Sets the answer of every shift, by Holm's procedure over all shifts together.
 fn decide(factors: &mut [Factor], margin: f64) {
     let chances: Vec<f64> = factors.iter().flat_map(|factor| &factor.shifts).filter_map(|shift| shift.chance).collect();
     let mut detected = holm(&chances, LEVEL).into_iter();
@@ -160,7 +161,7 @@ mod tests {
     fn a_line_is_followed_to_its_end_and_a_miss_is_seen() {
         let line = LineFit::new(&[1.0, 2.0, 4.0]);
         let dot = |weights: &[f64], values: [f64; 3]| weights.iter().zip(values).map(|(w, v)| w * v).sum::<f64>();
-        // 7 - 0.5 x: at 0 the line is 0.5 higher than at 1
+        // line 7 - 0.5 x: its value at 0 is 0.5 higher than at 1
         let on_it = [6.5, 6.0, 5.0];
         assert!((dot(&line.to_zero, on_it) - 0.5).abs() < 1e-12 && dot(&line.miss, on_it).abs() < 1e-12);
         // the slope of a bent line has the error of least squares: s² = residual over 1, over the sum of squares of x

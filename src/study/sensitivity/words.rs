@@ -1,15 +1,15 @@
-//! Conclusions of a study, in sentences.
+//! Conclusions of a sensitivity study, in sentences.
 
 use crate::output::numbers::{percent, quantity, significant, with_error};
 use crate::output::sensitivity::{Factor, Shift};
 use crate::statistics::{Answer, Estimate};
 use crate::study::judge::{in_prose, margin_in_words};
 
-/// Name of the factor that is nothing but chance.
+/// Name of the factor that changes the seed only, and shows the effect of chance.
 const CHANCE: &str = "seed";
 
-/// Sentences on the strongest factor, the other factors beyond the margin, those below it, those that could not be
-/// resolved, and chance.
+/// Sentences on the strongest factor, the other factors beyond the margin, those below it, the unresolved ones, and
+/// chance.
 pub fn sentences(factors: &[Factor], waiting: &[String], margin: f64) -> Vec<String> {
     let of = |answer: Answer| -> Vec<&Factor> {
         factors
@@ -56,24 +56,24 @@ pub fn sentences(factors: &[Factor], waiting: &[String], margin: f64) -> Vec<Str
     sentences
 }
 
-/// A shift with its error, and its size in margins.
+/// A shift with its error, and its size in units of the margin, in words.
 fn headline(shift: &Shift, margin: f64) -> String {
     let times = significant(shift.share().abs() / margin, 2);
     format!("{} by {}, {times} times the margin of {}", where_(shift), share(shift), margin_in_words(margin))
 }
 
-/// The observable of a shift, and the time.
+/// Observable of a shift, and its time, in words.
 fn where_(shift: &Shift) -> String {
     let at = shift.time.map_or(String::new(), |time| format!(" at t = {}", quantity(time, "s", 3)));
     let name = in_prose(&shift.observable);
-    // names of single numbers come without an article
+    // names of single numbers are written without an article
     if name.starts_with("the ") { name + &at } else { format!("the {name}{at}") }
 }
 
-/// [-] share of the scale below which a shift is rounding.
+/// [-] share of the scale below which a shift is attributed to rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// A shift over its scale with its error.
+/// A shift over its scale with its error, in words.
 fn share(shift: &Shift) -> String {
     if shift.share().abs() < ROUNDING && shift.share_error().is_none_or(|error| error < ROUNDING) {
         return "nothing".into();
@@ -86,7 +86,7 @@ fn size(shift: &Shift) -> String {
     format!("{} in {}", share(shift), where_(shift))
 }
 
-/// Factors, each with a remark.
+/// List of factors in words, each with a remark.
 fn list(factors: &[&Factor], say: &dyn Fn(&Shift) -> String) -> String {
     let one = |factor: &&Factor| {
         let said = factor.headline().map_or(String::new(), |shift| format!(" ({})", say(shift)));
@@ -111,7 +111,7 @@ fn open(factors: &[&Factor], within: &str) -> Option<String> {
         };
         format!("{}{said}", factor.title)
     };
-    // a remark that holds for all is said once
+    // a remark that holds for all factors is written once
     let same = factors[0].remarks.first().filter(|why| factors.iter().all(|other| other.remarks.first() == Some(why)));
     if let Some(why) = same {
         let names: Vec<&str> = factors.iter().map(|factor| factor.title.as_str()).collect();
@@ -126,7 +126,7 @@ fn open(factors: &[&Factor], within: &str) -> Option<String> {
     Some(format!("Unresolved: {}.{advice}", factors.iter().map(one).collect::<Vec<_>>().join(", ")))
 }
 
-/// Sentence on the size of shifts by chance alone.
+/// Sentence on the size of the shifts that chance alone causes.
 fn chance(factor: &Factor) -> Option<String> {
     let widest = factor.shifts.iter().max_by(|a, b| a.share().abs().total_cmp(&b.share().abs()))?;
     Some(format!("Another seed alone shifts up to {}: that much is noise.", size(widest)))
