@@ -230,13 +230,13 @@ impl Schedule {
 /// each is of second order in the window h (Strang 1968, SIAM J. Numer. Anal. 5, 506; the factors are those of the
 /// trapezoidal rule):
 /// * the slip velocity, by drag itself: (h/τ)²/24 of a velocity. The time τ is the response time at the start or the
-/// relaxation time τ_l of the later slip, whichever is shorter;
+///   relaxation time τ_l of the later slip, whichever is shorter;
 /// * the speed of a fall from rest, by gravity and drag together: h² (1/τ_l - 1/τ_0)/(12 t) of the speed reached after
-/// the time t. τ_l is the relaxation time at that speed and τ_0 the one at rest;
+///   the time t. τ_l is the relaxation time at that speed and τ_0 the one at rest;
 /// * the velocity, by collisions at a rate ν: their instants within the window are random, which adds the share ν τ
-/// (h/τ)²/24 to the agitation;
+///   (h/τ)²/24 to the agitation;
 /// * the gas velocity at the particle, by motion across the profile: σ² h² u'/(6 L_y) of the mean velocity, with u' the
-/// gradient at the walls.
+///   gradient at the walls.
 ///
 /// For the fall the rate of change of the speed is g - D(w), with D the deceleration by drag. The error is at most h² g
 /// ((D'² - D D'')/24 + g D''/12), from the double commutators of Strang's splitting. Once drag carries the weight, the

@@ -37,9 +37,9 @@ pub struct WindowPart {
 
 /// Events among the candidates of an island's neighbour list: pairs, and particles and walls.
 ///
-/// A stored position is the origin of the straight flight, extended back to the start of the window. So `x(t) = origin
-/// + v t` for every particle, whatever its collisions. No particle requires a separate time, and a collision changes
-/// only its partners.
+/// A stored position is the origin of the straight flight, extended back to the start of the window. So
+/// `x(t) = origin + v t` for every particle, whatever its collisions. No particle requires a separate time, and a
+/// collision changes only its partners.
 #[derive(Clone, Default)]
 pub struct EventLoop {
     /// The candidate pairs and walls. After a change of the list, [`adopt`](Self::adopt) must be called.
