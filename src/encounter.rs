@@ -90,7 +90,7 @@ impl FrameTime {
         Self { ahead: 0.0, sunk: 0.0, fallen: time }
     }
 
-    /// The store as it is, with positions and velocities in the frame that has fallen for `time` [s].
+    /// Time of the stored positions and velocities, which are given in a frame that has fallen freely for `time` [s].
     pub fn in_free_fall(time: f64) -> Self {
         Self { ahead: 0.0, sunk: time, fallen: time }
     }

@@ -71,7 +71,7 @@ pub trait Solver {
         window: Window,
     ) -> Option<f64>;
 
-    /// Adapts later choices to the result of trying islands.
+    /// Decides from a trial of islands (small groups solved separately) for how long islands are not tried again.
     fn judge(&mut self, _population: &PopulationSummary, _scene: &Scene, _trial: &Trial) {}
 
     /// Moves the carried state that the classical algorithm has kept to `lasting`. The driver calls this function only

@@ -23,7 +23,7 @@ pub struct BounceValues {
     pub restitution: Option<f64>,
     /// [s] time in contact; 0 for a collision.
     pub contact_time: Option<f64>,
-    /// [m] largest overlap; 0 for a collision.
+    /// [m] largest overlap; 0 for an instantaneous collision of hard spheres, `None` if the impact did not end.
     pub maximum_overlap: Option<f64>,
 }
 

@@ -90,7 +90,7 @@ pub(super) fn mean(values: &[f64]) -> f64 {
 pub(super) enum Removed {
     /// The mean.
     Mean,
-    /// A parabola. It is used in a test for drift, in which drift must not count as noise.
+    /// A fitted parabola is subtracted, so that drift does not count as noise in the test for drift.
     Parabola,
 }
 

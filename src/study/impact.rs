@@ -274,6 +274,9 @@ fn closed_form(experiment: &Experiment, meeting: &ImpactPair, first: PathPoint) 
     let mut times: Vec<f64> = (0..=POINTS as usize).map(|k| duration * k as f64 / POINTS).collect();
     // the corners of the path at a collision belong to the picture
     times.extend([touch * (1.0 - f64::EPSILON), end].iter().filter(|t| **t < duration));
+    // a contact may be short against the duration
+    let during = (1..POINTS as usize).map(|k| touch + contact_time * k as f64 / POINTS);
+    times.extend(during.filter(|t| contact_time > 0.0 && *t < duration));
     times.sort_by(f64::total_cmp);
     let values =
         BounceValues { restitution: Some(e), contact_time: Some(contact_time), maximum_overlap: Some(maximum_overlap) };

@@ -10,7 +10,7 @@ use crate::experiment::SoftSettings;
 use crate::scene::{Kind, Meeting, Pairs, Scene, Surface};
 use std::f64::consts::PI;
 
-/// Stiffness of a pair that follows from one key of the pair.
+/// Contact stiffness computed from one key of a pair's table in the case file.
 struct Wanted<'a> {
     /// [N/m] stiffness.
     stiffness: f64,

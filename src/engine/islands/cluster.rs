@@ -73,7 +73,7 @@ pub struct Cluster {
     pub(in crate::engine) floor: f64,
     /// Time [s] of the first touch in the island: until then all members fly straight.
     pub(in crate::engine) first: f64,
-    /// True if the island is moved by uniform steps as a crowd whatever its size, for instance because of its many
+    /// True if the island is always moved by uniform steps, even if it is small, for instance because of its many
     /// contacts.
     pub(in crate::engine) lasts: bool,
     pub(in crate::engine) alive: bool,

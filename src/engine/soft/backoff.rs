@@ -42,7 +42,7 @@ pub fn steps_cost(forces: u64, updates: u64) -> f64 {
 
 /// Work of uniform steps in a window, or in the part of it that islands did.
 pub struct Rival {
-    /// [-] number of steps, or of their stages.
+    /// [-] number of steps times the number of stages per step.
     pub stages: f64,
     /// Number of particles.
     pub particles: usize,

@@ -402,7 +402,7 @@ pub struct AlongNormal {
     pub restitution_power: f64,
     /// [N] force along the normal.
     pub force: f64,
-    /// [N m] force times distance.
+    /// [N m] normal force times distance of the centres, for the virial of pairs.
     pub moment: f64,
 }
 

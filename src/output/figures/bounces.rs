@@ -52,7 +52,7 @@ pub fn slip_after(study: &ObliqueStudy) -> String {
     }
     if !study.measured.is_empty() {
         let label = "measured (Kharaz et al. 2001)";
-        series.push(PanelSeries::new(label, SeriesStyle::Winner, of(&study.measured)));
+        series.push(PanelSeries::new(label, SeriesStyle::Points(study.curves.len()), of(&study.measured)));
     }
     chart::single(&Panel {
         x_label: "slip before, s/(μ u_n)".into(),

@@ -156,7 +156,7 @@ fn stage(outcome: &Outcome, frames: &Frames) -> RecordingFrame {
         view: view(scene, shown),
         magnified: None,
         words: format!(
-            "{who}, {when}, the same start in every variant. Between two recorded frames they are drawn as flying straight."
+            "{who}, {when}, the same start in every variant. Between two recorded frames they are drawn as flying freely."
         ),
     }
 }

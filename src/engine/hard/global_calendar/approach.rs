@@ -140,7 +140,8 @@ pub mod wide {
             avx._mm256_add_pd(xy, avx._mm256_mul_pd(a[2], b[2]))
         }
 
-        /// Computes the relative motion of four neighbours, as [`ObservingParticle::one_by_one`] does.
+        /// Relative motion of four neighbours, and a bit mask of those that may touch soon; as
+        /// [`ObservingParticle::one_by_one`], with vector instructions.
         #[inline(always)]
         pub fn at_once(&self, others: &[&FlightState; 4], touch: &[f64; 4]) -> (FourNeighbours, u32) {
             let (avx, [a, b, c, d]) = (self.simd.avx, *others);

@@ -115,7 +115,8 @@ pub struct IslandScratch {
     spin: Vec<Vector3<f64>>,
     /// [rad/s²] angular accelerations at the last stage.
     turning: Vec<Vector3<f64>>,
-    /// [rad/s²] weighted mean of the angular accelerations.
+    /// [rad/s²] angular acceleration of each particle, averaged over the stages of the step with their Runge-Kutta
+    /// weights.
     turned: Vec<Vector3<f64>>,
 }
 
