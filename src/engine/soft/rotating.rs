@@ -79,20 +79,12 @@ impl ContactConstants {
             (friction.map_or_else(Vector3::zeros, |friction| friction.force), Vector3::zeros())
         };
         let mut slip_change = pull - tangential / spring.mass;
-        let (mut couple_torque, mut resisted) = (None, 0.0);
-        if let (Some(memory), Some(rotation)) = (before.resistance, &scene.rotation) {
-            let mut couple_on_i = Vector3::zeros();
-            if at.start + at.elapsed >= memory.acts_from {
-                let motion = RollingMotion::of(couple, self, (law, rotation), met, (particles, scene));
-                let passed_on = motion.passed_on(couple, particles) * arm;
-                let (before, after) = (before.overlap, met.overlap());
-                let step = ResistedStep { before, after, dt: at.dt, elapsed: since, to_middle: at.to_middle };
-                let driven = tangential * passed_on;
-                let done = motion.resist(memory, &met.normal, normal, (twist * since, &driven), &step);
-                slip_change += done.rolling * passed_on;
-                (couple_on_i, resisted) = (done.couple, done.power);
-            }
-            couple_torque = Some(couple_on_i);
+        let resisted = before.resistance.map(|memory| {
+            let turns = SurfaceTurn { arm, angle: twist * since, tangential, normal, elapsed: since };
+            self.resist(couple, law, met, (particles, scene), (memory, before.overlap), (&turns, at))
+        });
+        if let Some(resisted) = &resisted {
+            slip_change += resisted.slip_change;
         }
         let in_the_middle = slip + slip_change * at.to_middle;
         // the spring keeps a part of the work of the force
@@ -103,11 +95,62 @@ impl ContactConstants {
             on_i,
             normal,
             restitution_power: -viscous * (met.normal_velocity + at.to_middle * normal / self.spring.effective_mass),
-            friction_power: tangential.dot(&in_the_middle) - kept + resisted,
+            friction_power: tangential.dot(&in_the_middle) - kept + resisted.as_ref().map_or(0.0, |some| some.power),
             wall_power: couple.driven(&on_i, scene),
             arm: met.normal * (self.reach + met.gap),
         };
-        let torque = ContactTorque { over_radius: met.normal.cross(&tangential) * arm, couple: couple_torque };
+        let torque = ContactTorque {
+            over_radius: met.normal.cross(&tangential) * arm,
+            couple: resisted.map(|some| some.couple),
+        };
         (force, torque, shear)
     }
+
+    /// Resistance to rolling and twisting at the end of a step, apart because few scenes have it.
+    #[inline(never)]
+    fn resist(
+        &self,
+        couple: &Couple,
+        law: &ContactLaw,
+        met: &Encounter,
+        (particles, scene): (&Particles, &Scene),
+        (memory, before): (&mut ResistanceMemory, f64),
+        (turns, at): (&SurfaceTurn, &EvaluationTime),
+    ) -> Resisted {
+        let Some(rotation) = scene.rotation.as_ref().filter(|_| at.start + at.elapsed >= memory.acts_from) else {
+            return Resisted::default();
+        };
+        let motion = RollingMotion::of(couple, self, (law, rotation), met, (particles, scene));
+        let passed_on = motion.passed_on(couple, particles) * turns.arm;
+        let step =
+            ResistedStep { before, after: met.overlap(), dt: at.dt, elapsed: turns.elapsed, to_middle: at.to_middle };
+        let driven = turns.tangential * passed_on;
+        let done = motion.resist(memory, &met.normal, turns.normal, (turns.angle, &driven), &step);
+        Resisted { couple: done.couple, power: done.power, slip_change: done.rolling * passed_on }
+    }
+}
+
+/// Motion of a contact in a step, for its resistance to rolling and twisting.
+struct SurfaceTurn {
+    /// [-] lever arm over radius.
+    arm: f64,
+    /// [rad] turn of the mean spin about the normal.
+    angle: f64,
+    /// [N] tangential force.
+    tangential: Vector3<f64>,
+    /// [N] normal force.
+    normal: f64,
+    /// [s] part of the step in which the surfaces have moved.
+    elapsed: f64,
+}
+
+/// Resistance of a contact to rolling and twisting.
+#[derive(Default)]
+struct Resisted {
+    /// [N m] couple on particle i.
+    couple: Vector3<f64>,
+    /// [W] power taken.
+    power: f64,
+    /// [m/s²] change of the slip.
+    slip_change: Vector3<f64>,
 }

@@ -8,6 +8,7 @@ mod alone;
 mod integrate;
 mod single;
 mod sliding;
+mod spring_energy;
 mod springs;
 
 use super::backoff::steps_cost;

@@ -52,7 +52,7 @@ pub struct SlidingContact {
     /// Weighted mean of the rates of all stages so far.
     mean: Vector3<f64>,
     /// [m] shear ξ now.
-    shear: Vector3<f64>,
+    pub(super) shear: Vector3<f64>,
     /// Margins of the phase at the start of the step and now: the phase ends where one becomes negative.
     margins: [[f64; 2]; 2],
 }
@@ -98,12 +98,12 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
     }
 
     /// Indices of the springs of contact `k`.
-    fn springs_of(&self, k: usize) -> Range<usize> {
+    pub(super) fn springs_of(&self, k: usize) -> Range<usize> {
         let kinds = self.kinds().len();
         k * kinds..(k + 1) * kinds
     }
 
-    fn met(&self, k: usize) -> (TouchingPair, Encounter) {
+    pub(super) fn met(&self, k: usize) -> (TouchingPair, Encounter) {
         let touch = self.scratch.contacts[k].touch;
         (touch, touch.couple.meet(self.particles, self.scene, self.moment()))
     }
@@ -128,15 +128,21 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
                 SpringKind::Roll => (memory.roll, self.window.start + self.now < memory.acts_from),
                 SpringKind::Twist => (met.normal * memory.twist, self.window.start + self.now < memory.acts_from),
             };
-            let spring = motion.spring(kind, self, touch, &met);
+            let spring = motion.spring(kind, touch, &met);
             let sliding =
-                if waits { SlidingContact::in_phase(Phase::Waiting) } else { self.begin(&spring, &met, shear) };
+                if waits { SlidingContact::in_phase(Phase::Waiting) } else { self.begin(&spring, touch, &met, shear) };
             self.scratch.sliding.push(sliding);
         }
     }
 
     /// Spring with that shear [m] at present.
-    fn begin(&self, spring: &SpringMotion, met: &Encounter, shear: Vector3<f64>) -> SlidingContact {
+    fn begin(
+        &self,
+        spring: &SpringMotion,
+        touch: &TouchingPair,
+        met: &Encounter,
+        shear: Vector3<f64>,
+    ) -> SlidingContact {
         let mut sliding = SlidingContact::in_phase(Phase::Memoryless);
         if !spring.remembers() {
             return sliding;
@@ -149,7 +155,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         let begins = limit == 0.0 && spring.at_touch && met.normal_velocity < 0.0;
         let slides = if begins && square == 0.0 {
             // at the touch of an undamped contact spring and limit grow from zero
-            spring.slides_from_touch
+            spring.slides_from_touch(&self.engine.law, touch, met, self.engine.step)
         } else {
             square >= limit * limit * (1.0 - 1e-12)
         };
@@ -174,8 +180,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
             for (index, &kind) in self.springs_of(k).zip(self.kinds()) {
                 if self.scratch.sliding[index].phase == Phase::Waiting {
                     let (touch, met) = self.met(k);
-                    let spring = ContactMotion::of(self, &touch, &met).spring(kind, self, &touch, &met);
-                    self.scratch.sliding[index] = self.begin(&spring, &met, Vector3::zeros());
+                    let spring = ContactMotion::of(self, &touch, &met).spring(kind, &touch, &met);
+                    self.scratch.sliding[index] = self.begin(&spring, &touch, &met, Vector3::zeros());
                 }
             }
         }
@@ -249,7 +255,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
             let (touch, met) = self.met(k);
             let motion = ContactMotion::of(self, &touch, &met);
             for (index, &kind) in self.springs_of(k).zip(self.kinds()) {
-                let spring = motion.spring(kind, self, &touch, &met);
+                let spring = motion.spring(kind, &touch, &met);
                 let sliding = &mut self.scratch.sliding[index];
                 let moved = sliding.start.vector + sliding.mean * dt;
                 let vector = carried(kind, &moved, &sliding.start.normal, &met.normal);
@@ -277,7 +283,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         let mut tangential = Vector3::zeros();
         let mut couple = Vector3::zeros();
         for (index, &kind) in self.springs_of(k).zip(self.kinds()) {
-            let spring = motion.spring(kind, self, touch, met);
+            let spring = motion.spring(kind, touch, met);
             let force = self.spring_force(index, (touch, met), (&motion, &spring), dt);
             friction_power += force.dot(&spring.velocity);
             match kind {
@@ -471,7 +477,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
                 let due = due.filter(|(of, _)| *of == index).map(|(_, which)| which);
                 let Some(which) = due.or_else(over) else { continue };
                 let (touch, met) = self.met(k);
-                let spring = ContactMotion::of(self, &touch, &met).spring(kind, self, &touch, &met);
+                let spring = ContactMotion::of(self, &touch, &met).spring(kind, &touch, &met);
                 let (phase, vector) = match sliding.phase {
                     Phase::Memoryless | Phase::Waiting => continue,
                     Phase::Stick => {
@@ -483,78 +489,6 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
                 };
                 self.scratch.sliding[index].take(phase, vector);
                 self.scratch.sliding[index].margins[AFTER] = [0.0; 2];
-            }
-        }
-    }
-
-    /// [J] energies of the springs of contact `k` with that overlap [m]: of the tangential one, and of rolling and
-    /// twisting.
-    fn energies_of(&self, k: usize, overlap: f64) -> [f64; 2] {
-        let Contact { touch, course, .. } = &self.scratch.contacts[k];
-        let springs = self.springs_of(k);
-        let sheared = touch.tangential.at(overlap).energy(&self.scratch.sliding[springs.start].shear);
-        if course.resistance.is_none() {
-            return [sheared, 0.0];
-        }
-        let (touch, met) = self.met(k);
-        let met = Encounter { gap: -overlap, ..met };
-        let motion = ContactMotion::of(self, &touch, &met);
-        let resisted = springs.zip(self.kinds()).skip(1).map(|(index, &kind)| {
-            motion.spring(kind, self, &touch, &met).constants.energy(&self.scratch.sliding[index].shear)
-        });
-        [sheared, resisted.sum()]
-    }
-
-    /// [J] energy of the springs of pairs and of walls.
-    pub(super) fn spring_energies(&self) -> [f64; 2] {
-        let mut energies = [0.0; 2];
-        for k in 0..self.scratch.contacts.len() {
-            let (touch, met) = self.met(k);
-            let [sheared, resisted] = self.energies_of(k, met.overlap());
-            energies[usize::from(touch.couple.is_wall())] += sheared + resisted;
-        }
-        energies
-    }
-
-    /// Takes what springs hold more than the energies [J] that they `stored` before a step from the work that friction
-    /// did in it.
-    pub(super) fn keep_in_springs(&mut self, stored: [f64; 2]) {
-        let kept = self.spring_energies();
-        let ledger = &mut self.island.log.ledger;
-        ledger.pair_friction_loss -= kept[0] - stored[0];
-        ledger.wall_friction_loss -= kept[1] - stored[1];
-    }
-
-    /// Removes the springs of contact `k`, which has ended: friction takes the energy that they still hold.
-    pub(super) fn drop_springs(&mut self, k: usize) {
-        let (touch, met) = self.met(k);
-        let left: f64 = self.energies_of(k, met.overlap()).iter().sum();
-        let springs = self.springs_of(k);
-        self.scratch.sliding.drain(springs);
-        let ledger = &mut self.island.log.ledger;
-        match touch.couple.is_wall() {
-            true => ledger.wall_friction_loss += left,
-            false => ledger.pair_friction_loss += left,
-        }
-    }
-
-    /// Leaves the shears to the contacts.
-    pub(super) fn leave_springs(&mut self) {
-        for k in 0..self.scratch.contacts.len() {
-            let springs = self.springs_of(k);
-            let (_, met) = self.met(k);
-            let [_, energy] = self.energies_of(k, met.overlap());
-            let shear = |kind: SpringKind| self.scratch.sliding[springs.start + kind as usize].shear;
-            let slid = shear(SpringKind::Slide);
-            let resisted = self.scratch.contacts[k].course.resistance.is_some();
-            let (roll, twist) = match resisted {
-                true => (shear(SpringKind::Roll), shear(SpringKind::Twist).dot(&met.normal)),
-                false => (Vector3::zeros(), 0.0),
-            };
-            let course = &mut self.scratch.contacts[k].course;
-            course.shear = slid;
-            if let Some(memory) = &mut course.resistance {
-                (memory.roll, memory.twist, memory.energy) = (roll, twist, energy);
             }
         }
     }

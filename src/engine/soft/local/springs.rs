@@ -74,8 +74,6 @@ pub struct SpringMotion {
     pub limit: f64,
     /// True at the very touch.
     pub at_touch: bool,
-    /// True if a contact that begins without force slides at once.
-    pub slides_from_touch: bool,
     /// Resistance to rolling or twisting.
     pub resistance: Option<Resistance>,
 }
@@ -88,6 +86,7 @@ const SOON: f64 = 1e-4;
 
 impl ContactMotion {
     /// Motion of two touching bodies now.
+    #[inline(always)]
     pub fn of(run: &IslandRun<'_, impl InstantaneousRule>, touch: &TouchingPair, met: &Encounter) -> Self {
         let (surface, arm) = touch.couple.surface_velocity(run.particles, touch.reach, met.gap);
         let (elastic, viscous) = run.engine.law.force(&touch.spring, met.overlap(), met.normal_velocity);
@@ -106,13 +105,7 @@ impl ContactMotion {
 
     /// Motion against the spring of that kind.
     #[inline(always)]
-    pub fn spring(
-        &self,
-        kind: SpringKind,
-        run: &IslandRun<'_, impl InstantaneousRule>,
-        touch: &TouchingPair,
-        met: &Encounter,
-    ) -> SpringMotion {
+    pub fn spring(&self, kind: SpringKind, touch: &TouchingPair, met: &Encounter) -> SpringMotion {
         let none = (SpringDashpotSlider::default(), 0.0);
         let of = |resistance: Option<Resistance>| resistance.map_or(none, |some| (some.spring, some.friction));
         let (velocity, (constants, friction), resistance) = match (kind, &self.rolling) {
@@ -125,34 +118,30 @@ impl ContactMotion {
         };
         let limit = SpringDashpotSlider::limit(friction, self.elastic + self.viscous);
         let at_touch = met.overlap() <= TOUCHING * touch.diameter;
-        let (grown, rates) = if at_touch {
-            (constants.growth(0.0, 1.0).1, SpringRates::default())
-        } else {
-            (1.0, constants.rates(-met.normal_velocity / met.overlap()))
-        };
-        let slides_from_touch = at_touch && limit == 0.0 && {
-            let time = SOON * run.engine.step;
-            let overlap = -met.normal_velocity * time;
-            let (elastic, viscous) = run.engine.law.force(&touch.spring, overlap, met.normal_velocity);
-            constants.at(overlap).stiffness * grown * velocity.norm() * time > friction * (elastic + viscous)
+        let (grown, rates) = match (constants.half_powers, at_touch) {
+            (0, _) => (1.0, SpringRates::default()),
+            (_, true) => (constants.growth(0.0, 1.0).1, SpringRates::default()),
+            (_, false) => (1.0, constants.rates(-met.normal_velocity / met.overlap())),
         };
         let constants = constants.at(met.overlap());
-        SpringMotion {
-            kind,
-            velocity,
-            constants,
-            grown,
-            rates,
-            friction,
-            limit,
-            at_touch,
-            slides_from_touch,
-            resistance,
-        }
+        SpringMotion { kind, velocity, constants, grown, rates, friction, limit, at_touch, resistance }
     }
 }
 
 impl SpringMotion {
+    /// True if the contact, which begins without force, slides at once. Spring and limit are compared shortly after the
+    /// touch; `step` [s] is the time step.
+    pub fn slides_from_touch(&self, law: &ContactLaw, touch: &TouchingPair, met: &Encounter, step: f64) -> bool {
+        let time = SOON * step;
+        let overlap = -met.normal_velocity * time;
+        let (elastic, viscous) = law.force(&touch.spring, overlap, met.normal_velocity);
+        let stiffness = match &self.resistance {
+            Some(resistance) => resistance.spring.at(overlap).stiffness,
+            None => touch.tangential.at(overlap).stiffness,
+        };
+        stiffness * self.grown * self.velocity.norm() * time > self.friction * (elastic + viscous)
+    }
+
     /// True if the spring remembers: it has a stiffness, and a limit above zero.
     pub fn remembers(&self) -> bool {
         let stiff = match &self.resistance {
