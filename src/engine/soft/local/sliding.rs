@@ -13,7 +13,6 @@ use crate::contact_law::friction::{Slip, coulomb};
 use crate::encounter::Encounter;
 use crate::engine::soft::contact::{Contact, ContactConstants, ContactForce, ContactState, TouchingPair};
 use nalgebra::Vector3;
-use std::ops::Range;
 
 /// Way in which the surfaces of a contact move on one another.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -90,17 +89,10 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         self.scene.rotation.is_some()
     }
 
-    /// Kinds of springs of each contact.
-    #[inline(always)]
-    pub(super) fn kinds(&self) -> &'static [SpringKind] {
-        let resists = self.scene.rotation.as_ref().is_some_and(|rotation| rotation.resists());
-        if resists { &SpringKind::ALL } else { &SpringKind::ALL[..1] }
-    }
-
-    /// Indices of the springs of contact `k`.
-    pub(super) fn springs_of(&self, k: usize) -> Range<usize> {
-        let kinds = self.kinds().len();
-        k * kinds..(k + 1) * kinds
+    /// True if contact `k` is old enough to resist rolling and twisting.
+    pub(super) fn resists(&self, k: usize) -> bool {
+        let springs = self.springs_of(k);
+        springs.len() > 1 && self.scratch.sliding[springs.start + 1].phase != Phase::Waiting
     }
 
     pub(super) fn met(&self, k: usize) -> (TouchingPair, Encounter) {
@@ -120,7 +112,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
     /// Adds the springs of a contact at the end.
     pub(super) fn open_springs(&mut self, touch: &TouchingPair, course: &ContactState) {
         let met = touch.couple.meet(self.particles, self.scene, self.moment());
-        let motion = ContactMotion::of(self, touch, &met);
+        let motion = ContactMotion::of(self, touch, &met, true);
         for &kind in self.kinds() {
             let memory = course.resistance.unwrap_or_default();
             let (shear, waits) = match kind {
@@ -180,7 +172,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
             for (index, &kind) in self.springs_of(k).zip(self.kinds()) {
                 if self.scratch.sliding[index].phase == Phase::Waiting {
                     let (touch, met) = self.met(k);
-                    let spring = ContactMotion::of(self, &touch, &met).spring(kind, &touch, &met);
+                    let spring = ContactMotion::of(self, &touch, &met, true).spring(kind, &touch, &met);
                     self.scratch.sliding[index] = self.begin(&spring, &touch, &met, Vector3::zeros());
                 }
             }
@@ -253,7 +245,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         }
         for k in 0..self.scratch.contacts.len() {
             let (touch, met) = self.met(k);
-            let motion = ContactMotion::of(self, &touch, &met);
+            let motion = ContactMotion::of(self, &touch, &met, self.resists(k));
             for (index, &kind) in self.springs_of(k).zip(self.kinds()) {
                 let spring = motion.spring(kind, &touch, &met);
                 let sliding = &mut self.scratch.sliding[index];
@@ -277,19 +269,20 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
     /// Force of a contact at a stage of a step of `dt` [s]; torques go to the turning of its particles, and the rates of
     /// its springs are kept.
     pub(super) fn force_at_stage(&mut self, k: usize, touch: &TouchingPair, met: &Encounter, dt: f64) -> ContactForce {
-        let motion = ContactMotion::of(self, touch, met);
+        let springs = self.springs_of(k);
+        let motion = ContactMotion::of(self, touch, met, self.resists(k));
         let normal = motion.elastic + motion.viscous;
-        let mut friction_power = 0.0;
-        let mut tangential = Vector3::zeros();
+        let slides = motion.spring(SpringKind::Slide, touch, met);
+        let tangential = self.spring_force(springs.start, (touch, met), (&motion, &slides), dt);
+        let mut friction_power = tangential.dot(&slides.velocity);
         let mut couple = Vector3::zeros();
-        for (index, &kind) in self.springs_of(k).zip(self.kinds()) {
-            let spring = motion.spring(kind, touch, met);
-            let force = self.spring_force(index, (touch, met), (&motion, &spring), dt);
-            friction_power += force.dot(&spring.velocity);
-            match kind {
-                SpringKind::Slide => tangential = force,
-                SpringKind::Roll => couple -= met.normal.cross(&force) * motion.rolling_radius(),
-                SpringKind::Twist => couple -= force * motion.rolling_radius(),
+        if motion.rolling.is_some() {
+            for (index, kind) in springs.skip(1).zip([SpringKind::Roll, SpringKind::Twist]) {
+                let spring = motion.spring(kind, touch, met);
+                let force = self.spring_force(index, (touch, met), (&motion, &spring), dt);
+                friction_power += force.dot(&spring.velocity);
+                let turns = if kind == SpringKind::Roll { met.normal.cross(&force) } else { force };
+                couple -= turns * motion.rolling_radius();
             }
         }
         let torque = met.normal.cross(&tangential) * motion.arm;
@@ -316,6 +309,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
     }
 
     /// [N] force of a spring at a stage of a step of `dt` [s], whose rate is kept.
+    #[inline(always)]
     fn spring_force(
         &mut self,
         index: usize,
@@ -477,7 +471,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
                 let due = due.filter(|(of, _)| *of == index).map(|(_, which)| which);
                 let Some(which) = due.or_else(over) else { continue };
                 let (touch, met) = self.met(k);
-                let spring = ContactMotion::of(self, &touch, &met).spring(kind, &touch, &met);
+                let spring = ContactMotion::of(self, &touch, &met, true).spring(kind, &touch, &met);
                 let (phase, vector) = match sliding.phase {
                     Phase::Memoryless | Phase::Waiting => continue,
                     Phase::Stick => {

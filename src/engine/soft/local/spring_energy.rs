@@ -1,10 +1,24 @@
-//! Energy of the springs of an island, and their hand-over to the contacts.
+//! Springs of an island by contact: their indices, their energy, and their hand-over to the contacts.
 
 use super::springs::{ContactMotion, SpringKind};
 use super::{InstantaneousRule, IslandRun};
 use crate::engine::soft::contact::Contact;
+use std::ops::Range;
 
 impl<I: InstantaneousRule> IslandRun<'_, I> {
+    /// Kinds of springs of each contact.
+    #[inline(always)]
+    pub(super) fn kinds(&self) -> &'static [SpringKind] {
+        let resists = self.scene.rotation.as_ref().is_some_and(|rotation| rotation.resists());
+        if resists { &SpringKind::ALL } else { &SpringKind::ALL[..1] }
+    }
+
+    /// Indices of the springs of contact `k`.
+    pub(super) fn springs_of(&self, k: usize) -> Range<usize> {
+        let kinds = self.kinds().len();
+        k * kinds..(k + 1) * kinds
+    }
+
     /// [J] energies of the springs of contact `k`: of the tangential one, and of rolling and twisting.
     fn energies_of(&self, k: usize) -> [f64; 2] {
         let Contact { touch, course, .. } = &self.scratch.contacts[k];
@@ -16,7 +30,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         }
         let (touch, met) = self.met(k);
         let sheared = touch.tangential.at(met.overlap()).energy(shear);
-        let motion = ContactMotion::of(self, &touch, &met);
+        let motion = ContactMotion::of(self, &touch, &met, self.resists(k));
         let resisted = springs.zip(self.kinds()).skip(1).map(|(index, &kind)| {
             motion.spring(kind, &touch, &met).constants.energy(&self.scratch.sliding[index].shear)
         });

@@ -85,12 +85,17 @@ const TOUCHING: f64 = 1e-9;
 const SOON: f64 = 1e-4;
 
 impl ContactMotion {
-    /// Motion of two touching bodies now.
+    /// Motion of two touching bodies now; with rolling and twisting if the contact `resists` these.
     #[inline(always)]
-    pub fn of(run: &IslandRun<'_, impl InstantaneousRule>, touch: &TouchingPair, met: &Encounter) -> Self {
+    pub fn of(
+        run: &IslandRun<'_, impl InstantaneousRule>,
+        touch: &TouchingPair,
+        met: &Encounter,
+        resists: bool,
+    ) -> Self {
         let (surface, arm) = touch.couple.surface_velocity(run.particles, touch.reach, met.gap);
         let (elastic, viscous) = run.engine.law.force(&touch.spring, met.overlap(), met.normal_velocity);
-        let rotation = run.scene.rotation.as_ref().filter(|rotation| rotation.resists());
+        let rotation = run.scene.rotation.as_ref().filter(|rotation| resists && rotation.resists());
         let rolling = rotation.map(|rotation| {
             let (law, couple) = (&run.engine.law, &touch.couple);
             RollingMotion::of(couple, &touch.constants, (law, rotation), met, (run.particles, run.scene))
