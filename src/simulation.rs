@@ -219,7 +219,7 @@ impl Simulation {
     /// [`look`](Self::look) and [`settle`](Self::settle) apply it.
     ///
     /// # Errors
-    /// As for [`run`](Self::run).
+    /// Errors of [`run`](Self::run).
     pub fn run_while(
         &mut self,
         windows: u64,

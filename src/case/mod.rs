@@ -153,7 +153,7 @@ impl Case {
     /// those of the command line. Studies use this function to vary a case.
     ///
     /// # Errors
-    /// As for [`experiment`](Self::experiment).
+    /// Errors of [`experiment`](Self::experiment).
     pub fn changed(&self, more: &[String], model: Option<Model>, seed: Option<u64>) -> Result<Checked, Diagnostic> {
         let mut sources = self.sources.clone();
         let more: Vec<Setting> = more.iter().map(|set| argument(set, &mut sources)).collect::<Result<_, _>>()?;
@@ -166,7 +166,7 @@ impl Case {
     /// list. `seed` replaces that of the case.
     ///
     /// # Errors
-    /// As for [`experiment`](Self::experiment), for any variant. Also an error if two variants have one name.
+    /// Errors of [`experiment`](Self::experiment), for any variant. Also an error if two variants have one name.
     pub fn variants(&self, seed: Option<u64>) -> Result<Vec<Checked>, Diagnostic> {
         self.variants_with(&self.sets.iter().collect::<Vec<_>>(), seed)
     }

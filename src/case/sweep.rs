@@ -115,7 +115,7 @@ impl Case {
     /// replaces that of the case.
     ///
     /// # Errors
-    /// As for [`variants`](Self::variants).
+    /// Errors of [`variants`](Self::variants).
     pub fn point(&self, axes: &[SweepAxis], at: &[usize], seed: Option<u64>) -> Result<Vec<Checked>, Diagnostic> {
         let point = axes.iter().zip(at).filter_map(|(axis, &value)| axis.settings.get(value));
         self.variants_with(&self.sets.iter().chain(point).collect::<Vec<_>>(), seed)

@@ -48,7 +48,7 @@ fn program() -> String {
 /// Bytes of a checkpoint file with the data of `value`.
 ///
 /// # Errors
-/// As for [`Stored::of`].
+/// Errors of [`Stored::of`].
 pub fn seal<T: Serialize>(value: &T) -> Result<Vec<u8>, StoreError> {
     let mut bytes = [MAGIC, program().as_bytes(), b"\n"].concat();
     bytes.extend_from_slice(Stored::of(value)?.as_bytes());

@@ -245,7 +245,7 @@ impl Pause {
     /// Resumes the run with `fresh`, a simulation of the start of the experiment.
     ///
     /// # Errors
-    /// As for [`resume`](Self::resume).
+    /// Errors of [`resume`](Self::resume).
     pub fn resume_as(
         self,
         fresh: Simulation,

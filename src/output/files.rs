@@ -127,7 +127,7 @@ impl Folder {
     /// complete.
     ///
     /// # Errors
-    /// As for [`create`](Self::create).
+    /// Errors of [`create`](Self::create).
     pub fn resume(path: impl Into<PathBuf>) -> Result<Self, OutputError> {
         let folder = Self::open(path.into(), Owner::Resumer)?;
         // temporary files left by a run that was killed
@@ -193,7 +193,7 @@ impl Folder {
     /// Writes one file from several parts in memory, in the same way as [`write`](Self::write).
     ///
     /// # Errors
-    /// As for [`write`](Self::write).
+    /// Errors of [`write`](Self::write).
     pub fn write_parts(&self, name: &str, parts: &[impl AsRef<[u8]>]) -> Result<PathBuf, OutputError> {
         let target = self.path.join(name);
         let aside = aside(&target, parts)?;

@@ -41,7 +41,7 @@ impl Start {
     /// Makes the complete start of an experiment; it depends only on the experiment and its seed.
     ///
     /// # Errors
-    /// As for [`initial_state`].
+    /// Errors of [`initial_state`].
     pub fn whole(experiment: &Experiment) -> Result<Self, Crowded> {
         initial_state(experiment).map(Self::from)
     }
@@ -50,7 +50,7 @@ impl Start {
     /// complete start. All processes must call this function.
     ///
     /// # Errors
-    /// As for [`initial_state`]; either all processes return an error or none does.
+    /// Errors of [`initial_state`]; either all processes return an error or none does.
     pub fn part(experiment: &Experiment, communicator: &dyn Communicator) -> Result<Self, Crowded> {
         if !comes_in_parts(experiment) {
             return Self::whole(experiment);

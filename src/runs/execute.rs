@@ -56,7 +56,7 @@ pub fn execute_with_checkpoints(
 /// is returned if it is requested; otherwise the returned state has no particles.
 ///
 /// # Errors
-/// As for [`execute_with_checkpoints`].
+/// Errors of [`execute_with_checkpoints`].
 pub fn execute_together(
     run: &ResumableRun,
     others: &mut [&mut dyn Observer],

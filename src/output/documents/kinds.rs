@@ -56,7 +56,7 @@ pub fn blocks(outcomes: &[Outcome]) -> Vec<Block> {
 /// Contents of `species.csv` and `meetings.csv`, only for mixtures.
 ///
 /// # Errors
-/// As for [`csv::species`].
+/// Errors of [`csv::species`].
 pub fn tables(outcomes: &[Outcome]) -> Result<Vec<(String, Vec<u8>)>, OutputError> {
     if outcomes.iter().all(|outcome| outcome.kinds.species.is_empty()) {
         return Ok(Vec::new());

@@ -50,7 +50,7 @@ pub fn write_study(folder: &Folder, study: &Study) -> Result<PathBuf, OutputErro
 /// report.
 ///
 /// # Errors
-/// As for [`write_study`].
+/// Errors of [`write_study`].
 pub fn write_part(folder: &Folder, study: &Study) -> Result<PathBuf, OutputError> {
     document(study)?.write_part(folder)
 }

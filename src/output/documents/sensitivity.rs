@@ -26,7 +26,7 @@ pub fn write_sensitivity(folder: &Folder, study: &SensitivityStudy) -> Result<Pa
 /// Writes the present results of an unfinished study: all files except `summary.json`. Returns the path of the page.
 ///
 /// # Errors
-/// As for [`write_sensitivity`].
+/// Errors of [`write_sensitivity`].
 pub fn write_sensitivity_part(folder: &Folder, study: &SensitivityStudy) -> Result<PathBuf, OutputError> {
     document(study)?.write_part(folder)
 }
