@@ -246,3 +246,29 @@ fn pressed_and_rolling(stepping: SoftStepping, steps: f64) -> f64 {
     assert!((spins[0].x - 900.0).abs() > 0.1, "nothing resisted");
     simulation.record.ledger.residual(energy, simulation.energy()) / energy
 }
+
+/// Spheres that roll and twist on a floor go on with the same bits from a snapshot.
+#[test]
+fn resistance_is_remembered_by_snapshots() {
+    for stepping in STEPPINGS {
+        let mut scene = empty([3e-3; 3], [true, false, true], small(), surface(0.3, 0.4));
+        scene.walls = vec![plane([0.0; 3], [0.0, 1.0, 0.0], surface(0.3, 0.3))];
+        scene.gravity = Vector3::new(400.0, -8000.0, 0.0);
+        let mut settling = experiment(scene, 3, [0.0; 3], 0.5, Model::Soft, 4);
+        let rolling = Some(RollingLaw::Spring { friction: 0.3, stiffness: None, damping: 0.3 });
+        let twisting = Some(TwistingLaw { damping: 0.1 });
+        settling.scene.rotation = Some(Rotation { rolling, twisting, ..Rotation::new(W3.tangential(), W3.walton()) });
+        settling.start[0].spin_fluctuation = 2000.0;
+        settling.soft.stepping = stepping;
+        let begin = || Simulation::new(&settling, initial_state(&settling).unwrap());
+        let mut whole = begin();
+        whole.run_while(20, 1e-4, &mut |_, _| true).unwrap();
+        let mut first = begin();
+        first.run_while(20, 1e-4, &mut |_, done| done < 15).unwrap();
+        assert!(!first.contacts().is_empty(), "{stepping:?}: nothing lies on the floor");
+        let stored = first.snapshot().unwrap();
+        let mut second = Simulation::restore(&settling, stored).unwrap();
+        second.run_while(5, 1e-4, &mut |_, _| true).unwrap();
+        assert_eq!(whole.state(), second.state(), "{stepping:?}");
+    }
+}
