@@ -1,16 +1,17 @@
-//! Event queue of an island (a group of particles that may meet). It contains the next touch of each slot of the
-//! neighbour list: of a pair, or of a particle and a wall.
+//! Event queue of an island (a group of particles that may meet). It contains the next touch of each candidate of the
+//! neighbour list: a pair, or a particle and a wall. The number of a candidate in the list is called its slot. A window
+//! is the time between two exchanges of momentum with the gas.
 
 use ordered_float::OrderedFloat;
 use priority_queue::PriorityQueue;
 use rustc_hash::FxBuildHasher;
 use std::cmp::Reverse;
 
-/// Time of a touch [s since the start of the window] and its slot. At equal times the slot decides the order, so that
-/// runs are reproducible.
+/// Time of a touch [s since the start of the time window], and the slot (number in the neighbour list) of the two
+/// bodies. Of events at equal times, the one with the lower slot comes first, so that runs are reproducible.
 type DueEvent = Reverse<(OrderedFloat<f64>, u32)>;
 
-/// Event queue with at most one event per slot; each event is up to date.
+/// Event queue of an island, with at most one event per slot. Outdated events are replaced at once.
 #[derive(Clone, Default)]
 pub struct Calendar {
     queue: PriorityQueue<u32, DueEvent, FxBuildHasher>,
@@ -22,7 +23,8 @@ impl Calendar {
         self.queue.clear();
     }
 
-    /// Sets the next touch of slot `slot` to `time` [s]; `None` if the slot has no touch within the window.
+    /// Sets the time of the next touch of the two bodies at `slot` to `time` [s since the start of the time window].
+    /// With `None` they have no touch within the window.
     pub fn set(&mut self, slot: u32, time: Option<f64>) {
         match time {
             Some(time) => {
@@ -34,7 +36,7 @@ impl Calendar {
         }
     }
 
-    /// Removes the earliest event, and returns its slot and time.
+    /// Removes the earliest event, and returns its slot and its time [s since the start of the time window].
     pub fn pop(&mut self) -> Option<(u32, f64)> {
         self.queue.pop().map(|(slot, Reverse((time, _)))| (slot, time.0))
     }

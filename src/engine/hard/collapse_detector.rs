@@ -1,4 +1,5 @@
-//! Collision history of each particle, by which inelastic collapse is detected: impacts without end in finite time.
+//! Collision history of each particle, by which inelastic collapse is detected. In an inelastic collapse a particle has
+//! infinitely many impacts in finite time.
 
 use super::impulse::Collision;
 use crate::encounter::Partner;
@@ -7,30 +8,35 @@ use crate::scene::Scene;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Number of successive impacts of one particle, each after an unresolvably short flight, that counts as a collapse. A
-/// chain of n touching spheres passes on a blow in fewer than n²/2 collisions, so scenes without collapse have fewer.
+/// Number of successive impacts of one particle, each after an unresolvably short flight, that counts as an inelastic
+/// collapse. A chain of n touching spheres transmits a blow in fewer than n²/2 collisions, so scenes without collapse
+/// have fewer.
 const COLLAPSE_STREAK: u8 = 200;
 
-/// Length of a flight over that of the box below which the flight is unresolvably short. Coordinates are rounded to
-/// 2e-16 of the box at every collision. After a shorter flight, rounding determines which body a sphere meets next.
+/// [-] length of a flight over the edge of the box, below which the flight is unresolvably short. Coordinates are
+/// rounded to 2e-16 of the box at every collision. After a shorter flight, rounding determines which body a sphere
+/// meets next.
 const COLLAPSE_FLIGHT: f64 = 64.0 * f64::EPSILON;
 
 /// Number of successive flights, each shorter than the one before, after which an unresolvably short flight is a
-/// collapse (the end of a Zeno series). The relative speeds of a collapsing group fall below rounding within some dozen
-/// impacts. Then impacts stop, and [`COLLAPSE_STREAK`] would not be reached. By chance, three flights become shorter in
-/// a row in one of six cases. A chance flight is shorter than 10⁻¹⁴ of the box with a probability of about 10⁻¹⁴.
+/// collapse (the end of a Zeno series: infinitely many impacts in finite time). The relative speeds of a collapsing
+/// group fall below rounding within some dozen impacts. Then the group has no more impacts, so the limit
+/// [`COLLAPSE_STREAK`] would not be reached. By chance, three flights become shorter in a row in one of six cases. A
+/// chance flight is shorter than 10⁻¹⁴ of the box with a probability of about 10⁻¹⁴.
 const ZENO_FLIGHTS: u8 = 3;
 
-/// Number of impacts of one particle within one window that counts as a collapse, however far apart in time. It is not
-/// used with a contact time, since spheres at rest then collide about once per contact time, without end.
+/// Number of impacts of one particle within one time window that counts as a collapse, however long the times between
+/// the impacts. The limit does not apply with a contact time, since spheres at rest then collide about once per contact
+/// time, without end.
 const COLLAPSE_IMPACTS: u32 = 1_000_000;
 
-/// Time of the last collision of a particle, which the TC model requires from one window to the next.
+/// Time of the last collision of a particle. The TC model (elastic collisions within a contact time) requires it in the
+/// next time window.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Recent {
     /// Index of the particle in the store.
     pub place: u32,
-    /// Simulated time [s] of its last collision.
+    /// Simulated time [s] of the particle's last collision.
     pub time: f64,
 }
 
@@ -39,11 +45,13 @@ pub struct Recent {
 pub struct LastCollision {
     /// Number of impacts since the count was last cleared.
     pub impacts: u32,
-    /// Number of successive impacts after unresolvably short flights, across windows.
+    /// Number of successive impacts after unresolvably short flights, counted across windows; another impact resets it
+    /// to 0.
     streak: u8,
-    /// Number of successive impacts, each after a shorter flight than the one before, across windows; at most 255.
+    /// Number of successive impacts, each after a shorter flight than the one before, counted across windows; at most
+    /// 255.
     shrinking: u8,
-    /// Length of the last flight [m]: time since the impact before, times the speed of approach.
+    /// Length of the last flight [m]: time since the previous impact, times the speed of approach.
     flown: f64,
     /// Simulated time [s] of the last collision.
     pub last: f64,
@@ -61,8 +69,8 @@ impl LastCollision {
         Self { last, ..Self::default() }
     }
 
-    /// Records a collision at simulated time `time` [s]. If it shows a collapse, returns the time [s] since the
-    /// previous one.
+    /// Records a collision at simulated time `time` [s]. If the collision shows an inelastic collapse, returns the time
+    /// [s] since the previous collision of the particle.
     pub fn note(&mut self, collision: &Collision, scene: &Scene, time: f64, contact_time: Option<f64>) -> Option<f64> {
         let interval = time - self.last;
         let flown = collision.approach().abs() * interval;
@@ -78,8 +86,8 @@ impl LastCollision {
     }
 }
 
-/// Speed [m/s] of sliding along a curved wall that a particle hits at ever smaller angles. Such impacts accumulate
-/// although no particle comes to rest. `None` for other collisions.
+/// Speed [m/s] at which a particle slides along a curved wall. The particle hits the wall at ever smaller angles, so
+/// impacts accumulate although no particle comes to rest. `None` for other collisions.
 pub fn sliding(collision: &Collision, scene: &Scene) -> Option<f64> {
     /// [-] ratio of slip to speed of approach above which the particle slides.
     const FLAT: f64 = 1e3;
@@ -88,7 +96,7 @@ pub fn sliding(collision: &Collision, scene: &Scene) -> Option<f64> {
     (is_curved && slip > FLAT * collision.approach().abs()).then_some(slip)
 }
 
-/// Data that describe the collapse of a particle.
+/// Data that describe the inelastic collapse of a particle, for the error message.
 #[derive(Clone, Copy, Debug)]
 pub struct Collapsed {
     /// Number of impacts of the particle since the count was last cleared.
@@ -102,8 +110,8 @@ pub struct Collapsed {
 }
 
 impl Collapsed {
-    /// Makes the failure at simulated time `time` [s] from the particle's id, its collision partner, and its position
-    /// [m].
+    /// Makes the error at simulated time `time` [s] from the particle's id, its collision partner, and its position
+    /// `place` [m].
     pub fn failure(&self, time: f64, (particle, partner): (u32, Partner), place: Vector3<f64>) -> Failure {
         let Self { impacts, interval, contact_time, sliding } = *self;
         let (impacts, [x, y, z]) = (u64::from(impacts), place.into());
@@ -111,14 +119,15 @@ impl Collapsed {
     }
 }
 
-/// Normal speed [m/s] away from the wall that is given to a particle at rest on it, with a contact time t_c. A particle
-/// is at rest if gravity presses it to the wall, and it would rise by less than can be resolved. Otherwise `None`.
+/// Normal speed [m/s] away from the wall that is given to a particle at rest on the wall, in the TC model with the
+/// contact time t_c. A particle is at rest if gravity presses it to the wall, and if the particle would rise by less
+/// than can be resolved. `None` for other particles, and without t_c.
 ///
-/// Without t_c the particle would collide infinitely often in no time. A contact of finite duration carries the weight
-/// during its contact time. Here the particle rebounds at a_n t_c/4, with a_n the acceleration into the wall, and
-/// returns after t_c/2. This is sooner than t_c, so the collision is always elastic. The particle rises by a_n t_c²/32.
-/// A spring with this contact time (k = m π²/t_c²) would be compressed by a_n t_c²/π² under the weight, three times as
-/// much.
+/// Without t_c the particle would have infinitely many collisions in finite time. In reality a contact of finite
+/// duration carries the weight during its contact time. Here the particle rebounds at a_n t_c/4, with a_n the
+/// acceleration into the wall, and returns after t_c/2. This time is shorter than t_c, so the collision is always
+/// elastic. The particle rises by a_n t_c²/32. The weight would compress a spring with this contact time (k = m
+/// π²/t_c²) by a_n t_c²/π², about three times as far.
 pub fn rests(collision: &Collision, scene: &Scene, contact_time: Option<f64>) -> Option<f64> {
     if !collision.couple.is_wall() {
         return None;
@@ -130,8 +139,8 @@ pub fn rests(collision: &Collision, scene: &Scene, contact_time: Option<f64>) ->
     (approach * approach <= rise && speed > approach).then_some(speed)
 }
 
-/// Recent collisions: particles that collided less than the contact time before `now` [s]. Empty without a contact
-/// time.
+/// Recent collisions, with the index of each particle that collided less than the contact time before `now` [s]. Empty
+/// without a contact time.
 pub fn recent<'a>(
     met: impl Iterator<Item = &'a LastCollision>,
     contact_time: Option<f64>,

@@ -7,29 +7,32 @@ use crate::engine::population::PopulationSummary;
 use crate::scene::Scene;
 use std::f64::consts::{PI, SQRT_2};
 
-/// [ns] cost of predicting one touch and inserting it into the queue. Measured once, on one quiet core, with 1000
-/// spheres of two sizes: 55 ns, which included building the neighbour list. Here building is counted separately.
+/// [ns] cost of predicting one touch and inserting it into the queue. Measured on one quiet core with 1000 spheres of
+/// two sizes: 55 ns, which includes building the neighbour list. The cost of building is counted separately.
 const TOUCH: f64 = 40.0;
 
-/// [ns] cost per particle of building the neighbour list: cells, order and walls. It equals that of the search for
+/// [ns] cost per particle of building the neighbour list: cells, order and walls. It equals the cost of the search for
 /// islands, which does the same work.
 const BUILD: f64 = 90.0;
 
-/// [ns] cost of checking one pair while the list is built: as in the search for islands, but in double precision.
+/// [ns] cost of checking one pair while the list is built. The check is that of the search for islands, but in double
+/// precision.
 const PAIR: f64 = 3.0;
 
-/// Volume fraction above which the persistent event queue costs less than islands. Measured with 10⁴ elastic spheres in
-/// a periodic box on one thread, as collisions per second relative to islands: 0.8 at a volume fraction of 0.05, 1.1 at
-/// 0.1, 1.7 at 0.2, 2.3 at 0.3. Islands gain from more threads, the queue does not.
+/// [-] volume fraction above which the persistent event queue costs less than islands. Measured with 10⁴ elastic
+/// spheres in a periodic box on one thread, as collisions per second of wall-clock time relative to islands. The ratios
+/// are 0.8 at a volume fraction of 0.05, 1.1 at 0.1, 1.7 at 0.2, and 2.3 at 0.3. Islands become faster with more
+/// threads, the queue does not.
 const DENSE: f64 = 0.2;
 
-/// Largest cost at which islands are used in this window, per particle and simulated time [ns/s]; with `None` islands
-/// are not tried.
+/// Largest cost at which islands are used in this time window, per particle and simulated time [ns/s]; with `None`
+/// islands are not tried.
 ///
 /// Without drag the event queue persists from window to window, and is used for dense systems. Drag changes velocities
-/// in every window, so that all events must be predicted again. For mixtures the costs are compared, because the
-/// islands of the largest spheres are the first to unite. Spheres of one size do not require this. In the cases of this
-/// project islands cost between 70 % (dense gas, volume fraction 0.3) and 1 % of an event queue that is rebuilt.
+/// in every window, so that all events must be predicted again. For mixtures of sizes the costs of islands and queue
+/// are compared, because the islands of the largest spheres are the first to unite. For spheres of one size the limit
+/// is infinite: in the cases of this project islands cost between 70 % (dense gas, volume fraction 0.3) and 1 % of an
+/// event queue that is rebuilt.
 pub fn fallback_cost(
     population: &PopulationSummary,
     speeds: &SpeedSummary,
@@ -42,13 +45,13 @@ pub fn fallback_cost(
     Some(if population.mixed { one_calendar(population, speeds, window) } else { f64::INFINITY })
 }
 
-/// True if an event queue remains valid after its window. With drag, which kicks all particles at the end of each
-/// window, it does not.
+/// True if an event queue remains valid after its time window. With drag the queue becomes invalid, because drag
+/// changes the velocities of all particles at the end of each window.
 pub fn lasts(scene: &Scene) -> bool {
     scene.fluid.as_ref().is_none_or(|fluid| fluid.drag.is_none())
 }
 
-/// Cost of one event queue for all particles, per particle and simulated time [ns/s].
+/// Cost of moving all particles by one event queue, per particle and simulated time [ns/s].
 ///
 /// Every touch on the neighbour list is predicted at the start of a window, and the touches of both partners are
 /// predicted again after a collision. The list is rebuilt whenever the fastest particle has moved half the skin. The

@@ -1,4 +1,6 @@
-//! Event loop of an island (a group of particles that may meet): collisions in the order of their exact times.
+//! Event loop of an island (a group of particles that may meet): collisions in the order of their exact times. A window
+//! is the time between two exchanges of momentum with the gas, and a slot is the number of a candidate in the neighbour
+//! list.
 
 use super::calendar::Calendar;
 use super::collapse_detector::{Collapsed, LastCollision, Recent, recent, rests, sliding};
@@ -13,51 +15,52 @@ use crate::scene::Scene;
 use crate::walls::Touch;
 use nalgebra::Vector3;
 
-/// A straight flight after an impulse has changed the velocity of a particle.
+/// A straight flight of a particle that begins with an impulse.
 #[derive(Clone, Copy, Debug)]
 pub struct DeflectedFlight {
     /// Index of the particle that flies.
     pub place: u32,
-    /// Time of the impulse [s] since the start of the window.
+    /// Time of the impulse [s since the start of the window], at which the flight begins.
     pub time: f64,
-    /// Position [m] at the start of the window from which this flight, extended backwards, would have begun.
+    /// Position [m] of the flight's straight line, extended backwards, at the start of the window.
     pub origin: Vector3<f64>,
     /// Velocity [m/s] of the particle after the impulse.
     pub velocity: Vector3<f64>,
 }
 
-/// The first part of a window, in which events are processed.
+/// The beginning of a window, up to a time at which the event loop stops.
 #[derive(Clone, Copy)]
 pub struct WindowPart {
-    /// The whole window, of which the part is the beginning.
+    /// The whole window.
     pub window: Window,
-    /// Length of the part [s].
+    /// Length of the part [s]: its end, counted from the start of the window.
     pub end: f64,
 }
 
-/// Events among the candidates of an island's neighbour list: pairs, and particles and walls.
+/// Event loop over the candidates of an island's neighbour list: pairs, and particles with walls.
 ///
 /// A stored position is the origin of the straight flight, extended back to the start of the window. So
 /// `x(t) = origin + v t` for every particle, whatever its collisions. No particle requires a separate time, and a
-/// collision changes only its partners.
+/// collision changes only the data of its two partners.
 #[derive(Clone, Default)]
 pub struct EventLoop {
-    /// The candidate pairs and walls. After a change of the list, [`adopt`](Self::adopt) must be called.
+    /// The candidate pairs and walls. After a change of this list, [`adopt`](Self::adopt) must be called.
     pub list: NeighbourList,
     /// Number of impulses applied so far.
     pub events: u64,
     /// Number of touch times computed so far.
     pub pair_checks: u64,
-    /// Event queue, filled again in every part of a window.
+    /// Event queue, filled again at the beginning of every run.
     calendar: Calendar,
-    /// Slots of each particle i: `adjacent[first[i] .. first[i + 1]]`.
+    /// Slots of each particle i in the neighbour list: `adjacent[first[i] .. first[i + 1]]`.
     first: Vec<u32>,
     adjacent: Vec<u32>,
     /// Next free entry of each particle while slots are filled in, stored here so that its memory is used again.
     next: Vec<u32>,
-    /// For each slot of a wall, the part of the wall that is touched next.
+    /// For each slot of a particle and a wall, the number of the surface feature (such as a triangle) that is touched
+    /// next.
     places: Vec<u32>,
-    /// Flights that began in the last run, in the order of time.
+    /// Flights that began with a collision in the last run, in the order of time.
     pub turned: Vec<DeflectedFlight>,
     /// Collision history of each particle.
     met: Vec<LastCollision>,
@@ -66,8 +69,8 @@ pub struct EventLoop {
 }
 
 impl EventLoop {
-    /// Prepares for new candidates among `particles` particles. Only the particles in `recently` have a collision
-    /// history.
+    /// Prepares the event loop for a new neighbour list of `particles` particles. Particles that are not in `recently`
+    /// have no collision history.
     pub fn adopt(&mut self, particles: usize, recently: &[Recent]) {
         self.met.clear();
         self.met.resize(particles, LastCollision::default());
@@ -77,8 +80,8 @@ impl EventLoop {
         self.connect(particles);
     }
 
-    /// Recent collisions of the first `particles` particles: those less than the contact time before `now` [s]. Empty
-    /// without a contact time.
+    /// Recent collisions of the first `particles` particles: those less than the contact time before simulated time
+    /// `now` [s]. Empty without a contact time.
     pub fn recent(&self, particles: usize, now: f64) -> impl Iterator<Item = Recent> {
         recent(self.met.iter().take(particles), self.contact_time, now)
     }
@@ -110,8 +113,9 @@ impl EventLoop {
         }
     }
 
-    /// Processes all events of a part of a window. It stops early if a particle is faster than `bounds` allow, or if a
-    /// collapse is detected. Returns the time reached, and the index of the particle that was too fast.
+    /// Processes all events of a part of a window. The loop stops early if a particle is faster than `bounds` allow, or
+    /// if a collapse is detected. Returns the time reached [s since the start of the window], and the index of the
+    /// particle that was too fast.
     pub fn run(
         &mut self,
         particles: &mut Particles,
@@ -160,13 +164,13 @@ impl EventLoop {
         (end, Ok(None))
     }
 
-    /// Part of the wall that the next touch of a slot concerns.
+    /// Number of the surface feature of the wall at which the next touch of a slot occurs; 0 for a pair.
     fn place(&self, slot: usize) -> u32 {
         let near = slot.checked_sub(self.list.pairs.len());
         near.and_then(|near| self.places.get(near)).copied().unwrap_or_default()
     }
 
-    /// Stores the next touch of a slot; its time is in s since the start of the window.
+    /// Stores the next touch of the two bodies at a slot; the time of the touch is in s since the start of the window.
     fn predict_events(&mut self, slot: usize, touch: Option<Touch>) {
         if let (Some(near), Some(touch)) = (slot.checked_sub(self.list.pairs.len()), touch) {
             self.places[near] = touch.place;
@@ -174,7 +178,8 @@ impl EventLoop {
         self.calendar.set(slot as u32, touch.map(|touch| touch.time));
     }
 
-    /// Next touch of a slot, at `now` or later and before `end`; times are in s since the start of the window.
+    /// Next touch of the two bodies at a slot, at `now` or later and before `end`; all times are in s since the start
+    /// of the window.
     fn touch(&self, slot: usize, particles: &Particles, scene: &Scene, now: f64, end: f64) -> Option<Touch> {
         let couple = self.list.couple(slot);
         let touch = couple.touch(particles, scene, FrameTime::ahead(now), end - now);
@@ -182,7 +187,7 @@ impl EventLoop {
         touch.filter(|touch| couple.is_wall() || touch.time < end)
     }
 
-    /// Fills the event queue for the part [0, end) of the window.
+    /// Fills the event queue with the touches between the start of the window and the time `end` [s].
     fn predict_all(&mut self, particles: &Particles, scene: &Scene, end: f64) {
         self.calendar.clear();
         self.places.clear();
@@ -213,7 +218,7 @@ impl EventLoop {
         couple.places().into_iter().flatten().any(|place| time - last(place) < contact_time)
     }
 
-    /// Records the impacts of both partners, and detects inelastic collapse.
+    /// Records a collision in the histories of both partners. Returns an error if it shows inelastic collapse.
     fn watch(
         &mut self,
         collision: &Collision,

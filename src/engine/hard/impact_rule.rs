@@ -1,4 +1,4 @@
-//! Impulse of a collision of spheres that rotate.
+//! Impulse of a collision of spheres that rotate. The impulse is the change of momentum.
 
 use super::impulse::Collision;
 use crate::particles::Particles;
@@ -6,19 +6,19 @@ use crate::rotation::{ObliqueApproach, Rotation, slip, tangential_mass};
 use crate::scene::Surface;
 use nalgebra::Vector3;
 
-/// Impulse of a collision of bodies that rotate, and the energy lost by friction.
+/// Impulse of a collision of rotating bodies, and the energy lost by friction.
 #[derive(Clone, Copy, Debug)]
 pub struct RoughImpulse {
     /// [kg m/s] impulse on particle `i`.
     pub impulse: Vector3<f64>,
-    /// [J] energy that friction takes from the two bodies.
+    /// [J] kinetic energy of the two bodies that is lost by friction.
     pub friction_loss: f64,
 }
 
 impl Collision {
-    /// Computes the impulse by the rule of a scene whose spheres rotate, and changes the spins of both. The impulse is
-    /// J_n = (1+e) M u_n along the normal, and J_t by the impact rule against the slip. The torque impulse on either
-    /// body is l n × J_t (docs/rotation.md). `normal_impulse` is J_n [kg m/s].
+    /// Computes the impulse on particle `i`, and changes the spins of both bodies. The normal part is J_n = (1+e) M
+    /// u_n. The tangential part J_t acts against the slip and follows from the impact rule of the scene. The torque
+    /// impulse on either body is l n × J_t, with l its lever arm (docs/rotation.md). `normal_impulse` is J_n [kg m/s].
     pub fn rough_impulse(
         &self,
         rotation: &Rotation,

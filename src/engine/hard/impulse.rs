@@ -7,11 +7,11 @@ use crate::scene::{Kind, Scene, Surface};
 use nalgebra::Vector3;
 
 /// Impulse on body i [kg m/s] from a body j that it approaches, without rotation. The normal part is J_n = (1+e) M
-/// |u_n|. The tangential part against the slip is J_t = min(μ J_n, M |u_t|) (Eq. 4 of the paper and the Coulomb law
-/// below it).
+/// |u_n|. The tangential part acts against the slip, with the magnitude J_t = min(μ J_n, M |u_t|). These are Eq. 4 of
+/// the paper and the Coulomb law below it.
 ///
-/// `velocity` is u_i - u_j [m/s], and `normal` points from j to i. `effective_mass` is M [kg]; for a wall it is the
-/// mass of the particle.
+/// `velocity` is the relative velocity u = u_i - u_j [m/s], and the unit vector `normal` points from j to i.
+/// `effective_mass` is M [kg]; for a wall it is the mass of the particle.
 pub fn impulse(surface: &Surface, effective_mass: f64, velocity: &Vector3<f64>, normal: &Vector3<f64>) -> Vector3<f64> {
     let normal_velocity = velocity.dot(normal);
     let along = -(1.0 + surface.restitution) * effective_mass * normal_velocity;
@@ -30,18 +30,18 @@ pub fn impulse(surface: &Surface, effective_mass: f64, velocity: &Vector3<f64>, 
 pub struct Collision {
     /// The two bodies that collide: a pair of particles, or a particle and a wall.
     pub couple: Couple,
-    /// Relative position and velocity of the two bodies. A small overlap may result from rounding, a larger one from
-    /// the finite step of the stepped engine.
+    /// Relative position and velocity of the two bodies. A small overlap may result from rounding. In the engine with
+    /// time steps, a larger overlap results from the finite step.
     pub met: Encounter,
     /// True if the collision loses no energy along the normal, whatever the surfaces. The TC model (Luding and McNamara
     /// 1998, Granular Matter 1, 113) makes a collision elastic if one of the partners collided less than the contact
     /// time before.
     pub elastic: bool,
-    /// Species of particle `i` and kind of the other body.
+    /// Species of particle `i`, and kind (species or wall) of the other body.
     pub kinds: (u16, Kind),
 }
 
-/// Properties of two bodies, other than their motion, on which their collision depends.
+/// Masses and lengths of two bodies that are required for their collision.
 #[derive(Clone, Copy, Debug)]
 pub struct CollisionMasses {
     /// Mass [kg] of particle `i`.
@@ -83,8 +83,8 @@ impl Collision {
         !self.elastic && scene.surface(self.kinds.0, self.kinds.1).restitution < 1.0
     }
 
-    /// Applies the impulse to the velocities and spins of `particles`, and records it; `remaining` [s] of the window
-    /// are left. Returns the velocity changes [m/s] of `i` and of the other particle (zero for a wall).
+    /// Applies the impulse to the velocities and spins of `particles`, and records it. `remaining` [s] is the rest of
+    /// the time window. Returns the velocity changes [m/s] of `i` and of the other particle (zero for a wall).
     pub fn resolve(
         &self,
         particles: &mut Particles,
@@ -102,7 +102,8 @@ impl Collision {
     }
 
     /// Records the impulse, and returns the velocity changes [m/s] of `i` and of the other particle (zero for a wall).
-    /// If spheres rotate, it changes the spins of `particles`. `remaining` [s] of the window are left.
+    /// If spheres rotate, the function changes the spins in `particles`. `remaining` [s] is the rest of the time
+    /// window.
     pub fn apply_impulse(
         &self,
         weights: &CollisionMasses,
@@ -167,16 +168,16 @@ impl Collision {
                 ledger.wall_work += self.couple.driven(&impulse, scene);
                 ledger.wall_impulse += impulse;
                 ledger.wall_normal_impulse += impulse.dot(&normal);
-                // for the rest of the window, gravity does work on the momentum that the wall gave
+                // gravity does work on the momentum from the wall during the rest of the window
                 ledger.gravity_work += scene.gravity.dot(&impulse) * remaining;
                 (change_i, Vector3::zeros())
             }
         }
     }
 
-    /// Velocity change [m/s] that gives a particle of `mass` [kg], which rests on a wall, the normal speed `speed`
-    /// [m/s] away from the wall. The energy is recorded as a negative loss. No impact is recorded, since the particle
-    /// does not approach the wall. `remaining` [s] of the window are left.
+    /// Velocity change [m/s] of a particle of `mass` [kg] that rests on a wall. Afterwards the particle has the normal
+    /// speed `speed` [m/s] away from the wall. The energy given to it is recorded as a negative loss. No impact is
+    /// recorded, since the particle does not approach the wall. `remaining` [s] is the rest of the time window.
     pub fn hold_at_rest(&self, speed: f64, mass: f64, scene: &Scene, remaining: f64, log: &mut Log) -> Vector3<f64> {
         let before = self.met.normal_velocity;
         let change = self.met.normal * (speed - before);
@@ -185,7 +186,7 @@ impl Collision {
         ledger.wall_restitution_loss -= 0.5 * mass * (speed * speed - before * before);
         ledger.wall_impulse += impulse;
         ledger.wall_normal_impulse += impulse.dot(&self.met.normal);
-        // gravity work, as after an impact
+        // work of gravity on this momentum during the rest of the window, as after an impact
         ledger.gravity_work += scene.gravity.dot(&impulse) * remaining;
         change
     }

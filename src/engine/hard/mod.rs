@@ -25,18 +25,19 @@ use global_calendar::GlobalCalendar;
 use islands::HardIslands;
 use serde::{Deserialize, Serialize};
 
-/// Event-driven hard spheres: within a window, collisions are processed in the order of their exact times.
+/// Event-driven hard spheres: collisions are processed in the order of their exact times.
 ///
-/// If few particles collide within a window, each island has a separate small event queue. If most collide, one event
-/// queue serves all particles. Both methods give equal collisions.
+/// A window is the time between two exchanges of momentum with the gas. If few particles collide within a window, each
+/// island (group of particles that may meet) has a separate small event queue. If most collide, one event queue serves
+/// all particles. Both methods give equal collisions.
 pub type Hard = Driver<HardSolver>;
 
-/// Method by which the particles are moved through windows.
+/// Method by which the engine moves the particles through windows.
 #[derive(Clone, Copy, PartialEq)]
 enum WindowMethod {
-    /// The method with the lower estimated cost.
+    /// In each window, the method with the lower estimated cost.
     Cheaper,
-    /// Solving islands whenever this is possible.
+    /// Islands (groups of particles that may meet) whenever this is possible.
     Islands,
     /// One event queue for all particles in every window.
     OneCalendar,
@@ -50,24 +51,24 @@ pub struct HardSolver {
     memory: Memory,
 }
 
-/// Memory for the choice between islands and the global event queue.
+/// Data on earlier windows, from which the engine chooses between islands and the global event queue.
 #[derive(Clone, Copy, Default, Serialize, Deserialize)]
 struct Memory {
-    /// True if islands have moved the particles, or tried to, since the global queue was last used: its data are then
-    /// outdated.
+    /// True if islands have moved the particles, or a trial of islands has failed, since the global queue was last
+    /// used. The data of the queue are then outdated.
     outdated: bool,
-    /// Number of windows in which only the global queue is used after islands have failed: one, then two, four, up to
-    /// [`LONGEST_STAY`].
+    /// Number of windows in which only the global queue is used after islands have failed. It is one, then two, four,
+    /// up to [`LONGEST_STAY`].
     stay: u32,
-    /// Number of such windows that are left.
+    /// Number of windows that remain until islands are tried again.
     left: u32,
 }
 
-/// Largest number of windows in which islands are not tried. A failed trial makes neighbour lists and events of the
-/// global queue invalid, and they must be computed again.
+/// Largest number of windows in which islands are not tried. A failed trial makes the neighbour lists and the events of
+/// the global queue invalid, and these must be computed again.
 const LONGEST_STAY: u32 = 64;
 
-/// State that the solver keeps from one window to the next.
+/// State of the engine that a snapshot of a run contains.
 #[derive(Serialize, Deserialize)]
 pub struct HardState {
     together: GlobalCalendar,
@@ -81,7 +82,8 @@ impl Default for Hard {
 }
 
 impl Hard {
-    /// Makes an engine without separate settings: restitution and friction are those of the scene.
+    /// Makes an engine that chooses between islands and one event queue by their cost. Restitution and friction are
+    /// those of the scene.
     pub fn new() -> Self {
         Self::with(HardSolver {
             together: GlobalCalendar::default(),
@@ -91,7 +93,7 @@ impl Hard {
         })
     }
 
-    /// Makes an engine that always uses one event queue for all particles: the reference for tests of islands.
+    /// Makes an engine that always uses one event queue for all particles. It is the reference for tests of islands.
     pub fn with_one_calendar() -> Self {
         let mut engine = Self::new();
         engine.solver.way = WindowMethod::OneCalendar;
@@ -105,9 +107,10 @@ impl Hard {
         engine
     }
 
-    /// Uses the TC model (Luding and McNamara 1998, Granular Matter 1, 113). A collision is elastic if either particle
-    /// collided less than `contact_time` [s] before. So spheres may rest on each other without infinitely many
-    /// collisions. Friction acts as usual. With `None` every collision has its restitution.
+    /// Sets the contact time of the TC model (Luding and McNamara 1998, Granular Matter 1, 113). In this model a
+    /// collision is elastic if either particle collided less than `contact_time` [s] before. So spheres may rest on
+    /// each other without infinitely many collisions. Friction acts as usual. With `None` every collision has its
+    /// restitution.
     pub fn with_contact_time(mut self, contact_time: Option<f64>) -> Self {
         self.solver.together.contact_time = contact_time;
         self.solver.islands.contact_time = contact_time;
@@ -154,7 +157,7 @@ impl Solver for HardSolver {
         self.memory.outdated = true;
     }
 
-    /// Does nothing, because recent collisions are returned at the end of each window.
+    /// Does nothing, because recent collisions are already returned at the end of each window.
     fn hand_over(&mut self, _lasting: &mut Vec<Recent>) {}
 
     fn for_each_kept(&self, _visit: &mut dyn FnMut(Recent)) {}

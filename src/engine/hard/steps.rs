@@ -1,4 +1,4 @@
-//! Hard spheres with time steps, as in the references of the paper for hard spheres.
+//! Hard spheres with time steps: a method of the literature, to which the paper refers.
 
 use super::impulse::Collision;
 use crate::clock::Clock;
@@ -14,13 +14,13 @@ use nalgebra::Vector3;
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
-/// Hard spheres with time steps. Particles fly for Δt. Then every pair that overlaps and approaches gets the impulse of
-/// hard spheres; positions are not changed.
+/// Hard spheres with time steps. Particles fly for a step Δt. Then every pair that overlaps and approaches receives the
+/// impulse of hard spheres; positions are not corrected.
 ///
 /// The step is Δt < θ d/u_r (section 3.4 of the paper), with u_r = sqrt(8 q²/(3π)) (Eq. 8 with its root). In each
-/// window it is computed from the agitation of all particles, relative to one another and to the walls. The method
-/// misses grazing collisions that begin and end within a step, acts up to Δt late, and leaves overlaps. It is included
-/// to show these errors. Missed collisions are counted, and impacts record the overlaps.
+/// window the step is computed from the agitation q² of all particles, relative to one another and to the walls. The
+/// method misses grazing collisions that begin and end within a step, acts up to Δt late, and leaves overlaps. It is
+/// included to show these errors. Missed collisions are counted, and impacts record the overlaps.
 pub struct SteppedHard {
     theta: f64,
     list: NeighbourList,
@@ -29,29 +29,29 @@ pub struct SteppedHard {
 }
 
 impl SteppedHard {
-    /// Makes an engine with the given step criterion θ > 0.
+    /// Makes an engine with the given step criterion θ > 0, which is proportional to the step.
     pub fn new(theta: f64) -> Self {
         Self { theta, list: NeighbourList::default(), slots: Vec::new(), counters: Counters::default() }
     }
 
-    /// Longest step θ d/u_r [s] for a window of `duration` [s]. It is infinite if no particle moves relative to the
-    /// others or to a wall.
+    /// Longest step θ d/u_r [s] for a window of `duration` [s]. The result is infinite if no particle moves relative to
+    /// the others or to a wall.
     ///
-    /// The agitation is that of the velocities relative to their mean along the walls. Particles move to a wall by the
-    /// mean velocity perpendicular to it, and by the velocity that gravity adds until the end of the window. So the
-    /// step has a limit for a single falling sphere too.
+    /// The agitation is that of the velocities relative to their mean along the walls. The mean velocity perpendicular
+    /// to a wall is included, and the velocity that gravity adds until the end of the window. So the step is also
+    /// finite for a single falling sphere.
     pub fn longest_step(theta: f64, particles: &Particles, scene: &Scene, duration: f64) -> f64 {
         let mean = along_walls(scene, particles.mean_velocity());
         let fall = (scene.gravity - along_walls(scene, scene.gravity)) * duration;
         let square = |frame: Vector3<f64>| particles.mean_square_speed(frame);
-        // in free fall the mean square is a convex function of time, so it is largest at the beginning or the end
+        // the mean square is a convex function of time in free fall, so it is largest at the beginning or the end
         let agitation = 0.5 * square(mean).max(square(mean - fall));
         let diameter = 2.0 * particles.radius.iter().fold(f64::INFINITY, |a, &r| a.min(r));
         theta * diameter / (8.0 * agitation / (3.0 * PI)).sqrt()
     }
 
-    /// Number of pairs that met within the last step of `dt` [s] and separate at its end, whether they still overlap or
-    /// not. These pairs get no impulse.
+    /// Number of pairs that met within the last step of `dt` [s] and separate at its end, whether they overlap at that
+    /// time or not. These pairs receive no impulse.
     fn missed(&self, particles: &Particles, scene: &Scene, dt: f64) -> u64 {
         let passed = |pair: &&Pair| {
             let (i, j) = (pair.i as usize, pair.j as usize);

@@ -1,6 +1,6 @@
 //! Batches of islands (groups of particles that may meet). One thread solves the islands of a batch one after the
-//! other, and stores their results together. A *part* is the piece of a window in which islands are solved; *hot*
-//! particles are the members of islands.
+//! other, and stores their results together. A window is the time between two exchanges of momentum with the gas, and a
+//! *part* of it is the piece in which islands are solved. *Hot* particles are the members of islands.
 
 use super::cluster::{IslandFinder, Landing, MemberTrajectories, fill};
 use super::island::Island;
@@ -20,29 +20,30 @@ use std::ops::Range;
 pub struct HotParticle {
     /// Index of the particle in the store.
     pub place: u32,
-    /// Position, velocity and other moving quantities of the particle at that time.
+    /// Position, velocity and other moving quantities of the particle at the end of the part.
     pub motion: Motion,
 }
 
 /// A particle that left the bounds of its island: a member that exceeded its speed limit, or a bystander that was hit.
+/// A bystander is a particle that was expected to fly straight.
 #[derive(Clone, Copy, Debug)]
 pub struct Stop {
     /// Index of the particle in the store.
     pub place: u32,
-    /// True if the particle was a bystander, which is a particle that was expected to fly straight.
+    /// True if the particle was a bystander, false if it was a member.
     pub bystander: bool,
-    /// Speed [m/s] of the particle relative to the frame of the search.
+    /// Speed [m/s] of the particle relative to the frame in which speed limits are given.
     pub speed: f64,
 }
 
-/// Reason why an island was not solved.
+/// Reason why a solver gave up an island.
 #[derive(Clone, Copy, Debug)]
 pub enum GivenUp {
-    /// The engine failed. The classical algorithm then moves the particles through the window, and stops at the
-    /// failure.
+    /// The engine failed. The classical algorithm then moves all particles through the window, and stops at the time of
+    /// the failure.
     Failed,
-    /// The island costs too much. It becomes a crowd. If the engine does not take crowds, the classical algorithm moves
-    /// the particles through the window.
+    /// The island costs too much. It becomes a crowd, an island that is moved by uniform steps. If the engine does not
+    /// take crowds, the classical algorithm moves all particles through the window.
     TooExpensive,
 }
 
@@ -57,13 +58,13 @@ impl From<Failure> for GivenUp {
 pub struct IslandResult {
     /// Number of the batch that contains the result.
     pub batch: usize,
-    /// Number of the island among those of that batch.
+    /// Number of the island among those of the batch.
     pub number: usize,
-    /// True if this process counts the events of the island.
+    /// True if this process counts the events of the island; otherwise another process that shares the run counts them.
     pub counts: bool,
 }
 
-/// Change to an unfinished island before it is solved again.
+/// Change that is made to an unfinished island before it is solved again.
 pub enum Retry {
     /// Particles left the bounds of the island: bystanders become members, or speed limits rise.
     Stops(Vec<Stop>),
@@ -81,9 +82,9 @@ pub struct Solved {
     pub impacts: Range<usize>,
     pub ways: Range<usize>,
     pub ledger: Ledger,
-    /// Number of impulses or contact steps.
+    /// Number of impulses (hard spheres) or contact steps (soft spheres).
     pub events: u64,
-    /// Number of impulses of an engine that also has contacts.
+    /// Number of impulses, for an engine that has contacts and impulses.
     pub impulses: u64,
     /// Number of uniform steps, if the island is a crowd.
     pub crowd_steps: u64,
@@ -101,16 +102,16 @@ pub struct Solved {
 pub struct Batch<C> {
     pub solved: Vec<Solved>,
     pub states: Vec<HotParticle>,
-    /// State carried beyond the part, such as contacts; it refers to particles by index in the store.
+    /// State carried into the next part, such as contacts; it contains indices of particles in the store.
     pub carried: Vec<C>,
     pub impacts: Vec<(Between, Impact)>,
-    /// Trajectories of the particles in `states`, if the engine reports velocity changes.
+    /// Trajectories of the particles in `states`; empty unless the engine reports velocity changes.
     pub trajectories: MemberTrajectories,
 }
 
 impl<C> Batch<C> {
-    /// Makes a batch with memory for the results of the islands `which`. The memory is reserved in advance, because
-    /// threads delay one another when lists grow.
+    /// Makes an empty batch for the islands `which`. Its memory is reserved in advance, because threads delay one
+    /// another when lists grow.
     pub fn of<'a, F: IslandFinder<'a>>(islands: &F, which: &[usize]) -> Self {
         let members: usize = which.iter().map(|&which| islands.members(which)).sum();
         Self {
@@ -129,26 +130,27 @@ pub struct IslandResults<'a, C> {
     pub landing: &'a Landing,
     /// Batches with the results of the islands.
     pub batches: &'a [Batch<C>],
-    /// Velocity [m/s] that gravity has added to the frame of the store since the beginning of the window.
+    /// Velocity [m/s] that gravity has added to the velocities of the store's frame since the beginning of the window.
     pub fallen: Vector3<f64>,
 }
 
-/// Events of several islands, and the state that these islands carry beyond the part.
+/// Events of several islands, and the state that is carried from these islands into the next part.
 pub struct Notes<C> {
     /// Indices of the members of the islands.
     pub members: Vec<u32>,
-    /// State carried beyond the part, such as contacts; it refers to particles by index in the store.
+    /// State carried into the next part, such as contacts; it contains indices of particles in the store.
     pub lasting: Vec<C>,
-    /// Impacts that have ended in these islands.
+    /// Impacts that have ended in these islands, each with its two bodies.
     pub impacts: Vec<(Between, Impact)>,
-    /// A few rows whose exact sums equal those of the ledgers of all these islands.
+    /// A few rows whose exact sums equal those of the energies and momenta (ledgers) of all these islands.
     pub ledger: Vec<[f64; ENTRIES]>,
-    /// Number of the islands and of their particles.
+    /// Counts of the work done in these islands.
     pub counts: IslandCounters,
 }
 
 impl<C: Copy + Send + Sync> IslandResults<'_, C> {
-    /// Collects events and carried state of all islands, in their order, one `Notes` per group of islands.
+    /// Collects the events and the carried state of all islands, in their order. Each group of islands gives one
+    /// `Notes`.
     pub fn notes(&self) -> Vec<Notes<C>> {
         work_sharing::map(self.landing.kept.chunks(BLOCK), |some| self.notes_of(some))
     }
@@ -181,7 +183,7 @@ impl<C: Copy + Send + Sync> IslandResults<'_, C> {
     }
 
     /// Writes the results of the islands into the store, and moves all other particles by `fly`. Members of islands are
-    /// recognised by their labels, which are removed.
+    /// recognised by their labels, which are removed afterwards.
     pub fn put(
         &self,
         particles: &mut Particles,
@@ -191,7 +193,8 @@ impl<C: Copy + Send + Sync> IslandResults<'_, C> {
         let parts = particles.motion_chunks(CHUNK).into_iter().zip(labels.chunks_mut(CHUNK));
         work_sharing::for_each(parts, |(mut chunk, labels)| {
             for (index, label) in labels.iter_mut().enumerate() {
-                // labels of other particles are not written, so that threads need not exchange the memory of labels
+                // labels of other particles are not written, so that threads need not exchange the cache lines of
+                // labels
                 let member = if label.is_some() { label.take() } else { None };
                 match member.and_then(|label| self.state(label)) {
                     Some(state) => {
@@ -204,7 +207,7 @@ impl<C: Copy + Send + Sync> IslandResults<'_, C> {
         });
     }
 
-    /// State of a member at the end of the part; `None` if its island has no result.
+    /// State at the end of the part of the member with this label; `None` if its island has no result.
     fn state(&self, label: Label) -> Option<&HotParticle> {
         let (kept, number) = self.landing.of_member[label.member()]?;
         let IslandResult { batch, number: which, .. } = self.landing.kept[kept as usize];
@@ -213,7 +216,7 @@ impl<C: Copy + Send + Sync> IslandResults<'_, C> {
     }
 }
 
-/// Memory for solving islands, used again for each island of a thread.
+/// Memory in which one thread solves one island after the other.
 pub struct Workbench<S: Solve> {
     island: Island<S::Carried>,
     scratch: S::Scratch,
@@ -231,17 +234,17 @@ pub struct Task<'a, S: Solve> {
     pub solver: &'a S,
     pub scene: &'a Scene,
     pub window: Window,
-    /// Velocity [m/s] that gravity has added to the velocities of the store since the beginning of the window.
+    /// Velocity [m/s] that gravity has added to the velocities of the store's frame since the beginning of the window.
     pub fallen: Vector3<f64>,
-    /// Length [s] of the part of the window.
+    /// Length [s] of this part of the window.
     pub part: f64,
-    /// State carried over from the part before, such as contacts.
+    /// State carried over from the previous part, such as contacts.
     pub carried: &'a [S::Carried],
 }
 
 impl<S: Solve> Workbench<S> {
-    /// Copies an island into the small scene of this workbench, and returns it with the memory of the solver. Returns
-    /// `None` if carried state of the island belongs to a particle outside the island.
+    /// Copies an island into the small scene of this workbench, and returns the island with the memory of the solver.
+    /// Returns `None` if carried state (such as a contact) of the island involves a particle outside the island.
     pub fn fill(
         &mut self,
         task: &Task<S>,
@@ -254,8 +257,8 @@ impl<S: Solve> Workbench<S> {
         carried.all(|carried| take_in::<S>(island, carried)).then_some((island, scratch))
     }
 
-    /// Stores the result of the island `which` in a batch. `stopped` is the local index of a particle that left its
-    /// bounds.
+    /// Stores the result of the island `which` in a batch. `stopped` contains the local index of a particle that left
+    /// its bounds, if there is one, or the reason why the island was given up.
     pub fn record(
         &mut self,
         batch: &mut Batch<S::Carried>,
@@ -299,7 +302,8 @@ impl<S: Solve> Workbench<S> {
     }
 }
 
-/// Adds carried state to an island. Returns false, and adds nothing, if one of its particles is not in the island.
+/// Adds an item of carried state, such as a contact, to an island. Returns false, and adds nothing, if one of its
+/// particles is not in the island.
 fn take_in<S: Solve>(island: &mut Island<S::Carried>, carried: &S::Carried) -> bool {
     let known = S::places(carried).into_iter().flatten().all(|place| island.local(place).is_some());
     if known {

@@ -1,5 +1,5 @@
 //! Choice of the next part of a window: its length, and whether it pays to solve islands (groups of particles that may
-//! meet) in it.
+//! meet) in this part. A window is the time between two exchanges of momentum with the gas.
 
 use crate::domain::Domain;
 use crate::engine::population::PopulationSummary;
@@ -19,7 +19,8 @@ pub struct SpeedSummary {
     pub largest: f64,
 }
 
-/// Data for the choice between islands and the classical algorithm, which moves all particles at once.
+/// Data for the choice between islands and the classical algorithm. The classical algorithm moves all particles
+/// together, in uniform steps or by one event queue.
 pub struct IslandCost {
     /// Summary of the sizes of all particles.
     pub population: Arc<PopulationSummary>,
@@ -31,51 +32,53 @@ pub struct IslandCost {
 
 /// A part of a window, in which islands are solved.
 pub struct WindowPiece<'a> {
-    /// Time [s] from the beginning of the window to that of the part; the frame has fallen for this time.
+    /// Time [s] from the beginning of the window to the beginning of the part; the frame has fallen for this time.
     pub elapsed: f64,
     /// Length [s] of the part.
     pub part: f64,
-    /// Number of pairs that the search is expected to check.
+    /// Number of pairs that the search for touches is expected to check.
     pub foreseen: u64,
     /// Summary of the sizes of all particles.
     pub population: &'a PopulationSummary,
     /// Summary of the velocities of all particles.
     pub speeds: SpeedSummary,
-    /// Largest number of members of an island in a part of this length; with more, a shorter part is tried.
+    /// Largest number of members that an island may have; if an island has more, a shorter part is tried.
     pub most: usize,
 }
 
 impl WindowPiece<'_> {
-    /// Largest distance [m] of any point of a particle from the middle of its straight flight in this part.
+    /// Upper limit [m] of the distance of any point of a particle from the middle of its straight flight in this part.
     pub fn flight(&self) -> f64 {
         self.population.largest + 0.5 * self.part * self.speeds.largest * (1.0 + 1e-9)
     }
 }
 
-/// Data for the choice of a part, in addition to the particles.
+/// Limits and costs for the choice of the length of a part.
 pub struct PartLimits {
     /// Time [s] from the beginning of the part to the end of the window.
     pub left: f64,
     /// Cost of the classical algorithm per particle and simulated time [ns/s].
     pub fallback_cost: f64,
-    /// Number of contacts whose particles are copied into crowds and back in every part.
+    /// Number of contacts in progress. Their particles are copied into crowds (islands moved by uniform steps) and back
+    /// in every part.
     pub held: usize,
-    /// Costs of work in islands.
+    /// Costs of the work in islands.
     pub costs: PartCosts,
 }
 
-/// Costs of a part in ns on one core, and the density limit for islands. They were measured once
-/// (docs/design/islands.md), and serve only for the choice, not for a prediction of run times.
+/// Costs of solving islands in a part of a window, in ns on one core, and the density limit for islands. They were
+/// measured once (docs/design/islands.md), and serve only for the choice, not for a prediction of run times.
 pub struct PartCosts {
-    /// [ns] cost per particle of flight, cells and ranges of cells.
+    /// [ns] cost per particle of its flight, and of sorting it into cells.
     search: f64,
     /// [ns] cost of checking one pair.
     pair: f64,
     /// [ns] cost per hot particle (member of an island) of making and solving islands.
     island: f64,
-    /// [-] distance within which a hot particle meets others, in units of the mean flight during the part.
+    /// [-] distance within which a hot particle (member of an island) meets others, in units of the mean flight during
+    /// the part.
     reach: f64,
-    /// [-] number of other hot particles within this distance above which nearly all islands unite. Islands within
+    /// [-] number of other hot particles within this distance, above which nearly all islands unite. Islands within
     /// reach of each other unite, and the united island reaches further.
     crowded: f64,
 }
@@ -88,7 +91,7 @@ pub const BOUNDED: PartCosts = PartCosts { search: 90.0, pair: 1.2, island: 1400
 /// a hot particle costs 1.1 µs for parts of 0.375 ms, 1.2 µs for 0.5 ms, and 1.6 µs for 0.75 ms.
 pub const TRACED: PartCosts = PartCosts { search: 80.0, pair: 1.2, island: 1000.0, reach: 0.5, crowded: 0.15 };
 
-/// The cheapest part of a window.
+/// The part of a window with the lowest cost per simulated time.
 #[derive(Clone, Copy)]
 pub struct Cheapest {
     /// Length [s] of the part.
@@ -99,14 +102,15 @@ pub struct Cheapest {
 
 /// Returns the part of the remaining window with the least cost per simulated time, or `None` if islands do not pay.
 ///
-/// In a longer part the search serves for more time, but it checks more pairs and finds more islands.
+/// In a longer part, one search serves for more time, but it checks more pairs and finds more islands.
 pub fn cheapest_part(
     population: &PopulationSummary,
     domain: &Domain,
     speeds: &SpeedSummary,
     limits: &PartLimits,
 ) -> Option<Cheapest> {
-    /// [ns] cost per contact in a crowd: copying particles into the crowd and back, and building their neighbour list.
+    /// [ns] cost per contact in a crowd (an island moved by uniform steps): copying its particles into the crowd and
+    /// back, and building their neighbour list.
     const HELD: f64 = 500.0;
     let PartLimits { left, fallback_cost, held, costs: weights } = limits;
     let (left, fallback_cost, held) = (*left, *fallback_cost, *held);
@@ -114,17 +118,17 @@ pub fn cheapest_part(
     let count = population.count as f64;
     let search = weights.search + HELD * held as f64 / count;
     let diameter = 2.0 * largest;
-    // distances at which two particles touch, over the largest diameter: their mean square over all pairs, and their
-    // mean for a largest particle; islands of the largest particles are the first to unite
+    // distances at which two particles touch, divided by the largest diameter: their mean square over all pairs, and
+    // their mean for a largest particle. Islands of the largest particles are the first to unite.
     let square = 0.5 * (mean_square + mean * mean) / (largest * largest);
     let of_largest = 0.5 * (1.0 + mean / largest);
-    // rate at which a particle becomes hot: density times cross-section times mean relative speed; touches of walls are
-    // not counted
+    // rate at which a particle becomes hot (touches another): density times cross-section times mean relative speed;
+    // touches of walls are not counted
     let rate = density * PI * diameter * diameter * square * speeds.mean * SQRT_2;
     let periods = (0..3).filter(|axis| domain.periodic[*axis]).map(|axis| domain.size[axis]);
     let period = periods.fold(f64::INFINITY, f64::min);
-    // two particles may meet only as nearest images, also if they approach each other through a side: their distance is
-    // at most half a period
+    // only the nearest images of two particles may meet, also if the particles approach each other through a side: the
+    // distance between them is at most half a period
     let room = (0.5 * period - diameter) / (2.0 * speeds.largest);
     if room <= 0.0 {
         return None;
@@ -135,7 +139,7 @@ pub fn cheapest_part(
         let part = left / pieces;
         let edge = diameter + speeds.largest * part;
         let hot = rate * part;
-        // eight or fewer particles always fit into islands; more must be dilute
+        // islands of eight or fewer particles are always small enough; more particles must be dilute
         let reach = diameter * of_largest + weights.reach * speeds.mean * part;
         let others = if count > 8.0 { density * hot * 4.0 / 3.0 * PI * reach.powi(3) } else { 0.0 };
         if others < weights.crowded {
@@ -149,7 +153,7 @@ pub fn cheapest_part(
         }
         pieces = (pieces * 1.3).ceil();
     }
-    // if searching costs more than colliding, nearly all particles collide within the cheapest part, and the classical
-    // algorithm is cheaper
+    // if searching costs more than solving islands, nearly all particles collide within the cheapest part, and the
+    // classical algorithm is cheaper
     best.map(|(_, cheapest)| cheapest)
 }

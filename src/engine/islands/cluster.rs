@@ -1,5 +1,6 @@
-//! Groups of hot particles that become islands, with bounds on the distance that each member may reach. *Hot* particles
-//! touch something on their straight flight in this part of a window; *cold* particles do not.
+//! Groups of hot particles that become islands, with bounds on the distance that each member may reach. A window is the
+//! time between two exchanges of momentum with the gas. *Hot* particles touch something on their straight flight in
+//! this part of a window; *cold* particles do not.
 
 mod bounded;
 mod crowd_growth;
@@ -38,34 +39,37 @@ pub struct Member {
     pub(in crate::engine) cluster: u32,
     /// The ball that contains the straight flight of the particle.
     pub(in crate::engine) flight: BoundingSphere,
-    /// The ball that contains the particle after the first touch in its island; before that touch the flight is
-    /// straight.
+    /// The ball that contains the particle from the first touch in its island to the end of the part. Before that touch
+    /// the particle flies straight.
     pub(in crate::engine) ball: BoundingSphere,
-    /// Distance [m] from the middle of the flight within which both the flight and the ball lie.
+    /// Distance [m] from the middle of the straight flight, within which both balls (`flight` and `ball`) lie.
     around: f64,
-    /// Radius [m] of the ball when the particles next to it were last added to the crowd; 0 if this has not been done.
+    /// Radius [m] that the ball had when particles next to this member were last added to the crowd; 0 if this has not
+    /// been done.
     took_in: f64,
     /// Range of the velocity changes of this particle in the list of all changes. It is known after the island is
     /// solved by an engine that reports velocity changes. The ball then contains the trajectory after the first change.
     turns: Option<Range<usize>>,
 }
 
-/// A list that rarely has more than four entries. Four entries are stored in place, so most islands allocate no memory.
+/// A list that rarely has more than four entries. The first four need no separate memory, so most islands allocate
+/// none.
 pub type Few = SmallVec<[u32; 4]>;
 
-/// An island that is being found: its members, and bounds on their speeds.
+/// An island (group of particles that may meet) while it is being found: its members, and bounds on their speeds.
 pub struct Cluster {
-    /// Numbers of the hot members; after `settle` in the order of the particles' ids.
+    /// Numbers of the hot members; after `settle` they are in the order of the particles' ids.
     pub(in crate::engine) hot: Few,
-    /// Indices in the store of cold particles that the members might hit, in the order of their ids.
+    /// Indices in the store of the cold particles that the members might hit, in the order of their ids.
     pub(in crate::engine) bystanders: Few,
-    /// Numbers of the items of carried state of the island; after `settle` in ascending order.
+    /// Numbers of the items of state carried from earlier parts of a window, such as contacts, that belong to the
+    /// island. After `settle` they are in ascending order.
     carried: Few,
     /// The two largest kinetic energies [J] of the members, relative to the frame.
     pub(in crate::engine) energies: [f64; 2],
     /// The two largest speeds [m/s] of the members, relative to the frame.
     pub(in crate::engine) speeds: [f64; 2],
-    /// Energy [J] of all carried state of the island, such as that stored in contacts.
+    /// Energy [J] of all carried state of the island, such as that stored in its contacts.
     pub(in crate::engine) stored: f64,
     /// Largest energy [J] of one item of carried state of the island.
     deepest: f64,
@@ -73,17 +77,18 @@ pub struct Cluster {
     pub(in crate::engine) floor: f64,
     /// Time [s] of the first touch in the island: until then all members fly straight.
     pub(in crate::engine) first: f64,
-    /// True if the island is always moved by uniform steps, even if it is small, for instance because of its many
-    /// contacts.
+    /// True if the island is a crowd, always moved by uniform steps, even if it is small. An example is an island with
+    /// many contacts.
     pub(in crate::engine) lasts: bool,
     pub(in crate::engine) alive: bool,
-    /// Location of the result; `None` before the island is solved.
+    /// Location of the island's result; `None` before the island is solved.
     solved: Option<IslandResult>,
-    /// Number of changes of the island so far. A search around an earlier version is out of date.
+    /// Number of changes of the island so far. A search of the surroundings of an earlier version is out of date.
     version: u32,
-    /// The version for which the reach of the members was computed.
+    /// Version of the island for which the reach of the members was last computed.
     settled: Option<u32>,
-    /// The version for which the surroundings were searched: no new search is needed until the island changes.
+    /// Version of the island for which the surroundings were last searched. No new search is needed until the island
+    /// changes.
     seen: Option<u32>,
 }
 
@@ -93,11 +98,12 @@ impl Cluster {
     }
 }
 
-/// Locations of the results of the islands.
+/// Locations of the results of all islands, by island and by member.
 pub struct Landing {
     /// Location of the result of each solved island.
     pub kept: Vec<IslandResult>,
-    /// For each member: the number of its island in `kept`, and the number of the member in that island.
+    /// For each member, its island and its place in the island. The first number is that of the island in `kept`, the
+    /// second that of the member in the island.
     pub of_member: Vec<Option<(u32, u32)>>,
 }
 
@@ -107,7 +113,7 @@ pub struct Space<'a> {
     pub scene: &'a Scene,
     /// Velocity [m/s] of the frame in which speeds are measured.
     pub frame: Vector3<f64>,
-    /// Length [s] of the part of the window.
+    /// Length [s] of this part of the window.
     pub part: f64,
     /// Mass [kg] of the lightest particle of the run.
     pub lightest: f64,
@@ -126,10 +132,11 @@ pub struct Clusters<'a> {
     pub(in crate::engine) list: Vec<Cluster>,
     /// Energy [J] of each item of carried state, such as that stored in a contact.
     energy: Vec<f64>,
-    /// Speed [m/s] that gravity adds towards walls during the part: in the falling frame, walls approach the particles.
+    /// Speed [m/s] that gravity adds towards walls during the part of the window. In the falling frame, walls approach
+    /// the particles at this speed.
     fall: f64,
     pub(in crate::engine) members: Vec<Member>,
-    /// Largest distance [m] from the middle of a member's flight that the member may reach.
+    /// Largest distance [m] that any member may reach from the middle of its straight flight.
     pub(in crate::engine) widest: f64,
     half_period: f64,
 }
@@ -157,8 +164,8 @@ impl<'a> Clusters<'a> {
         }
     }
 
-    /// Makes islands from all touches and from the carried state, whose energies [J] are given. If `many` is true, all
-    /// carried state belongs to one crowd.
+    /// Makes islands from all touches and from the carried state (such as contacts), whose energies [J] are given. If
+    /// `many` is true, all carried state belongs to one crowd.
     fn begin(&mut self, touches: &[FirstTouch], carried: &[[Option<u32>; 2]], energy: Vec<f64>, many: bool) {
         self.energy = energy;
         let mut crowd: Option<usize> = None;
@@ -180,8 +187,8 @@ impl<'a> Clusters<'a> {
         self.settle_all();
     }
 
-    /// Returns the island of particle `i`, united with that of its partner `j`; their first touch is at `time` [s]. A
-    /// new island is made if neither particle is in one. The speeds of the particles are not read here.
+    /// Unites the island of particle `i` with that of its partner `j`, and returns its number; their first touch is at
+    /// `time` [s]. A new island is made if neither particle is in one. The speeds of the particles are not read here.
     fn join(&mut self, i: u32, j: Option<u32>, time: f64) -> usize {
         let known = self.found(i).or_else(|| self.found(j?));
         let mut which = known.unwrap_or_else(|| self.open());
@@ -196,7 +203,8 @@ impl<'a> Clusters<'a> {
         which
     }
 
-    /// Returns the island of a particle. A new one is made if needed, with the energy and speed of the particle.
+    /// Returns the number of a particle's island. If the particle is in none, a new island with the energy and speed of
+    /// the particle is made.
     fn cluster_of(&mut self, place: u32) -> usize {
         let is_new = self.search.label[place as usize].is_none();
         let which = self.named(place);
@@ -208,8 +216,8 @@ impl<'a> Clusters<'a> {
         which
     }
 
-    /// Returns the island of a particle; a new one is made if needed. Energy and speed of the particle are not read
-    /// here, since those of all particles are computed in parallel later.
+    /// Returns the number of a particle's island; a new one is made if needed. Energy and speed of the particle are not
+    /// read here, since those of all particles are computed in parallel later.
     fn named(&mut self, place: u32) -> usize {
         self.found(place).unwrap_or_else(|| {
             let which = self.open();
@@ -218,13 +226,13 @@ impl<'a> Clusters<'a> {
         })
     }
 
-    /// The island of a particle; `None` if the particle is in none.
+    /// Number of a particle's island; `None` if the particle is in none.
     fn found(&self, place: u32) -> Option<usize> {
         let label = self.search.label[place as usize]?;
         Some(self.members[label.member()].cluster as usize)
     }
 
-    /// Makes a particle, which is in no island, a member of the island `which`.
+    /// Makes a particle, which is in no island so far, a member of the island `which`.
     fn enlist(&mut self, place: u32, which: usize) {
         let (cluster, member) = (which as u32, self.members.len());
         self.search.label[place as usize] = Some(Label::of(member));
@@ -296,7 +304,7 @@ impl<'a> Clusters<'a> {
         self.list[which].hot.len()
     }
 
-    /// Numbers of the items of carried state that belong to an island.
+    /// Numbers of the items of carried state (such as contacts) that belong to an island.
     pub fn carried(&self, which: usize) -> &[u32] {
         &self.list[which].carried
     }
@@ -306,15 +314,16 @@ impl<'a> Clusters<'a> {
         self.list[which].solved = Some(result);
     }
 
-    /// Removes the labels of all members if the islands have no result.
+    /// Removes the labels of all members from the particles, if the results of the islands are not used.
     pub fn release(self) {
         for member in &self.members {
             self.search.label[member.place as usize] = None;
         }
     }
 
-    /// Returns the locations of all results, in order. For each member, it also returns the number of its island, and
-    /// the number of the member in that island. Labels are kept until the results are written into the store.
+    /// Returns the locations of all results, in order. For each member, the function also returns the number of its
+    /// island, and the number of the member in that island. Labels are kept until the results are written into the
+    /// store.
     pub fn land(self) -> Landing {
         let mut of_member = vec![None; self.members.len()];
         let mut kept = Vec::with_capacity(self.list.len());

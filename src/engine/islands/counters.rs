@@ -4,26 +4,27 @@ use super::batch::Solved;
 use crate::engine::Counters;
 use serde::{Deserialize, Serialize};
 
-/// Amounts of work done in islands.
+/// Amounts of work done in islands since the start of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct IslandCounters {
     /// Number of impulses (hard) or contact steps (soft).
     pub events: u64,
-    /// Number of impulses (hybrid).
+    /// Number of impulses in the hybrid engine, which counts its contact steps in `events`.
     pub impulses: u64,
-    /// Number of uniform steps of islands that are too large for local stepping (hybrid).
+    /// Number of uniform steps of crowds, which are islands too large for local stepping.
     pub crowd_steps: u64,
-    /// Number of contact forces computed in uniform steps of such islands.
+    /// Number of contact forces computed in uniform steps of crowds.
     pub crowd_forces: u64,
     /// Number of times of touch and gaps computed in islands.
     pub pair_checks: u64,
-    /// Number of pairs, and of particles and walls, checked in searches.
+    /// Number of pairs, and of particles with walls, that were checked in searches for touches.
     pub searched: u64,
     /// Number of contact forces computed.
     pub force_evaluations: u64,
-    /// Number of particles moved by stages of steps, plus the number of gaps checked after steps.
+    /// Number of particles moved by stages of contact steps, plus the number of gaps checked after steps.
     pub updates: u64,
-    /// Number of pairs that searches were expected to check; equal for any number of processes that share the run.
+    /// Number of pairs that searches were expected to check. It is equal for any number of processes that share the
+    /// run.
     pub foreseen: u64,
     /// Number of cell grids built.
     pub neighbour_builds: u64,
@@ -33,12 +34,13 @@ pub struct IslandCounters {
     pub members: u64,
     /// Number of particles in the largest island.
     pub largest: u64,
-    /// Number of islands solved again, because a particle met an unexpected particle or exceeded its speed limit.
+    /// Number of islands that were solved again, because a particle met an unexpected particle or exceeded its speed
+    /// limit.
     pub redone: u64,
 }
 
 impl IslandCounters {
-    /// Adds other counts to these.
+    /// Adds the counts of `other` to these counts; the size of the largest island is the greater of both.
     pub fn add(&mut self, other: &Self) {
         let largest = self.largest.max(other.largest);
         for (own, other) in self.sums().into_iter().zip(other.clone().sums()) {
@@ -77,7 +79,7 @@ impl IslandCounters {
         self.updates += solved.updates;
     }
 
-    /// The counts that have the same meaning in all engines.
+    /// Returns the counts that have equal meanings in all engines.
     pub fn of_all_engines(&self) -> Counters {
         Counters {
             islands: self.islands,

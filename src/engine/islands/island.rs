@@ -1,5 +1,6 @@
-//! One island (a group of particles that may meet) as a small scene, which an engine can solve by itself. *Hot*
-//! particles are its members; *bystanders* are particles that the members might hit.
+//! One island (a group of particles that may meet) as a small scene, which an engine can solve separately. *Hot*
+//! particles are its members; *bystanders* are particles that the members might hit. A window is the time between two
+//! exchanges of momentum with the gas.
 
 use super::cluster::VelocityChange;
 use crate::neighbours::NeighbourList;
@@ -7,11 +8,10 @@ use crate::particles::Particles;
 use crate::record::{Ledger, Log};
 use nalgebra::Vector3;
 
-/// Largest number of particles for which a linear search is the fastest way to find one of them.
+/// Largest number of particles among which a linear search for one of them is faster than a binary search.
 const FEW: usize = 32;
 
-/// An island as a small separate scene for an engine. Local indices number the hot particles first, then the
-/// bystanders.
+/// An island as a small separate scene for an engine. Local indices count the hot particles first, then the bystanders.
 pub struct Island<C> {
     /// Copies of the particles, in the frame at rest; positions are those of the store.
     pub particles: Particles,
@@ -19,20 +19,22 @@ pub struct Island<C> {
     pub places: Vec<u32>,
     /// Number of hot particles, which are the members of the island.
     pub hot: usize,
-    /// True if the island is a crowd, which is moved by uniform steps.
+    /// True if the island is a crowd, a large island that is moved by uniform steps.
     pub crowd: bool,
-    /// Local indices, sorted by the index in the store; empty for a small island.
+    /// Local indices of all particles, sorted by the index in the store; empty for a small island, which needs no
+    /// sorted list.
     by_place: Vec<u32>,
-    /// Pairs, and particles and walls, that may touch.
+    /// Pairs of particles, and particles with walls, that may touch.
     pub list: NeighbourList,
-    /// State carried over from the window before, such as contacts; it refers to particles by local index. The engine
-    /// replaces it by the state to be carried to the next window.
+    /// State carried over from the previous part of a window, such as contacts; it contains local indices of particles.
+    /// The engine replaces it by the state to be carried to the next part.
     pub carried: Vec<C>,
-    /// Log of the events in the island.
+    /// Log of the impacts in the island.
     pub log: Log,
-    /// Velocity changes, if the engine reports them, in the order of time: local index of the particle, and the change.
+    /// Velocity changes in the order of time, each with the local index of the particle; empty if the engine does not
+    /// report them.
     pub turns: Vec<(u32, VelocityChange)>,
-    /// Number of impulses or contact steps.
+    /// Number of impulses (hard spheres) or contact steps (soft spheres).
     pub events: u64,
     /// Number of impulses of the hybrid engine, which counts its contact steps in `events`.
     pub impulses: u64,
@@ -44,12 +46,13 @@ pub struct Island<C> {
     pub pair_checks: u64,
     /// Number of contact forces computed.
     pub force_evaluations: u64,
-    /// Number of particles moved by stages of steps, plus the number of gaps checked after steps.
+    /// Number of particles moved by stages of contact steps, plus the number of gaps checked after steps. It measures
+    /// the work.
     pub updates: u64,
-    /// Local indices of further particles that left their bounds, in addition to the one that the solver returns.
+    /// Local indices of particles that left their bounds, other than the one that the solver returns.
     pub also: Vec<usize>,
-    /// Largest speed [m/s] so far relative to the frame of the search, for a solver that cannot stop when a limit is
-    /// exceeded; otherwise 0.
+    /// Largest speed [m/s] so far, relative to the frame of the speed limits. It is set by solvers that cannot stop
+    /// when a limit is exceeded; otherwise it is 0.
     pub fastest: f64,
     /// Speed limit [m/s] of each hot particle, relative to the moving frame `frame`.
     pub(super) limits: Vec<f64>,
@@ -66,7 +69,7 @@ pub struct Bounds<'a> {
 }
 
 impl Bounds<'_> {
-    /// True if the particle at a local index may have the velocity [m/s], as [`Island::allows`].
+    /// True if the particle at a local index may have the velocity [m/s], as in [`Island::allows`].
     pub fn allows(&self, place: usize, velocity: &Vector3<f64>) -> bool {
         self.limits.get(place).is_some_and(|limit| (velocity - self.frame).norm() <= *limit)
     }
@@ -99,9 +102,9 @@ impl<C> Island<C> {
         }
     }
 
-    /// Replaces the contents by copies of the hot particles, each with its speed limit [m/s], and of the bystanders.
-    /// Particles are given by index in the store. `fallen` [m/s] is the velocity that gravity has added to the
-    /// velocities of the store.
+    /// Replaces the content of the island by copies of hot particles, each with its speed limit [m/s], and of
+    /// bystanders. Particles are given by index in the store. `fallen` [m/s] is the velocity that gravity has added to
+    /// the velocities of the store since the window began.
     pub(super) fn begin(
         &mut self,
         store: &Particles,
@@ -141,7 +144,7 @@ impl<C> Island<C> {
         (self.also, self.fastest) = (Vec::new(), 0.0);
     }
 
-    /// Local index of the particle with an index in the store; `None` if the particle is not in the island.
+    /// Local index of the particle with the index `place` in the store; `None` if the particle is not in the island.
     pub(super) fn local(&self, place: u32) -> Option<u32> {
         if self.by_place.is_empty() {
             return self.places.iter().position(|&other| other == place).map(|local| local as u32);
@@ -150,36 +153,36 @@ impl<C> Island<C> {
         found.ok().map(|k| self.by_place[k])
     }
 
-    /// True if the particle at local index `place` may have the velocity [m/s, falling frame of this window]. For a
-    /// bystander the result is false, because it must not be touched.
+    /// True if the velocity [m/s] of the particle at local index `place` is below its limit. The velocity is given in
+    /// the frame at rest. For a bystander the result is false, because a bystander must not be touched.
     pub fn allows(&self, place: usize, velocity: &Vector3<f64>) -> bool {
         Bounds { limits: &self.limits, frame: self.frame }.allows(place, velocity)
     }
 
-    /// Borrows three parts of the island that an engine needs at the same time: particles, log and speed limits.
+    /// Borrows three fields of the island at the same time: particles, log and speed limits.
     pub fn open(&mut self) -> (&mut Particles, &mut Log, Bounds<'_>) {
         (&mut self.particles, &mut self.log, Bounds { limits: &self.limits, frame: self.frame })
     }
 
     /// Records a velocity change of the particle at local index `place`, at `time` [s since the start of the part].
-    /// `origin` [m] is the position at the start of the part, extrapolated back along the new flight. `velocity` is the
-    /// new velocity [m/s, falling frame of this window].
+    /// `origin` [m] is the position at the start of the part on the line of the new flight, extended backwards.
+    /// `velocity` [m/s] is the new velocity, in the frame of the particles.
     pub fn turn(&mut self, place: u32, time: f64, origin: Vector3<f64>, velocity: Vector3<f64>) {
         self.turns.push((place, VelocityChange { time, origin, velocity: velocity - self.frame }));
     }
 
-    /// Speed [m/s] of the particle at local index `place`, relative to the frame of the search.
+    /// Speed [m/s] of the particle at local index `place`, relative to the moving frame of the speed limits.
     pub fn speed(&self, place: usize) -> f64 {
         (self.particles.velocity[place] - self.frame).norm().max(self.fastest)
     }
 
-    /// Difference [m/s] between `frame` [m/s, falling frame of this window] and the frame of the search. Speeds
-    /// relative to the two frames differ by no more than this.
+    /// Magnitude [m/s] of the difference between the velocity `frame` and that of the frame of the speed limits. Speeds
+    /// relative to the two frames differ by no more than this magnitude.
     pub fn apart_from(&self, frame: &Vector3<f64>) -> f64 {
         (frame - self.frame).norm()
     }
 
-    /// Smallest speed limit [m/s] of the hot particles, relative to the frame of the search.
+    /// Smallest speed limit [m/s] of the hot particles, relative to the moving frame.
     pub fn least_limit(&self) -> f64 {
         self.limits.iter().copied().fold(f64::INFINITY, f64::min)
     }

@@ -1,18 +1,20 @@
-//! Islands: groups of particles that may meet, so that computing work is done only for particles that touch.
+//! Islands: groups of particles that may meet. With islands, computing work is done only for particles that touch.
 //!
-//! In a short window nearly every particle of a dilute gas is alone and flies straight. Particles that touch something
-//! on their straight flight are *hot*, the others are *cold*. Hot particles that meet, or might meet after a collision,
-//! form an *island*, which an engine solves separately. Cold particles that a hot one might hit are *bystanders*. If a
-//! bystander is hit, the island is solved again with the bystander as a member. The island is also solved again if a
-//! hot particle exceeds its speed limit. So no contact is missed. Islands are found and solved in a *part* of a window,
-//! which is the whole window or a piece.
+//! A window is the time between two exchanges of momentum with the gas. In a short window nearly every particle of a
+//! dilute gas is alone and flies straight. Particles that touch something on their straight flight are *hot*, the
+//! others are *cold*. Hot particles that meet, or might meet after a collision, form an *island*, which an engine
+//! solves separately. Cold particles that a hot one might hit are *bystanders*. If a bystander is hit, the island is
+//! solved again with the bystander as a member. The island is also solved again if a hot particle exceeds its speed
+//! limit. So no contact is missed. Islands are found and solved in a *part* of a window, which is the whole window or a
+//! piece of it.
 //!
 //! Some engines, such as that for hard spheres, report every velocity change of a flight. For these engines each island
 //! is first solved as if it were alone (`cluster/traced.rs`). Islands whose trajectories then meet are united and
 //! solved again. There are no bystanders, and an island reaches only as far as its particles do fly, not as far as they
 //! might.
 //!
-//! Islands share no data. They are solved in parallel and in any order, with equal results to the last bit.
+//! Islands have no data in common. They are solved in parallel and in any order, with results that are equal to the
+//! last bit.
 
 mod batch;
 mod choice;
@@ -57,18 +59,18 @@ use std::sync::Arc;
 /// Solver of one island, which each engine provides.
 pub trait Solve: Sync {
     /// Way to find the particles of islands. With [`TracedIslands`], particles must fly straight between collisions,
-    /// and the engine must report every velocity change by [`Island::turn`].
+    /// and the engine must report every velocity change by calling [`Island::turn`].
     type Finder<'a>: IslandFinder<'a>;
-    /// State carried from one window to the next, such as a contact in progress. It refers to particles by their index
-    /// in the store.
+    /// State carried from one part of a window to the next, such as a contact in progress. It contains indices of
+    /// particles in the store.
     type Carried: Copy + Send + Sync + Serialize + DeserializeOwned;
     /// Working memory of the solver, one per thread.
     type Scratch: Default + Send;
 
-    /// Indices of the particles to which carried state belongs.
+    /// Indices of the one or two particles to which an item of carried state belongs.
     fn places(carried: &Self::Carried) -> [Option<u32>; 2];
 
-    /// Returns carried state with new indices of its particles, for instance after the store was sorted.
+    /// Returns an item of carried state with new indices of its particles, for instance after the store was sorted.
     fn moved(carried: &Self::Carried, place_of: &dyn Fn(u32) -> u32) -> Self::Carried;
 
     /// Energy [J] that an item of carried state may give back to its particles.
@@ -78,14 +80,14 @@ pub trait Solve: Sync {
     fn touching(&self, carried: &Self::Carried) -> Option<Couple>;
 
     /// True if the engine takes crowds. A crowd is an island without a list of pairs, which is moved by uniform steps.
-    /// It has more than [`LARGEST_ISLAND`] particles, or it contains all contacts in progress if these are many.
+    /// A crowd has more than [`LARGEST_ISLAND`] particles, or it contains all contacts in progress if these are many.
     fn takes_crowds(&self) -> bool {
         false
     }
 
-    /// Moves the particles of the island, in the frame at rest, through [0, end) [s]. If a particle leaves its bounds
-    /// ([`Island::allows`]), the function stops and returns the local index of that particle. If there are several, the
-    /// others are in [`Island::also`].
+    /// Moves the particles of an island, in the frame at rest, from the start of a part of a window to its end after
+    /// `end` [s]. If a particle leaves its bounds ([`Island::allows`]), the function stops and returns the local index
+    /// of that particle. If several particles do, the others are in [`Island::also`].
     ///
     /// # Errors
     /// The engine fails, or the island costs more than the classical algorithm would.
@@ -99,28 +101,30 @@ pub trait Solve: Sync {
     ) -> Result<Option<usize>, GivenUp>;
 }
 
-/// Number of searches between two sorts of the store. Particles move by a small fraction of a cell in each.
+/// Number of searches for touches between two sorts of the store. Between two searches particles move by a small
+/// fraction of a cell.
 const WINDOWS_PER_SORT: u64 = 32;
 
-/// Largest number of particles of an island for which a list of all its pairs pays.
+/// Largest number of particles of an island for which a list of all pairs costs less than uniform steps.
 pub const LARGEST_ISLAND: usize = 200;
 
 /// Number of members beyond which an island is too large for a long part of a window. Each step of an island checks all
-/// of its pairs, so the cost grows with the square of the number of members. The part is then halved, up to [`SHORTER`]
-/// times.
+/// of its pairs, so the cost grows with the square of the number of members. If an island is too large, the part is
+/// halved, up to [`SHORTER`] times.
 const LARGE_ISLAND: usize = 48;
 
-/// Number of times that a part with too large islands is halved before the classical algorithm is used for this window.
+/// Number of times that a part of a window with too large islands is halved before the classical algorithm moves all
+/// particles.
 const SHORTER: i32 = 3;
 
 /// Number of islands in a piece of parallel work. It is fixed, so that results do not depend on the number of threads.
 const BATCH: usize = 64;
 
-/// Method that moves particles part by part of a window, with a solver for the islands.
+/// Moves particles through a window in parts, by finding islands and solving them.
 pub struct Islands<C> {
-    /// Clock that measures the time of the search and of the flight.
+    /// Clock that measures the wall-clock time of searches and flights.
     pub clock: Clock,
-    /// Wall-clock time spent so far.
+    /// Wall-clock time spent on islands so far.
     pub spent: EngineTimes,
     pub(super) counters: IslandCounters,
     /// Indices of the particles that were in islands in the last part of a window.
@@ -151,8 +155,8 @@ impl<C: Copy + Send + Sync + Serialize + DeserializeOwned> Islands<C> {
         self.counters
     }
 
-    /// Continues from the given counts and times. The time of the next sort of the store depends on the counts; islands
-    /// keep no other state.
+    /// Continues a stored run with the given counts and times. The time of the next sort of the store depends on the
+    /// counts. Islands keep no other state between windows.
     pub fn resume(&mut self, counters: IslandCounters, spent: EngineTimes) {
         (self.counters, self.spent) = (counters, spent);
     }
@@ -177,7 +181,7 @@ impl<C: Copy + Send + Sync + Serialize + DeserializeOwned> Islands<C> {
         self.speeds_seen_from(along_walls(work.scene, mean), work, population)
     }
 
-    /// Summary of the velocities of all particles, relative to a frame [m/s].
+    /// Summary of the velocities of all particles of the run, relative to a frame with the velocity `frame` [m/s].
     fn speeds_seen_from(&self, frame: Vector3<f64>, work: &Work<C>, population: &PopulationSummary) -> SpeedSummary {
         let (mut squares, largest) = work.particles.square_speeds_and_largest(frame);
         let mut largest = [largest];
@@ -187,8 +191,8 @@ impl<C: Copy + Send + Sync + Serialize + DeserializeOwned> Islands<C> {
         SpeedSummary { frame, mean, largest: largest[0] }
     }
 
-    /// Moves all particles for as long as islands are cheaper than the classical algorithm. Returns the simulated time
-    /// [s] for which this was so; in a dilute scene it is the whole window.
+    /// Moves all particles through a window for as long as islands cost less than the classical algorithm. Returns the
+    /// simulated time [s] covered in this way. In a dilute scene it is the whole window.
     ///
     /// # Errors
     /// A velocity is not a number. If the engine fails in an island, the function only returns early. The classical
@@ -213,7 +217,7 @@ impl<C: Copy + Send + Sync + Serialize + DeserializeOwned> Islands<C> {
                 self.processes.assemble(solver, work, &mut self.members);
                 return Err(super::not_a_number(work.particles, window.start + done));
             }
-            // contacts are copied into a crowd and back; only engines that take crowds have many of them
+            // contacts are copied into a crowd and back; they are many only in engines that take crowds
             let held = if solver.takes_crowds() { self.processes.held(work.lasting.len()) } else { 0 };
             let limits = PartLimits { left, fallback_cost: *fallback_cost, held, costs: S::Finder::COSTS };
             let Some(cheapest) = cheapest_part(population, &work.scene.domain, &speeds, &limits) else { break };
@@ -232,7 +236,7 @@ impl<C: Copy + Send + Sync + Serialize + DeserializeOwned> Islands<C> {
                 }
                 part = (0.5 * part).max(shortest);
             };
-            // a part that was too long now would be too long again
+            // a length that was too long for this part would be too long again
             longest = if S::Finder::KEEPS_SHORTER { part } else { longest };
             if !moved {
                 break;
@@ -256,8 +260,8 @@ impl<C: Copy + Send + Sync + Serialize + DeserializeOwned> Islands<C> {
         self.spent.neighbours += self.clock.now() - began;
     }
 
-    /// Moves all particles through a part of a window. Returns false, and moves nothing, if an island is too large or
-    /// the engine fails.
+    /// Moves all particles through a part of a window. Returns false, and changes no position or velocity, if an island
+    /// is too large or the engine fails.
     fn part<S: Solve<Carried = C>>(
         &mut self,
         solver: &S,
@@ -299,7 +303,7 @@ impl<C: Copy + Send + Sync + Serialize + DeserializeOwned> Islands<C> {
         }
     }
 
-    /// Writes the results of all islands into the store, and moves all other particles along straight lines.
+    /// Writes the results of all islands into the store, and moves all other particles on straight lines.
     fn write_back(&mut self, work: &mut Work<C>, piece: &WindowPiece, landing: &Landing, batches: &[Batch<C>]) {
         let (gravity, &WindowPiece { elapsed, part, .. }) = (work.scene.gravity, piece);
         let (fall, fallen) = (gravity * (part * (elapsed + 0.5 * part)), gravity * (elapsed + part));
@@ -318,7 +322,7 @@ impl<C: Copy + Send + Sync + Serialize + DeserializeOwned> Islands<C> {
         }
     }
 
-    /// Finds all touches on straight flights in the next part, for particles in `region`.
+    /// Finds all touches on straight flights in the next part of the window, for the particles in `region`.
     fn find(&mut self, work: &Work<C>, region: Region, piece: &WindowPiece) -> Vec<FirstTouch> {
         let began = self.clock.now();
         let span = SearchInterval::new(work.scene, piece.elapsed, piece.part);

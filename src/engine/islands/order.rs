@@ -1,12 +1,13 @@
-//! Sorting of the particles in the store, and of the state carried from one window to the next, such as contacts.
+//! Sorting of the particles in the store, and of the state carried from one part of a window to the next, such as
+//! contacts.
 
 use super::{Solve, search};
 use crate::encounter::Other;
 use crate::engine::distributed::Processes;
 use crate::engine::driver::Work;
 
-/// Sorts the carried state by the ids of its particles and by walls. Its order then does not depend on that of the
-/// store.
+/// Sorts the carried state (such as contacts) by the ids of its particles and by walls. Its order then does not depend
+/// on the order of particles in the store.
 pub fn in_order<S: Solve>(solver: &S, work: &mut Work<S::Carried>) {
     let id = &work.particles.id;
     work.lasting.sort_by_cached_key(|carried| {
@@ -16,11 +17,11 @@ pub fn in_order<S: Solve>(solver: &S, work: &mut Work<S::Carried>) {
         };
         (S::places(carried).map(|place| place.map(|place| id[place as usize])), wall)
     });
-    // state that involves only borrowed particles may have been received from several processes
+    // several processes may have sent state that involves only ghost particles (copies of particles of other processes)
     work.lasting.dedup_by_key(|carried| (S::places(carried), solver.touching(carried)));
 }
 
-/// Sorts the particles in the store by cells, so that neighbours in space are near in memory.
+/// Sorts the particles in the store by cells, so that particles near in space are near in memory.
 pub fn sort<S: Solve>(work: &mut Work<S::Carried>, processes: &mut Processes<S::Carried>) {
     let domain = &work.scene.domain;
     work.particles.wrap(domain);

@@ -1,13 +1,14 @@
-//! Rounds in which islands (groups of particles that may meet) are solved, until none has met an unexpected particle or
-//! speed.
+//! Rounds in which islands (groups of particles that may meet) are solved. The rounds end when no island has met an
+//! unexpected particle or speed.
 
 use super::batch::{Batch, GivenUp, IslandResult, Retry, Task, Workbench};
 use super::cluster::IslandFinder;
 use super::{BATCH, IslandCounters, Solve};
 use crate::work_sharing;
 
-/// Solves all islands, and solves those again that met an unexpected particle or speed. Returns `None` if an island is
-/// too large, or if the engine fails in one. The counts include the islands whose leading particle satisfies `mine`.
+/// Solves all islands, and solves those again that met a particle outside the island or an unexpected speed. Returns
+/// `None` if an island is too large, or if the engine fails in one. Only islands whose leading particle satisfies
+/// `mine` are counted.
 pub fn solve_all<S: Solve>(
     islands: &mut S::Finder<'_>,
     task: &Task<S>,
@@ -46,7 +47,7 @@ pub fn solve_all<S: Solve>(
                     }
                     Ok(stops) => Retry::Stops(stops),
                     Err(GivenUp::TooExpensive) if task.solver.takes_crowds() => Retry::Crowd,
-                    // the classical algorithm then stops at the time of the failure
+                    // the caller then uses the classical algorithm, which stops at the time of the failure
                     Err(_) => return None,
                 };
                 counts.redone += u64::from(counted);

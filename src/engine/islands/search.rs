@@ -1,5 +1,5 @@
-//! Search for hot particles, which are those that touch something on their straight flight in a part of a window. Every
-//! pair that is near enough is checked once.
+//! Search for hot particles, which are those that touch something on their straight flight in a part of a window (the
+//! time between two exchanges of momentum with the gas). Every pair that is near enough is checked once.
 
 use crate::domain::Domain;
 use crate::encounter::{AtWall, Couple, FrameTime, may_meet};
@@ -18,10 +18,10 @@ use std::num::NonZeroU32;
 /// Number of rows of cells in a piece of parallel work.
 const ROWS: usize = 16;
 
-/// Number of pairs that are collected before their particles are read from the store.
+/// Number of pairs that are collected before the data of their particles are read from the store.
 const BATCH: usize = 64;
 
-/// A ball that contains a particle throughout its straight flight, relative to the frame of the search.
+/// A ball. It contains a particle throughout its straight flight, relative to the moving frame of the search.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct BoundingSphere {
     /// Centre of the ball [m]: the middle of the flight, inside the box along periodic axes.
@@ -31,7 +31,8 @@ pub struct BoundingSphere {
 }
 
 impl BoundingSphere {
-    /// Ball that contains particle `i` during a flight of `part` [s].
+    /// Ball that contains particle `i` during a flight of `part` [s], relative to a frame with the velocity `frame`
+    /// [m/s].
     #[inline]
     pub fn of(particles: &Particles, i: usize, domain: &Domain, frame: Vector3<f64>, part: f64) -> Self {
         let half = (particles.velocity[i] - frame) * (0.5 * part);
@@ -54,28 +55,29 @@ pub struct FirstTouch {
     pub place: u32,
     /// Index of the other particle; `None` for a wall.
     pub other: Option<u32>,
-    /// Time of the touch [s] since the start of the part of the window.
+    /// Time [s] of the touch since the start of the part of the window.
     pub time: f64,
 }
 
-/// Touches that a search has found, and its cost.
+/// Touches that a search has found, and the number of checks.
 pub struct SearchResult {
     /// Touches, in the cell order of the first particle.
     pub touches: Vec<FirstTouch>,
-    /// Number of pairs, and of particles and walls, checked.
+    /// Number of pairs, and of particles with walls, that were checked.
     pub checks: u64,
 }
 
-/// Straight flights of the particles in a part of a window, sorted into cells.
+/// Straight flights of all particles in a part of a window, sorted into cells.
 #[derive(Default)]
 pub struct Search {
     pub levels: SizeLevels,
     /// Region that contains the particles.
     pub region: Region,
-    /// Ball that contains the flight of each particle, by index.
+    /// Ball that contains the straight flight of each particle, by particle index.
     pub flights: Vec<BoundingSphere>,
     packed: PackedBalls,
-    /// Label of each hot particle by index; `None` for other particles, and for all between windows.
+    /// Label of each hot particle (member of an island), by particle index. It is `None` for other particles, and for
+    /// all particles between windows.
     pub label: Vec<Option<Label>>,
     /// Search structure for the walls near a point, from the last search.
     pub near_walls: NearWalls,
@@ -84,7 +86,7 @@ pub struct Search {
     beside_walls: Vec<Vec<u32>>,
 }
 
-/// Number of a hot particle among the members of all islands. `Option<Label>` takes no more memory than a number.
+/// Number of a hot particle among the members of all islands, stored as an optional label in four bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Label(NonZeroU32);
 
@@ -106,9 +108,9 @@ pub fn cell_order(particles: &Particles, region: &Region) -> Vec<u32> {
     CellGrid::new(&particles.position, region, spacing).1
 }
 
-/// Appends the touches of pairs within `part` [s], in the order of the pairs, and clears the list of pairs. All pairs
-/// are read from the store before any is checked in detail: otherwise the processor would wait for memory at every
-/// pair.
+/// Appends the touches of pairs within `part` [s], in the order of the pairs, and clears the list of pairs. All
+/// particles are read from the store before any pair is checked in detail: otherwise the processor would wait for
+/// memory at every pair.
 fn touches_of(
     pairs: &mut Vec<(u32, u32)>,
     (particles, scene): (&Particles, &Scene),
@@ -130,8 +132,8 @@ fn touches_of(
 }
 
 impl Search {
-    /// Computes the flights during `span`, and sorts them into cells by their middles, which are in `region`. Positions
-    /// must be inside the box.
+    /// Computes the flights of all particles during `span`, and sorts them into cells by their middles, which must be
+    /// in `region`. Positions must be inside the box.
     pub fn build(
         &mut self,
         particles: &Particles,
@@ -184,7 +186,7 @@ impl Search {
         });
     }
 
-    /// Finds all touches on straight flights during `span`.
+    /// Finds all touches of particles with one another and with walls on straight flights during `span`.
     pub fn hot(&self, particles: &Particles, scene: &Scene, span: &SearchInterval) -> SearchResult {
         let part = span.part;
         let rows = self.levels.rows();
@@ -224,14 +226,16 @@ impl Search {
         found.touches.extend(parts.iter().flatten());
     }
 
-    /// Time [s] of the first touch of a flight with a wall, before the end of the span; `None` without a touch.
+    /// Time [s] of the first touch of particle `i` with a wall on its flight, within the interval; `None` without a
+    /// touch.
     fn touch_of_wall(&self, particles: &Particles, scene: &Scene, span: &SearchInterval, i: usize) -> Option<f64> {
         let SearchInterval { elapsed, part, falls } = *span;
         let spot = &self.flights[i];
-        // position not wrapped into the box, as walls require; with flat walls only, the store is not read for it
+        // this position is not wrapped into the box, as walls require; with flat walls only, it is not read from the
+        // store
         let way = || particles.position[i] + particles.velocity[i] * (0.5 * part);
         let look = |(wall, shape): (usize, &Wall)| {
-            // the frame moves along planes, so the ball of the flight has the right distance from them; for other
+            // the frame moves along planes, so the ball of the flight has the right distance from planes; for other
             // shapes the path relative to the frame at rest is used
             let reach = spot.reach + falls;
             let geometry = &shape.geometry;
@@ -268,7 +272,7 @@ pub struct SearchInterval {
     /// Length of the interval [s].
     part: f64,
     /// Upper limit [m] of the distance by which gravity moves a particle away from its straight flight during the
-    /// interval. It is equal for all particles, so it is computed only once.
+    /// interval. The limit is equal for all particles, so it is computed only once.
     falls: f64,
 }
 

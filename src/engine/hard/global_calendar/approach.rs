@@ -1,47 +1,49 @@
-//! Test whether neighbours approach a particle, for four neighbours at the same time.
+//! Test whether neighbours approach a particle, for four neighbours at the same time. It is part of the prediction of
+//! collisions by the event queue of all particles (the calendar).
 //!
-//! If the processor has vectors of four numbers (AVX2, tested at run time), the code uses them. Otherwise the same
-//! operations are done one by one in the same order, so that the bits are equal.
+//! If the processor has vectors of four numbers (AVX2, tested at run time), the code uses them. Otherwise it does the
+//! same operations one by one in the same order, so that both results have equal bits.
 
 use super::next_events::FlightState;
 use crate::domain::Domain;
 use nalgebra::Vector3;
 
-/// Data of a particle whose neighbours are tested.
+/// Data of the particle whose neighbours are tested.
 pub struct ObservingParticle<'a> {
     /// Position [m] of the particle.
     pub here: Vector3<f64>,
     /// Velocity [m/s] of the particle.
     pub velocity: Vector3<f64>,
-    /// Present time [s] since the epoch, from which the calendar counts times.
+    /// Present time [s] since the epoch, the instant from which the calendar counts times.
     pub now: f64,
-    /// True if no periodic side lies between the particle and its neighbours.
+    /// True if no periodic side lies between the particle and any of its neighbours.
     pub inside: bool,
-    /// The box, for its periodic sides.
+    /// The box of the scene, with its periodic sides.
     pub domain: &'a Domain,
 }
 
-/// Relative motion of the particle and four neighbours.
+/// Relative motion of the particle and four neighbours; each array has one value per neighbour.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FourNeighbours {
     /// [m²/s] half the rate at which the squared distance decreases.
     pub closing: [f64; 4],
-    /// [m²] squared distance of the centres minus the squared distance at touch.
+    /// [m²] squared distance of the centres minus the squared distance at which the particles touch.
     pub gap: [f64; 4],
     /// [m⁴/s²] discriminant of the equation for the time of touch; negative if there is no touch.
     pub discriminant: [f64; 4],
 }
 
-/// Values of a function for the numbers 0 to 3.
+/// Array of the values f(0) to f(3).
 #[inline(always)]
 fn each(f: impl Fn(usize) -> f64) -> [f64; 4] {
     [f(0), f(1), f(2), f(3)]
 }
 
 impl ObservingParticle<'_> {
-    /// Computes the relative motion of four neighbours; `touch` [m²] contains the squared distances at touch. Also
-    /// returns a bit mask of those that approach, will touch, and may do so within half of `soon` [s]. A touch occurs
-    /// no sooner than after gap/(2 closing). A particle does not approach itself.
+    /// Computes the relative motion of the particle and four neighbours; `touch` [m²] contains the squared distances of
+    /// the centres at touch. Also returns a bit mask, in which a bit is set for each neighbour that will touch the
+    /// particle and may do so within half of `soon` [s]. A touch cannot occur before the time gap/(2 closing). No bit
+    /// is set for the particle itself.
     #[inline(always)]
     pub fn one_by_one(&self, others: &[&FlightState; 4], touch: &[f64; 4], soon: f64) -> (FourNeighbours, u32) {
         let since = each(|k| self.now - others[k].time);
@@ -76,19 +78,20 @@ pub mod wide {
     use pulp::x86::V3;
     use std::arch::x86_64::{__m256d, _CMP_GE_OQ, _CMP_GT_OQ, _CMP_LE_OQ, _CMP_LT_OQ};
 
-    /// Data of the particle, each value repeated four times in a vector.
+    /// Data of the particle whose neighbours are tested, each value repeated four times in a vector.
     pub struct Wide {
         simd: V3,
         here: [__m256d; 3],
         velocity: [__m256d; 3],
         now: __m256d,
         soon: __m256d,
-        /// Edges of the box and half of them; `None` if no periodic side lies between the particle and its neighbours.
+        /// [m] edges of the box and half of them; `None` if no periodic side lies between the particle and its
+        /// neighbours.
         sides: Option<([__m256d; 3], [__m256d; 3])>,
     }
 
     impl Wide {
-        /// Copies the data of `view`; `soon` [s] is as in [`ObservingParticle::one_by_one`].
+        /// Copies the data of `view` into vectors; `soon` [s] is defined as in [`ObservingParticle::one_by_one`].
         #[inline(always)]
         pub fn new(simd: V3, view: &ObservingParticle, soon: f64) -> Self {
             let domain = view.domain;
@@ -102,7 +105,7 @@ pub mod wide {
             }
         }
 
-        /// Columns of four rows (a transposition).
+        /// Columns of a matrix that is given by its four rows (a transposition).
         #[inline(always)]
         fn columns(&self, rows: [__m256d; 4]) -> [__m256d; 4] {
             let (avx, [a, b, c, d]) = (self.simd.avx, rows);
@@ -116,7 +119,7 @@ pub mod wide {
             ]
         }
 
-        /// Separations [m] along an axis from four neighbours to the particle, by the nearest image, and relative
+        /// Separations [m] along an axis, from four neighbours to the nearest images of the particle, and relative
         /// velocities [m/s].
         #[inline(always)]
         fn relative(&self, axis: usize, there: __m256d, theirs: __m256d, since: __m256d) -> (__m256d, __m256d) {
@@ -140,8 +143,8 @@ pub mod wide {
             avx._mm256_add_pd(xy, avx._mm256_mul_pd(a[2], b[2]))
         }
 
-        /// Relative motion of four neighbours, and a bit mask of those that may touch soon; as
-        /// [`ObservingParticle::one_by_one`], with vector instructions.
+        /// Computes with vector instructions the relative motion of four neighbours, and the bit mask of those that may
+        /// touch soon, as [`ObservingParticle::one_by_one`] does.
         #[inline(always)]
         pub fn at_once(&self, others: &[&FlightState; 4], touch: &[f64; 4]) -> (FourNeighbours, u32) {
             let (avx, [a, b, c, d]) = (self.simd.avx, *others);
@@ -166,20 +169,20 @@ pub mod wide {
         }
     }
 
-    /// One vector per axis, which contains that component four times.
+    /// One vector per axis, which contains the component of `x` along that axis four times.
     #[inline(always)]
     fn axes(simd: V3, x: &Vector3<f64>) -> [__m256d; 3] {
         [simd.avx._mm256_set1_pd(x.x), simd.avx._mm256_set1_pd(x.y), simd.avx._mm256_set1_pd(x.z)]
     }
 
-    /// Position of a particle at the time of its flight state, and that time.
+    /// Position [m] of a particle at the time of its flight state, and that time [s], in one vector.
     #[inline(always)]
     fn place(body: &FlightState) -> __m256d {
         let x = &body.position;
         pulp::cast([x.x, x.y, x.z, body.time])
     }
 
-    /// Velocity of a particle.
+    /// Velocity [m/s] of a particle, in one vector.
     #[inline(always)]
     fn speed(body: &FlightState) -> __m256d {
         let u = &body.velocity;
@@ -194,7 +197,8 @@ mod tests {
     use rand::{RngExt, SeedableRng};
     use rand_xoshiro::Xoshiro256PlusPlus;
 
-    /// Checks that both versions give equal bits, near periodic sides and away from them.
+    /// Checks that the version with vectors and the one without give equal bits, near periodic sides and away from
+    /// them.
     #[test]
     fn vectors_of_four_give_the_bits_of_one_by_one() {
         let Some(simd) = pulp::x86::V3::try_new() else { return };

@@ -1,33 +1,33 @@
-//! Many bins of particle indices, most of which contain few. A bin is a chain of leaves (blocks of six indices) in one
-//! list; free leaves are used again.
+//! Many bins of particle indices, most of which contain few indices. A bin is a chain of leaves (blocks of six
+//! indices). The leaves of all bins are stored in one list; free leaves are used again.
 
 use prefetch_index::prefetch_index;
 use std::iter::successors;
 use std::num::NonZeroU32;
 
-/// Number of a leaf plus one; `None` if no leaf follows.
+/// Link to a leaf: its number in the list of leaves, plus one; `None` if no leaf follows.
 type BinLink = Option<NonZeroU32>;
 
-/// Some indices of one bin, in half a cache line.
+/// A block of up to six indices of one bin, in half a cache line.
 #[derive(Clone, Copy, Debug)]
 struct Leaf {
     places: [u32; 6],
     count: u32,
-    /// The next leaf of the bin, or the next free leaf.
+    /// Link to the next leaf of the bin, or to the next free leaf.
     next: BinLink,
 }
 
-/// Bins that contain particle indices.
+/// Bins that contain particle indices; the event queue has one bin per interval of time.
 #[derive(Clone, Debug, Default)]
 pub struct Bins {
-    /// The first leaf of each bin; only this leaf may have free entries.
+    /// Link to the first leaf of each bin; only this leaf may have free entries.
     first: Vec<BinLink>,
     leaves: Vec<Leaf>,
     free: BinLink,
 }
 
 impl Bins {
-    /// Makes `count` empty bins.
+    /// Makes `count` empty bins, and discards all earlier content.
     pub fn reset(&mut self, count: usize) {
         self.first.clear();
         self.first.resize(count, None);
@@ -40,7 +40,7 @@ impl Bins {
         self.first.len()
     }
 
-    /// Adds an index to a bin.
+    /// Adds the particle index `place` to a bin.
     #[inline]
     pub fn put(&mut self, bin: usize, place: u32) {
         let link = self.first[bin];
@@ -55,7 +55,7 @@ impl Bins {
         self.first[bin] = Some(self.keep(leaf));
     }
 
-    /// Stores a leaf in a free position, or at the end of the list.
+    /// Stores a leaf in a free position of the list of leaves, or at its end. Returns the link to the leaf.
     fn keep(&mut self, leaf: Leaf) -> NonZeroU32 {
         match self.free {
             Some(one) => {
@@ -75,7 +75,7 @@ impl Bins {
         }
     }
 
-    /// The indices in a bin.
+    /// The particle indices in a bin.
     pub fn places(&self, bin: usize) -> impl Iterator<Item = u32> {
         let leaf = |link: BinLink| link.map(|one| &self.leaves[one.get() as usize - 1]);
         let leaves = successors(leaf(self.first[bin]), move |last| leaf(last.next));
@@ -89,7 +89,7 @@ impl Bins {
         }
     }
 
-    /// Empties a bin, and calls `each` with its indices.
+    /// Removes all indices from a bin, and calls `each` with every index.
     pub fn empty(&mut self, bin: usize, mut each: impl FnMut(u32)) {
         let mut link = self.first[bin].take();
         while let Some(one) = link {

@@ -1,14 +1,14 @@
-//! Grid of cells over the domain that contains the centres of shells. A shell is a ball within which a particle may
-//! move before its neighbours are searched again.
+//! Grid of cells over the domain, into which the centres of shells are sorted. A shell is a ball within which a
+//! particle may move before its neighbours are searched again.
 
 use crate::domain::Domain;
 use nalgebra::Vector3;
 use std::num::NonZeroU32;
 
-/// [-] bound on the rounding error of shell centres and periods in single precision, over the size of the box.
+/// [-] bound on the rounding error of shell centres and periods in single precision, divided by the size of the box.
 pub const ROUNDING: f64 = 1e-6;
 
-/// Grid of cells with the centres of shells, which are updated one by one.
+/// Grid of cells with the centres of shells. A centre can be moved to another cell without sorting all others again.
 #[derive(Clone, Debug, Default)]
 pub struct ShellGrid {
     count: [usize; 3],
@@ -17,28 +17,28 @@ pub struct ShellGrid {
     per_length: Vector3<f64>,
     /// [m] edges of a cell.
     edge: [f32; 3],
-    /// [m] edges of the box, and half of them; half is infinite along axes that are not periodic.
+    /// [m] edges of the box, and half of them; half an edge is infinite along axes that are not periodic.
     period: [f32; 3],
     half: [f32; 3],
     /// [m] bound on the error of distances in single precision.
     rounding: f32,
-    /// Link to the first centre in each cell.
+    /// Link to the first shell centre in each cell.
     first: Vec<CellLink>,
-    /// Centres of the shells, by particle index.
+    /// Centre of the shell of each particle, by particle index.
     spots: Vec<CellEntry>,
 }
 
-/// A particle index plus one; `None` ends a list.
+/// Link in the list of a cell: a particle index plus one; `None` at the end of the list.
 type CellLink = Option<NonZeroU32>;
 
-/// Centre of a shell [m] in single precision, and link to the next centre in the same cell.
+/// Centre [m] of a shell in single precision, and link to the next centre in the same cell.
 #[derive(Clone, Copy, Debug, Default)]
 struct CellEntry {
     centre: [f32; 3],
     next: CellLink,
 }
 
-/// Link to a particle index.
+/// Makes a link to a particle index.
 fn link(place: u32) -> CellLink {
     NonZeroU32::new(place + 1)
 }
@@ -55,7 +55,7 @@ pub fn widened(x: &[f32; 3]) -> Vector3<f64> {
 }
 
 impl ShellGrid {
-    /// Makes a grid without centres, for `particles` particles and with cell edges of at least `edge` [m].
+    /// Makes an empty grid for `particles` particles, whose cells have edges of at least `edge` [m].
     pub fn new(domain: &Domain, edge: f64, particles: usize) -> Self {
         // limits the number of cells by the number of particles, even in a nearly empty box
         let most = (particles as f64).cbrt().ceil() + 3.0;
@@ -80,8 +80,8 @@ impl ShellGrid {
         }
     }
 
-    /// Coordinates of the cell that contains a point. Beyond a side that is not periodic, it is the nearest cell, so
-    /// that neighbours remain in neighbouring cells.
+    /// Numbers along the three axes of the cell that contains a point [m]. For a point beyond a side that is not
+    /// periodic, it is the nearest cell, so that neighbours remain in neighbouring cells.
     fn coordinates(&self, x: &Vector3<f64>) -> [usize; 3] {
         std::array::from_fn(|axis| ((x[axis] * self.per_length[axis]) as usize).min(self.count[axis] - 1))
     }
@@ -91,14 +91,14 @@ impl ShellGrid {
         c[0] + self.count[0] * (c[1] + self.count[1] * c[2])
     }
 
-    /// Adds the centre of a particle's shell to its cell.
+    /// Adds the centre [m] of a particle's shell to its cell.
     pub fn put(&mut self, place: u32, centre: [f32; 3]) {
         let cell = self.of(&widened(&centre));
         self.spots[place as usize] = CellEntry { centre, next: self.first[cell] };
         self.first[cell] = link(place);
     }
 
-    /// Moves the centre of a particle's shell from `old` to `new` [m].
+    /// Moves the centre [m] of a particle's shell from `old` to `new`.
     pub fn change(&mut self, place: u32, old: [f32; 3], new: [f32; 3]) {
         let (from, to) = (self.of(&widened(&old)), self.of(&widened(&new)));
         if from == to {
@@ -122,9 +122,9 @@ impl ShellGrid {
         self.put(place, new);
     }
 
-    /// Up to three coordinates along an axis: those of a cell and of its neighbours. Each is followed by the smallest
-    /// distance [m] of that cell from a point in the first cell. `from_side` [m] is the distance of the point from the
-    /// lower side of its cell.
+    /// Numbers along an axis of a cell and of its neighbours: up to three. Each is followed by the smallest distance
+    /// [m] of that cell from a point in the first cell. `from_side` [m] is the distance of that point from the lower
+    /// side of its cell.
     fn beside(&self, axis: usize, at: usize, from_side: f32) -> ([(usize, f32); 3], usize) {
         let n = self.count[axis];
         if n == 1 {
@@ -149,8 +149,8 @@ impl ShellGrid {
         list
     }
 
-    /// Appends the shells near a centre as [`near`](Self::near) does, but for a reach of any length. It is used for a
-    /// large shell in the grid of small ones.
+    /// Appends to `found` all indices whose centres may be within `reach` [m] of `centre`, as [`near`](Self::near)
+    /// does. Here `reach` may exceed a cell edge: the function is used for a large shell in the grid of small ones.
     pub fn near_by_far(&self, centre: &Vector3<f64>, reach: f64, found: &mut Vec<u32>) -> u64 {
         let here = rounded(centre);
         let reach = reach as f32 + self.rounding;
@@ -189,7 +189,8 @@ impl ShellGrid {
             std::array::from_fn(|axis| self.beside(axis, at[axis], here[axis] - at[axis] as f32 * self.edge[axis]));
         let reach = reach as f32 + self.rounding;
         let square = reach * reach;
-        // centres are assigned to cells by rounded positions, and the sides of cells are rounded too
+        // centres are assigned to cells by rounded positions, and the sides of cells are rounded too, so the limit is
+        // increased
         let farthest = (reach + self.rounding) * (reach + self.rounding);
         let mut checks = 0;
         for &(z, z_apart) in &zs[..nz] {
@@ -205,9 +206,10 @@ impl ShellGrid {
         checks
     }
 
-    /// Appends to `found` the indices of centres in a cell whose squared distance [m²] from `here` is at most `square`.
-    /// Returns the number of centres in the cell. Each index is written, and overwritten by the next one if it is not
-    /// wanted. About half are wanted, so the processor would often mispredict a branch.
+    /// Appends to `found` the indices of the centres in a cell whose squared distance from `here` [m] is at most
+    /// `square` [m²]. Returns the number of centres in the cell. To avoid a branch, every index is written, and an
+    /// unwanted one is overwritten by the next. About half are wanted, so the processor would often mispredict a
+    /// branch.
     #[inline]
     fn within(&self, cell: usize, here: [f32; 3], square: f32, found: &mut Vec<u32>) -> u64 {
         let (mut end, mut checks, mut at) = (found.len(), 0, self.first[cell]);

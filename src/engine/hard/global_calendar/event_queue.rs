@@ -1,24 +1,25 @@
-//! Event queue of all particles: near events are sorted, later ones are in unsorted bins.
+//! Event queue of all particles. Events of the near future are sorted, later ones are in unsorted bins.
 //!
 //! The queue contains one event per particle, whose time is stored in [`NextEvents`]. Bins cover equal intervals of
-//! time, and contain only particle indices. Outdated entries are not removed from bins. When the time of a bin comes,
-//! entries whose event is no longer in it are skipped, and the others are sorted.
+//! time, contain only particle indices, and form a ring that is used again and again. If the event of a particle
+//! changes, its outdated entry is not removed from its bin. When the time of a bin comes, outdated entries are skipped,
+//! and the others are sorted.
 
 use super::bins::Bins;
 use super::next_events::NextEvents;
 use prefetch_index::prefetch_index;
 use std::cmp::Ordering;
 
-/// Approximate number of events per bin: few enough for cheap insertion, and enough that there are few bins.
+/// Intended number of events per bin. It is small enough for cheap insertion, and large enough that there are few bins.
 const PER_BIN: usize = 32;
 
-/// Number of particles per bin of the ring.
+/// Number of particles per bin of the ring, which determines the number of bins.
 const PARTICLES_PER_BIN: usize = 8;
 
-/// An event of the present bin: its time, and the index of the particle.
+/// An event in the sorted list of near events: its time, and the index of its particle.
 #[derive(Clone, Copy, Debug)]
 struct QueuedEvent {
-    /// Time [s] of the event since the epoch, from which the calendar counts times.
+    /// Time [s] of the event since the epoch, the instant from which the calendar counts times.
     time: f64,
     place: u32,
 }
@@ -31,7 +32,7 @@ impl QueuedEvent {
     }
 }
 
-/// Next events and ids of all particles, by index.
+/// Next events and ids of all particles, by particle index.
 #[derive(Clone, Copy)]
 pub struct EventTable<'a> {
     /// Next events of each particle.
@@ -48,25 +49,27 @@ impl EventTable<'_> {
     }
 }
 
-/// Event queue of all particles: sorted near events, and bins of later ones.
+/// Event queue of all particles: a sorted list of near events, and bins of later ones.
 #[derive(Clone, Debug, Default)]
 pub struct EventQueue {
-    /// Events in the present bin or earlier, the earliest at the end of the list.
+    /// Events in the present bin or earlier, sorted by time with the earliest at the end of the list.
     near: Vec<QueuedEvent>,
     /// Ring of bins of equal length in time, which contain particle indices.
     bins: Bins,
-    /// Number of indices in all bins.
+    /// Number of indices in all bins, with outdated ones.
     filed: usize,
     /// Indices of particles whose events are more than one revolution of the ring ahead.
     later: Vec<u32>,
-    /// [1/s] number of bins per time.
+    /// [1/s] number of bins per unit of time.
     rate: f64,
-    /// Number of the present bin, counted from the epoch.
+    /// Number of the present bin, counted from the epoch; the position in the ring is this number modulo the number of
+    /// bins.
     current: u64,
 }
 
 impl EventQueue {
-    /// Queues all events earlier than `before` [s]; the present time is `now` [s], both since the epoch.
+    /// Fills the queue with all events earlier than `before` [s]; the present time is `now` [s]. Both are counted from
+    /// the epoch.
     pub fn fill(&mut self, book: EventTable, now: f64, before: f64) {
         let mut times = Vec::with_capacity(book.next_events.len());
         times.extend(book.next_events.iter().map(|card| card.time).filter(|time| *time < before));
@@ -93,7 +96,7 @@ impl EventQueue {
         (time * self.rate) as u64
     }
 
-    /// Position of the bin with number `bin` in the ring.
+    /// Position in the ring of the bin with number `bin`, counted from the epoch.
     #[inline]
     fn slot(&self, bin: u64) -> usize {
         (bin & (self.bins.count() as u64 - 1)) as usize
@@ -105,7 +108,7 @@ impl EventQueue {
         bin.saturating_sub(self.current) >= self.bins.count() as u64
     }
 
-    /// Queues the changed event of a particle; its time must be finite.
+    /// Adds the changed event of a particle to the queue; the time of the event must be finite.
     #[inline]
     pub fn file(&mut self, place: u32, book: EventTable) {
         let time = book.time(place);
@@ -127,7 +130,7 @@ impl EventQueue {
     }
 
     /// Removes the earliest event, and returns the index of its particle; `None` if no event is earlier than `before`
-    /// [s].
+    /// [s] since the epoch.
     #[inline]
     pub fn next(&mut self, book: EventTable, before: f64) -> Option<u32> {
         loop {
@@ -148,13 +151,14 @@ impl EventQueue {
         }
     }
 
-    /// Index of the particle whose event comes after `after` others; `None` if it is not in the present bin.
+    /// Index of the particle whose event is number `after` (from 0) in the order of time; `None` if it is not in the
+    /// sorted list.
     #[inline]
     pub fn upcoming(&self, after: usize) -> Option<u32> {
         self.near.len().checked_sub(after + 1).map(|at| self.near[at].place)
     }
 
-    /// Advances to the next bin; returns false if no event is queued.
+    /// Advances to the next bin and sorts its events; returns false if no event is queued.
     fn turn(&mut self, book: EventTable) -> bool {
         if self.filed == 0 {
             // continues with the first of the events that were too far ahead for the ring
@@ -185,7 +189,7 @@ impl EventQueue {
         true
     }
 
-    /// Prefetches the data of the next two turns: the events of the next bin, and the first leaf of the bin after it.
+    /// Prefetches into the cache the events of the next bin, and the first leaf of the bin after it.
     fn fetch_ahead(&self, book: EventTable) {
         self.bins
             .places(self.slot(self.current + 1))
@@ -193,7 +197,7 @@ impl EventQueue {
         self.bins.fetch(self.slot(self.current + 2));
     }
 
-    /// Queues those events again that were too far ahead for the ring.
+    /// Adds to the bins those events that were too far ahead for the ring and no longer are.
     fn refile(&mut self, book: EventTable) {
         let (count, mut kept) = (self.later.len(), 0);
         for k in 0..count {

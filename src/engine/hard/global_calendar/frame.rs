@@ -1,12 +1,12 @@
-//! Frame of reference of the calendar (the event queue of all particles). The frame falls with gravity, and moves with
-//! the mean velocity of the particles along the walls.
+//! Frame of reference of the calendar (the event queue of all particles). The frame falls with gravity. At the epoch,
+//! the instant from which times are counted, it moves with the mean velocity of the particles along the walls.
 
 use crate::walls::Flight;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Falling frame, in which flights are straight: x = x' + offset + u t + g t²/2, v = v' + u + g t. Primes denote values
-/// in the frame, and t is the time since the epoch, from which the calendar counts times.
+/// Falling frame, in which flights are straight. Positions are x = x' + offset + u t + g t²/2, and velocities are v =
+/// v' + u + g t. Primes denote values in the frame, and t is the time since the epoch.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct FallingFrame {
     /// Position of the frame's origin [m] at the epoch.
@@ -28,7 +28,7 @@ impl FallingFrame {
         self.velocity + self.gravity * time
     }
 
-    /// Flight relative to the scene of a body with `position` [m] and `velocity` [m/s] in this frame, at `time` [s]
+    /// Flight, relative to the scene, of a body with `position` [m] and `velocity` [m/s] in this frame at `time` [s]
     /// since the epoch.
     pub fn flight(&self, position: &Vector3<f64>, velocity: &Vector3<f64>, time: f64) -> Flight {
         Flight {
@@ -38,7 +38,7 @@ impl FallingFrame {
         }
     }
 
-    /// This frame with its epoch moved to `time` [s].
+    /// This frame described from a new epoch, which is `time` [s] after the old one.
     pub fn from(&self, time: f64) -> Self {
         Self { offset: self.origin(time), velocity: self.velocity_at(time), gravity: self.gravity }
     }

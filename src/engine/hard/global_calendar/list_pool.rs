@@ -1,20 +1,21 @@
-//! Memory blocks ("rooms") for neighbour lists, of different sizes in one long list. Free blocks are used again.
+//! Memory blocks ("rooms") for neighbour lists, of different sizes in one long array. Free blocks are used again.
 //!
-//! A particle's neighbour list grows and shrinks by one entry at a time. If sizes were powers of two, a quarter of the
-//! memory would be unused on average. With steps of four entries, one or two entries are unused. Above 64 entries the
-//! steps grow with the size, to at most an eighth of it, so that there are few different sizes.
+//! A particle's neighbour list grows and shrinks by one entry at a time. If the sizes of rooms were powers of two, a
+//! quarter of the memory would be unused on average. Sizes are multiples of four entries, so one or two entries are
+//! unused. Above 64 entries the steps from one size to the next grow, to at most an eighth of the size, so that there
+//! are few different sizes.
 
-/// Number of entries of the smallest step: this many neighbours are tested together.
+/// Number of entries by which the smallest rooms differ; this many neighbours are tested together.
 const STEP: u32 = 4;
 
-/// Number of steps in the smallest room, which is half a cache line.
+/// Number of steps of four entries in the smallest room, which fills half a cache line.
 const LEAST: u32 = 2;
 
-/// Number of sizes from one power of two to the next.
+/// Number of room sizes from one power of two to the next.
 const PER_OCTAVE: u32 = 8;
 
-/// Number of entries of a room with the size number `room`. Below twice [`PER_OCTAVE`] the size number is the number of
-/// steps. Above, there are eight sizes for each power of two.
+/// Number of entries of a room with the size number `room`. Below twice [`PER_OCTAVE`] the size number counts steps of
+/// four entries. Above, there are eight sizes for each power of two.
 #[inline]
 pub fn size(room: u8) -> u32 {
     let room = u32::from(room);
@@ -25,7 +26,7 @@ pub fn size(room: u8) -> u32 {
     }
 }
 
-/// Smallest size number of a room for `count` entries.
+/// Size number of the smallest room for `count` entries.
 #[inline]
 pub fn room_for(count: u32) -> u8 {
     let steps = count.div_ceil(STEP).max(LEAST);
@@ -37,10 +38,10 @@ pub fn room_for(count: u32) -> u8 {
     (PER_OCTAVE * doublings + steps.div_ceil(1 << doublings)) as u8
 }
 
-/// Free rooms, left by lists that moved to rooms of other sizes.
+/// Free rooms, left by neighbour lists that were moved to rooms of other sizes.
 #[derive(Clone, Debug, Default)]
 pub struct ListPool {
-    /// First entries of free rooms, by size number.
+    /// Index of the first entry of each free room, grouped by size number.
     free: Vec<Vec<u32>>,
 }
 
@@ -50,13 +51,13 @@ impl ListPool {
         self.free.clear();
     }
 
-    /// Adds a free room that begins at entry `first`.
+    /// Adds a free room of the size number `room` that begins at entry `first`.
     pub fn give(&mut self, room: u8, first: u32) {
         self.free.resize(self.free.len().max(usize::from(room) + 1), Vec::new());
         self.free[usize::from(room)].push(first);
     }
 
-    /// Removes a free room of the given size number, and returns its first entry; `None` if none is free.
+    /// Removes a free room of the size number `room`, and returns the index of its first entry; `None` if none is free.
     pub fn take(&mut self, room: u8) -> Option<u32> {
         self.free.get_mut(usize::from(room))?.pop()
     }

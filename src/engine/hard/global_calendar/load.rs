@@ -1,5 +1,5 @@
-//! Exchange between the particle store and the calendar (the event queue of all particles): reading particles, writing
-//! them back, and beginning new epochs. The *epoch* is the instant from which the calendar counts times.
+//! Exchange between the particle store and the calendar (the event queue of all particles). The calendar reads
+//! particles, writes them back, and begins new epochs. The *epoch* is the instant from which the calendar counts times.
 
 use super::cells::ROUNDING;
 use super::event_queue::{EventQueue, EventTable};
@@ -17,15 +17,15 @@ use nalgebra::Vector3;
 use std::cmp::Ordering;
 use std::f64::consts::{PI, SQRT_2};
 
-/// Number of times that the fastest particle may cross the box within an epoch. After that, times are so long that
-/// their rounding matters as much as that of positions.
+/// Number of times that the fastest particle may cross the box within an epoch. After longer times the rounding of
+/// times would matter as much as that of positions.
 const CROSSINGS: f64 = 8.0;
 
-/// Number of new shells per particle after which the store is sorted again. By then particles have moved away from
-/// their neighbours in memory.
+/// Number of new shells per particle after which the particles in the store are sorted again. By then particles have
+/// moved away from those that are near them in memory.
 const SORT_AFTER: u64 = 40;
 
-/// Difference between the store and the state that the calendar wrote to it.
+/// Type of change of the store since the calendar wrote its state to it.
 enum Change {
     /// No position or velocity has changed.
     None,
@@ -36,7 +36,8 @@ enum Change {
 }
 
 impl GlobalCalendar {
-    /// Reads changes of the particles since the last window, and queues the events of this window.
+    /// Prepares a time window: reads changes of the particles since the last window, and queues the events of this
+    /// window.
     pub(super) fn begin(&mut self, work: &mut Work<Recent>, window: Window, outdated: bool) -> Result<(), Failure> {
         let scene = work.scene;
         if !self.ready {
@@ -85,7 +86,7 @@ impl GlobalCalendar {
         change
     }
 
-    /// Present position [m], inside the box, and velocity [m/s] of a particle, relative to the scene.
+    /// Present position [m], shifted into the box, and velocity [m/s] of a particle, relative to the scene.
     fn seen(&self, place: usize, scene: &Scene) -> (Vector3<f64>, Vector3<f64>) {
         let body = &self.bodies[place];
         let position = body.position + body.velocity * (self.now - body.time);
@@ -93,14 +94,14 @@ impl GlobalCalendar {
         (scene.domain.wrap(&flight.position), flight.velocity)
     }
 
-    /// Writes the present positions and velocities to the store.
+    /// Writes the present positions and velocities of all particles to the store.
     pub(super) fn write(&self, particles: &mut Particles, scene: &Scene) {
         for place in 0..self.bodies.len() {
             (particles.position[place], particles.velocity[place]) = self.seen(place, scene);
         }
     }
 
-    /// Collision history of each particle, by id; empty if no history is known.
+    /// Collision history of each particle, by id; empty if no history is stored.
     fn history(&self, particles: &Particles, recently: Option<&[Recent]>) -> Vec<LastCollision> {
         let nothing = || vec![LastCollision::default(); particles.len()];
         match recently {
@@ -123,16 +124,16 @@ impl GlobalCalendar {
         }
     }
 
-    /// Frees the memory of all data that can be rebuilt from the store. Other data need it during a rebuild and after a
-    /// run.
+    /// Frees the memory of all data that can be rebuilt from the store. The memory is required for other data during a
+    /// rebuild and after a run.
     pub fn forget(&mut self) {
         (self.bodies, self.next_events, self.met) = (Vec::new(), Vec::new(), Vec::new());
         self.agenda = EventQueue::default();
         self.shells.forget();
     }
 
-    /// Reads all particles from the store, after sorting it along a curve through the box. `met` contains their
-    /// collision histories by id.
+    /// Reads all particles from the store, after sorting the store along a curve through the box. `met` contains the
+    /// collision histories of the particles by id.
     fn load(
         &mut self,
         particles: &mut Particles,
@@ -163,7 +164,7 @@ impl GlobalCalendar {
         self.bodies = (0..particles.len()).map(body).collect();
         self.shells.kinds = kinds;
         self.met = particles.id.iter().map(|&id| met.get(id as usize).copied().unwrap_or_default()).collect();
-        // frees the memory, since the following requires much
+        // frees the memory, since the following lines require much
         drop(met);
         self.ids.clone_from(&particles.id);
         self.next_events = vec![NextEvents::blank(); particles.len()];
@@ -208,8 +209,8 @@ impl GlobalCalendar {
         self.limit = CROSSINGS * crossing;
         let fall = across_walls(scene).norm();
         if fall > 0.0 {
-            // the frame must not fall towards walls much faster than the particles move; shells are enlarged by its
-            // fall until the end of the epoch
+            // the frame must not fall towards walls much faster than the particles move, since shells are enlarged by
+            // the distance that the frame falls until the end of the epoch
             let count = self.bodies.len().max(1) as f64;
             let square = self.bodies.iter().map(|body| body.velocity.norm_squared()).sum::<f64>() / count;
             let diameter = 2.0 * self.bodies.iter().map(|body| self.shells.radius(body)).sum::<f64>() / count;
@@ -218,11 +219,11 @@ impl GlobalCalendar {
         Ok(())
     }
 
-    /// Begins a new epoch: times are counted from the present time on.
+    /// Begins a new epoch: from now on, times are counted from the present time `time` [s].
     pub(super) fn new_epoch(&mut self, work: &mut Work<Recent>, time: f64) -> Result<(), Failure> {
         let (scene, horizon) = (work.scene, self.horizon - self.now);
         if across_walls(scene) != Vector3::zeros() {
-            // the frame must begin again from rest relative to the walls
+            // the new frame must be at rest relative to the walls
             self.write(work.particles, scene);
             let met = self.history(work.particles, None);
             self.load(work.particles, scene, met, time)?;
@@ -270,7 +271,7 @@ fn across_walls(scene: &Scene) -> Vector3<f64> {
     scene.gravity - along_walls(scene, scene.gravity)
 }
 
-/// Compares two kinds: by radius, and at equal radii by mass.
+/// Compares two classes of particles: by radius, and at equal radii by mass.
 fn by_size(a: &RadiusClass, b: &RadiusClass) -> Ordering {
     a.radius.total_cmp(&b.radius).then(a.mass.total_cmp(&b.mass))
 }
@@ -295,8 +296,8 @@ fn kinds(particles: &Particles) -> Vec<RadiusClass> {
     kinds
 }
 
-/// Groups of particles with sizes within a factor of two, as for the shells. For each group: the number density [1/m³]
-/// and the largest diameter [m].
+/// Divides particles into groups whose sizes are within a factor of two, as for the shells. Returns for each group the
+/// number density [1/m³] and the largest diameter [m].
 fn crowds(bodies: &[FlightState], kinds: &[RadiusClass], volume: f64) -> Vec<(f64, f64)> {
     let mut counts = vec![0u32; kinds.len()];
     for body in bodies {
@@ -314,17 +315,18 @@ fn crowds(bodies: &[FlightState], kinds: &[RadiusClass], volume: f64) -> Vec<(f6
     crowds
 }
 
-/// Distance [m] that a particle may move from the centre of its shell. It is the cheapest one, for costs with fixed
-/// weights in ns on one core. The weights serve only for this choice, not for a prediction of run times.
+/// Distance [m] that a particle may move from the centre of its shell. It is the distance with the lowest cost,
+/// computed with fixed weights in ns on one core. The weights serve only for this choice, not for a prediction of run
+/// times.
 fn margin(particles: &Particles, crowds: &[(f64, f64)], scene: &Scene) -> f64 {
-    /// [ns] cost of a new shell: fixed, per distance computed, and per neighbour.
+    /// [ns] cost of making a new shell: a fixed part, the cost per distance computed, and the cost per neighbour.
     const SHELL: [f64; 3] = [200.0, 3.0, 12.0];
-    /// [ns] cost of predicting the events of a particle: fixed, and per neighbour (tested in groups of four). Without
-    /// groups the second value was 7.0. With 7.0 dense gases take 1.03 to 1.05 times as long (10,000 spheres at volume
-    /// fractions of 0.3 and 0.5).
+    /// [ns] cost of predicting the events of a particle: a fixed part, and the cost per neighbour (tested in groups of
+    /// four). Without groups the second value was 7.0. With 7.0 instead of 3.5, dense gases take 1.03 to 1.05 times as
+    /// long (10,000 spheres at volume fractions of 0.3 and 0.5).
     const EVENT: [f64; 2] = [80.0, 3.5];
-    /// Number of predictions per collision of a particle. Some follow its collisions, the others follow events that
-    /// were cancelled by collisions of the partner.
+    /// [-] number of predictions per collision of a particle. One prediction follows each collision. The others are
+    /// needed when an event was cancelled because its partner collided first.
     const FORETOLD: f64 = 1.7;
     let count = particles.len().max(1) as f64;
     let diameter = 2.0 * particles.radius.iter().sum::<f64>() / count;
@@ -337,7 +339,7 @@ fn margin(particles: &Particles, crowds: &[(f64, f64)], scene: &Scene) -> f64 {
     let cost = |margin: f64| {
         let near = density * 4.0 / 3.0 * PI * (diameter + 2.0 * margin).powi(3);
         let looked_at: f64 = crowds.iter().map(|(of, largest)| 27.0 * of * (largest + 2.0 * margin).powi(3)).sum();
-        // straight motion within a mean free path, diffusion beyond it
+        // straight motion within a mean free path, and diffusion over longer distances
         let flown = margin * (1.0 + margin / (2.0 * free_path));
         let event = EVENT[0] + EVENT[1] * near;
         (SHELL[0] + SHELL[1] * looked_at + SHELL[2] * near + event) / flown + FORETOLD * event / free_path
@@ -346,6 +348,6 @@ fn margin(particles: &Particles, crowds: &[(f64, f64)], scene: &Scene) -> f64 {
     let wanted = candidates.min_by(|a, b| cost(*a).total_cmp(&cost(*b))).unwrap_or(diameter);
     let periods = (0..3).filter(|axis| scene.domain.periodic[*axis]).map(|axis| scene.domain.size[axis]);
     let room = periods.fold(f64::INFINITY, f64::min) * 0.25 - 0.5 * largest;
-    // at least the rounding of the centres of shells, which is 6e-8 of the box
+    // at least the rounding error of the centres of shells, which is 6e-8 of the box
     wanted.min(room).min(scene.domain.size.max()).max(0.03 * diameter).max(ROUNDING * scene.domain.size.max())
 }

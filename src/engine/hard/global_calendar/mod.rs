@@ -1,14 +1,14 @@
-//! The global calendar: one event queue for all particles, which lasts from window to window.
+//! The global calendar: one event queue for all particles, which lasts from one time window to the next.
 //!
 //! For every particle the calendar stores the earliest two events. An event is a touch, or the exit from the particle's
-//! shell (a ball in which its neighbour list is valid). The events are predicted again after a collision of the
-//! particle, or when an event comes up whose partner has collided meanwhile. The end of a window changes nothing. Each
-//! flight is stored with its own time, so a collision moves only two particles and tests their neighbours. Times are
-//! counted from an *epoch*.
+//! shell (a ball in which its neighbour list is valid). The events of a particle are predicted again after its
+//! collision, or when the partner of its next event has collided meanwhile. A window is the time between two exchanges
+//! of momentum with the gas; its end changes no event. Each flight is stored with a separate time, so a collision moves
+//! only two particles and tests their neighbours. Times are counted from an instant called *epoch*.
 //!
-//! The calendar stores its own copy of the flights, in a falling frame, and writes the store at the end of each window.
-//! If velocities in the store have changed when the next window begins, for instance by drag, all events are predicted
-//! again.
+//! The calendar stores a copy of the flights, in a falling frame, and writes positions and velocities to the particle
+//! store at the end of each window. If velocities in the store have changed when the next window begins, for instance
+//! by drag, all events are predicted again.
 
 mod approach;
 mod bins;
@@ -40,16 +40,17 @@ use shells::Shells;
 use std::time::Duration;
 use walls::WallContacts;
 
-/// Number of impacts after which the log is added to the record. A window may have millions, and few stay in the cache.
+/// Number of impacts after which the log of impacts is added to the record. A window may have millions of impacts. A
+/// log of this length stays in the processor's cache.
 const KEPT_IMPACTS: usize = 1 << 8;
 
-/// The event queue, with data of all particles.
+/// The event queue of all particles, with their flights, shells and collision histories.
 #[derive(Clone, Default, Serialize, Deserialize)]
 pub struct GlobalCalendar {
     frame: FallingFrame,
     /// Present time [s] since the epoch.
     now: f64,
-    /// Time [s] since the epoch at which a new epoch begins.
+    /// Time [s] since the epoch at which a new epoch must begin.
     limit: f64,
     /// Time [s] since the epoch up to which events are predicted and queued. It is the end of the window if drag
     /// changes velocities in every window, otherwise infinite.
@@ -60,34 +61,34 @@ pub struct GlobalCalendar {
     /// Collision history of each particle, by which inelastic collapse is detected.
     met: Vec<LastCollision>,
     shells: Shells,
-    /// True for axes along which the box is so short that a pair may touch through an image that is not the nearest.
+    /// True for axes along which the box is so short that a pair may touch through an image other than the nearest one.
     far_images: [bool; 3],
-    /// Number of shells made until the store was last sorted.
+    /// Total number of shells made at the time when the store was last sorted.
     sorted_at: u64,
     /// Number of impulses applied so far.
     pub events: u64,
     /// Number of touch times computed so far.
     foretold: u64,
-    /// Number of complete rebuilds so far.
+    /// Number of complete rebuilds of the calendar so far.
     pub builds: u64,
-    /// Wall-clock time spent on rebuilds so far.
+    /// Wall-clock time spent on complete rebuilds so far.
     pub building: Duration,
     #[serde(skip)]
     agenda: EventQueue,
     #[serde(skip)]
     walls: WallContacts,
-    /// True if the data that are not stored (agenda, cells, walls) have been computed.
+    /// True if the data that snapshots of a run do not contain (event queue, cells, walls) have been computed.
     #[serde(skip)]
     ready: bool,
     /// Contact time t_c [s] of the TC model: a collision is elastic if either particle collided less than t_c before.
     #[serde(skip)]
     pub contact_time: Option<f64>,
-    /// Clock that measures the time of rebuilds.
+    /// Clock that measures the wall-clock time of rebuilds.
     #[serde(skip)]
     pub clock: Clock,
 }
 
-/// A window whose end is given as a time since the epoch.
+/// A window of the run, with its end also given as a time since the epoch.
 #[derive(Clone, Copy)]
 struct CalendarWindow {
     window: Window,
@@ -96,7 +97,7 @@ struct CalendarWindow {
 }
 
 impl CalendarWindow {
-    /// Remaining time [s] of the window at `now` [s] since the epoch.
+    /// Time [s] that remains until the end of the window, at `now` [s] since the epoch.
     fn left(&self, now: f64) -> f64 {
         self.end - now
     }
@@ -109,10 +110,11 @@ impl CalendarWindow {
 
 impl GlobalCalendar {
     /// Moves all particles through a window. `outdated` must be true if islands have moved particles since the last
-    /// call; only recent collisions are then known of their history.
+    /// call; their collision histories then contain only recent collisions.
     ///
     /// # Errors
-    /// Collapse, or values that are not finite numbers; the store then contains the state at that time.
+    /// Inelastic collapse, or values that are not finite numbers; the store then contains the state at the time of the
+    /// error.
     pub fn run(&mut self, work: &mut Work<Recent>, window: Window, outdated: bool) -> Result<(), Failure> {
         self.begin(work, window, outdated)?;
         for met in &mut self.met {
@@ -148,8 +150,8 @@ impl GlobalCalendar {
         }
     }
 
-    /// Prefetches the data of the next events into the cache. Data to which other data refer are fetched one event
-    /// later: first a particle, then its partner and its neighbour list, then the neighbours.
+    /// Prefetches the data of the next events into the cache. Data are fetched in stages, one event apart: first a
+    /// particle, then its partner and its neighbour list, then the neighbours.
     fn fetch_ahead(&self) {
         let upcoming = |after| self.agenda.upcoming(after).map(|place| &self.next_events[place as usize]);
         if let Some(place) = self.agenda.upcoming(3) {
@@ -184,7 +186,7 @@ impl GlobalCalendar {
         self.shells.neighbours(&card.shell).iter().for_each(|&k| prefetch_index(&self.bodies, k as usize));
     }
 
-    /// Processes the event of a particle.
+    /// Processes the next event of a particle.
     fn event(&mut self, place: u32, work: &mut Work<Recent>, span: &CalendarWindow) -> Result<(), Failure> {
         let (now, scene) = (self.now, work.scene);
         let NextEvents { next, detail, .. } = self.next_events[place as usize];
@@ -217,8 +219,8 @@ impl GlobalCalendar {
         Ok(())
     }
 
-    /// Relative position and velocity of two bodies, both at the present time. For a wall, `struck` is the part that is
-    /// touched.
+    /// Relative position and velocity of two bodies, both at the present time. For a wall, `struck` is the number of
+    /// the surface feature (such as a triangle) that is touched.
     fn meet(&self, couple: &Couple, struck: u32, scene: &Scene) -> Encounter {
         let body = &self.bodies[couple.i as usize];
         let radius = self.shells.radius(body);
@@ -287,7 +289,7 @@ impl GlobalCalendar {
         couple.places().into_iter().flatten().any(|i| time - self.met[i as usize].last < contact_time)
     }
 
-    /// Records the impacts of both partners, and detects inelastic collapse.
+    /// Records a collision in the histories of both partners. Returns an error if it shows inelastic collapse.
     fn watch(&mut self, collision: &Collision, scene: &Scene, time: f64) -> Result<(), Failure> {
         let couple = collision.couple;
         for i in couple.places().into_iter().flatten() {
@@ -307,24 +309,24 @@ impl GlobalCalendar {
         Ok(())
     }
 
-    /// Recent collisions: those less than the contact time before simulated time `time` [s]. Empty without a contact
-    /// time.
+    /// Recent collisions, with the indices of the particles: those less than the contact time before simulated time
+    /// `time` [s]. Empty without a contact time.
     pub fn recent(&self, time: f64) -> impl Iterator<Item = Recent> {
         recent(self.met.iter(), self.contact_time, time)
     }
 
-    /// Number of touch times and distances computed so far.
+    /// Number of touch times and distances computed so far, as a measure of work.
     pub fn pair_checks(&self) -> u64 {
         self.foretold + self.shells.checks
     }
 
-    /// State to be stored, in a form that does not depend on the order in which its lists were built.
+    /// Copy of the calendar for a snapshot of the run. It does not depend on the order in which the lists were built.
     pub fn state(&self) -> Self {
         let (shells, next_events) = self.shells.tidy(&self.next_events);
         Self { shells, next_events, agenda: EventQueue::default(), ..self.clone() }
     }
 
-    /// Continues from the stored state of a calendar with equal settings.
+    /// Continues from the stored state of a calendar with equal settings, as `state` returns it.
     pub fn resume(&mut self, state: Self) {
         let (clock, contact_time) = (self.clock.clone(), self.contact_time);
         *self = Self { clock, contact_time, ..state };

@@ -1,20 +1,21 @@
-//! Flight and next events of one particle, as the calendar (the event queue of all particles) stores them.
+//! Flight and next events of one particle, as the calendar (the event queue of all particles) stores them. The epoch is
+//! the instant from which the calendar counts times.
 
 use super::shells::Shell;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Flight of one particle: all data that tests by its neighbours read, in one cache line.
+/// Flight of one particle. All data of a neighbour that a test for touches reads are in one cache line.
 #[repr(align(64))]
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct FlightState {
-    /// Position [m] at the time `time`, in the frame of the calendar.
+    /// Position [m] of the particle at the time `time`, in the falling frame of the calendar.
     pub position: Vector3<f64>,
-    /// Velocity [m/s] of the particle in the frame of the calendar.
+    /// Velocity [m/s] of the particle in the falling frame of the calendar.
     pub velocity: Vector3<f64>,
     /// Time [s] of `position`, counted from the epoch of the calendar.
     pub time: f64,
-    /// Index of the particle's radius and mass in the list of kinds.
+    /// Number of the particle's class in the list of all combinations of radius and mass.
     pub kind: u32,
     /// Number of the particle's collisions so far, modulo 2³².
     pub hits: u32,
@@ -32,13 +33,14 @@ impl FlightState {
 /// Kind of an event of a particle.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum EventKind {
-    /// Touch of the particle with this index, valid if that particle does not collide before.
+    /// Touch of the particle with this index. The event is valid if that particle does not collide before.
     Pair(u32),
     /// Touch of the wall contact with this number; the contacts of all walls are numbered in the order of the scene.
     Wall(u32),
-    /// The particle leaves its shell: its neighbours must be searched again.
+    /// The particle leaves its shell (the ball in which its neighbour list is valid), so its neighbours must be
+    /// searched again.
     Leave,
-    /// No event within the time predicted so far: events must be predicted again.
+    /// No event occurs within the time for which events were predicted, so they must be predicted again.
     Look,
 }
 
@@ -52,12 +54,12 @@ pub struct NextEvents {
     pub then: f64,
     /// Kind of the next event.
     pub next: EventKind,
-    /// The second event, which becomes the next if the partner of the first has collided with another body.
+    /// The second event, which becomes the next if the partner of the first event has collided with another body.
     pub after: EventKind,
     /// Detail of the next event. For a pair it is the number of collisions of the partner when the event was predicted.
-    /// For a wall it is the part of the wall that is touched.
+    /// For a wall it is the number of the surface feature that is touched.
     pub detail: u32,
-    /// Detail of the second event, defined as `detail`.
+    /// Detail of the second event, with the meaning of `detail`.
     pub detail_after: u32,
     /// Shell of the particle, within which its neighbour list is valid.
     pub shell: Shell,
@@ -70,13 +72,13 @@ impl NextEvents {
         Self { time: never, then: never, next: look, after: look, detail: 0, detail_after: 0, shell: Shell::default() }
     }
 
-    /// True if the second event is later than the next one, so that it can replace it.
+    /// True if a second event is stored. It is later than the next event, and can replace it.
     #[inline]
     pub fn has_more(&self) -> bool {
         self.then > self.time
     }
 
-    /// Replaces the next event, which was cancelled, by the second one.
+    /// Replaces the next event by the second one, after the next event was cancelled.
     #[inline]
     pub fn go_on(&mut self) {
         (self.time, self.next, self.detail) = (self.then, self.after, self.detail_after);

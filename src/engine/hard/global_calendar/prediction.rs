@@ -1,4 +1,5 @@
-//! Prediction of the next two events of a particle: touches, and the exit from its shell.
+//! Prediction of the next two events of a particle: touches, and the exit from its shell (the ball in which its
+//! neighbour list is valid).
 
 use super::GlobalCalendar;
 #[cfg(target_arch = "x86_64")]
@@ -21,11 +22,11 @@ use rayon::prelude::*;
 struct Event {
     wait: f64,
     next: EventKind,
-    /// Part of the wall that is touched; 0 for other events.
+    /// Number of the surface feature of a wall that is touched; 0 for other events.
     place: u32,
 }
 
-/// The earliest two events of a particle.
+/// The earliest two events of a particle found so far.
 #[derive(Clone, Copy)]
 struct Events {
     first: Event,
@@ -33,8 +34,8 @@ struct Events {
 }
 
 impl Events {
-    /// Adds an event if it is one of the earliest two. Of touches at equal times, that with the lower id of the partner
-    /// is first.
+    /// Adds an event if it is one of the earliest two. If two touches have equal times, the one with the lower id of
+    /// the partner comes first.
     #[inline]
     fn offer(&mut self, event: Event, ids: &[u32]) {
         let before = |other: &Event| match (event.next, other.next) {
@@ -49,15 +50,15 @@ impl Events {
     }
 }
 
-/// Number of groups of four neighbours that are tested before their times of touch are computed.
+/// Number of groups of four neighbours that are tested before the times of touch with these neighbours are computed.
 const AT_ONCE: usize = 4;
 
-/// Smallest resolvable rate of approach, over the distance times the sum of both speeds. Slower approaches are
-/// rounding, as in [`first_touch`].
+/// [-] smallest resolvable rate of approach, divided by the distance and by the sum of both speeds. A slower approach
+/// is a rounding error, as in [`first_touch`].
 const RESOLUTION: f64 = 4.0 * f64::EPSILON;
 
 impl GlobalCalendar {
-    /// Predicts the events of one particle, whose flight state is at the present time.
+    /// Predicts the events of one particle, whose flight state must be at the present time.
     #[inline]
     pub(super) fn predict_events(&mut self, place: u32, scene: &Scene) {
         let events = self.next_events(place, scene);
@@ -66,7 +67,7 @@ impl GlobalCalendar {
         self.file(place);
     }
 
-    /// Queues the next event of a particle, if it is earlier than the horizon.
+    /// Adds the next event of a particle to the queue, if it is earlier than the horizon (the end of prediction).
     #[inline]
     pub(super) fn file(&mut self, place: u32) {
         if self.next_events[place as usize].time < self.horizon {
@@ -74,7 +75,7 @@ impl GlobalCalendar {
         }
     }
 
-    /// Predicts the events of all particles, whose flight states are at the present time.
+    /// Predicts the events of all particles, whose flight states must be at the present time.
     pub(super) fn foretell_all(&mut self, scene: &Scene) {
         let count = self.bodies.len();
         self.foretold += self.next_events.iter().map(|card| u64::from(card.shell.count())).sum::<u64>();
@@ -110,8 +111,8 @@ impl GlobalCalendar {
         (card.detail, card.detail_after) = details;
     }
 
-    /// The earliest two events of a particle: leaving its shell, reaching the horizon, and all touches. An event that
-    /// is no touch has no second event.
+    /// The earliest two events of a particle. Considered are the exit from its shell, the end of prediction (the
+    /// horizon), and all touches. A second event is stored only if the first is a touch.
     #[inline]
     fn next_events(&self, place: u32, scene: &Scene) -> Events {
         let (body, shell) = (&self.bodies[place as usize], &self.next_events[place as usize].shell);
@@ -131,7 +132,7 @@ impl GlobalCalendar {
         events
     }
 
-    /// Adds all touches with walls.
+    /// Adds to `events` all touches of a particle with walls.
     fn at_walls(&self, body: &FlightState, scene: &Scene, events: &mut Events) {
         let mut flight = self.frame.flight(&body.position, &body.velocity, self.now);
         flight.position = scene.domain.wrap(&flight.position);
@@ -154,7 +155,7 @@ impl GlobalCalendar {
         near.into_iter().flat_map(|wall| self.walls.of_wall(wall)).for_each(&mut ask);
     }
 
-    /// Adds all touches with neighbours, by their nearest images.
+    /// Adds to `events` all touches of a particle with the nearest images of its neighbours.
     #[inline]
     fn touches(&self, body: &FlightState, shell: &Shell, domain: &Domain, events: &mut Events) {
         let view = ObservingParticle {
@@ -186,8 +187,8 @@ impl GlobalCalendar {
         self.touches_by(body, shell, |others, touch| view.one_by_one(others, touch, soon), events);
     }
 
-    /// Adds all touches with neighbours, which are tested four at a time. Neighbours that touch soon enough are
-    /// selected first, without branches, because the processor would mispredict every second branch.
+    /// Adds to `events` all touches with neighbours, which are tested four at a time. The neighbours that touch soon
+    /// enough are selected first, without branches, because the processor would mispredict every second branch.
     #[inline(always)]
     fn touches_by(
         &self,
@@ -225,7 +226,8 @@ impl GlobalCalendar {
         &self.bodies[place as usize]
     }
 
-    /// Adds the touch with an approaching neighbour, given by its number in the group of four and its index.
+    /// Adds to `events` the touch with an approaching neighbour. The neighbour is given by its number in the group of
+    /// four, and by its particle index.
     #[inline(always)]
     fn touch(&self, body: &FlightState, four: &FourNeighbours, (k, place): (usize, u32), events: &mut Events) {
         let (closing, gap, discriminant) = (four.closing[k], four.gap[k], four.discriminant[k]);
@@ -242,7 +244,7 @@ impl GlobalCalendar {
         }
     }
 
-    /// Adds all touches with neighbours in a box so short that images other than the nearest may touch.
+    /// Adds to `events` all touches with neighbours in a short box, in which images other than the nearest may touch.
     fn all_images(&self, body: &FlightState, neighbours: &[u32], scene: &Scene, events: &mut Events) {
         let size = &scene.domain.size;
         for &j in neighbours {

@@ -14,27 +14,28 @@ use prefetch_index::prefetch_index;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-/// Shell of a particle, and the location of its neighbour list.
+/// Shell of a particle (a ball in which its neighbour list is valid), and the location of its neighbour list.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct Shell {
-    /// Centre [m] of the shell, inside the box; in single precision, as in the cells.
+    /// Centre [m] of the shell, inside the box; in single precision, as in the grid of cells.
     centre: [f32; 3],
-    /// The neighbours are `near[first .. first + count]`; `room` is the size number of the memory block.
+    /// Location of the list: the neighbours are `near[first .. first + count]`; `room` is the size number of the memory
+    /// block.
     first: u32,
     count: u32,
     room: u8,
     /// True if the particle may touch a wall before it leaves the shell.
     pub at_wall: bool,
-    /// True if no periodic side lies between the particle and its neighbours.
+    /// True if no periodic side lies between the particle and any of its neighbours.
     pub inside: bool,
 }
 
-/// Radius and mass that several particles have in common.
+/// Combination of radius and mass that several particles have in common.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RadiusClass {
-    /// Radius [m] of these particles.
+    /// Radius [m] of each of these particles.
     pub radius: f64,
-    /// Mass [kg] of these particles.
+    /// Mass [kg] of each of these particles.
     pub mass: f64,
 }
 
@@ -43,7 +44,7 @@ pub struct RadiusClass {
 #[derive(Clone, Debug)]
 struct ShellLevel {
     cells: ShellGrid,
-    /// [m] smallest and largest radius.
+    /// [m] smallest and largest radius of the particles in this grid.
     smallest: f64,
     largest: f64,
 }
@@ -58,11 +59,11 @@ pub struct Shells {
     /// Neighbour lists of all particles; unused entries of a list contain the index of the particle to which it
     /// belongs.
     near: Vec<u32>,
-    /// Number of shells made so far.
+    /// Total number of shells made so far.
     pub renewed: u64,
     /// Number of distances computed so far.
     pub checks: u64,
-    /// Grids with the centres of shells, by size of the particles, the smallest first.
+    /// Grids with the centres of shells, one for each range of particle sizes, the smallest first.
     #[serde(skip)]
     levels: Vec<ShellLevel>,
     /// Largest radius [m] of any particle.
@@ -73,8 +74,9 @@ pub struct Shells {
     smallest: f64,
     #[serde(skip)]
     found: Vec<u32>,
-    /// Mark of each particle, by which an update compares old and new neighbours. It is twice the number of the last
-    /// update, modulo 2³², in which the particle was an old neighbour. One is added if the particle stays a neighbour.
+    /// Mark of each particle, by which an update distinguishes old and new neighbours. The mark is twice the number of
+    /// the last update, modulo 2³², in which the particle was an old neighbour. One is added if the particle stays a
+    /// neighbour.
     #[serde(skip)]
     marks: Vec<u32>,
     /// Free memory blocks between the neighbour lists.
@@ -82,23 +84,23 @@ pub struct Shells {
     free: ListPool,
 }
 
-/// Neighbour lists of several particles.
+/// Neighbour lists of several consecutive particles, before they are stored with the others.
 #[derive(Default)]
 struct Lists {
-    /// The lists, one after the other.
+    /// Neighbours of all these particles, list after list.
     near: Vec<u32>,
     /// Number of neighbours in each list.
     counts: Vec<u32>,
-    /// Number of distances computed.
+    /// Number of distances that were computed for these lists.
     checks: u64,
 }
 
-/// Inverse of the fraction of memory that is reserved for growth of the lists. After a random start they first become
-/// longer by up to a quarter, and growing the memory then may require a copy of all lists. Reserved memory that is
+/// Inverse of the fraction of memory that is reserved for growth of the neighbour lists. After a random start the lists
+/// become longer by up to a quarter. Without reserved memory all lists might have to be copied. Reserved memory that is
 /// never written takes no space.
 const SPARE: usize = 4;
 
-/// Inverse of the fraction by which the memory grows when it is full.
+/// Inverse of the fraction by which the memory of the neighbour lists grows when it is full.
 const MORE: usize = 16;
 
 /// Number of indices in a cache line of 64 bytes.
@@ -169,7 +171,7 @@ impl Shells {
         lists
     }
 
-    /// Reserves memory for the lists in `parts`. With them the first `known` particles have lists. If the memory must
+    /// Reserves memory for the lists in `parts`, after which the first `known` particles have lists. If the memory must
     /// grow, it is made large enough for all `count` particles.
     fn reserve(&mut self, parts: &[Lists], known: usize, count: usize) {
         let room: usize =
@@ -181,7 +183,7 @@ impl Shells {
         }
     }
 
-    /// Assigns lists to the particles from index `first` on.
+    /// Stores neighbour lists for the particles from index `first` on.
     fn hand_out(&mut self, lists: Lists, first: usize, next_events: &mut [NextEvents]) {
         self.checks += lists.checks;
         let mut near = lists.near.as_slice();
@@ -195,7 +197,7 @@ impl Shells {
         }
     }
 
-    /// Sorts the centres of the shells into cells, which are not stored with a run.
+    /// Sorts the centres of the shells into cells, which snapshots of a run do not contain.
     pub fn fill_cells(&mut self, next_events: &[NextEvents], bodies: &[FlightState], domain: &Domain) {
         self.largest = self.kinds.iter().fold(0.0, |most: f64, kind| most.max(kind.radius));
         self.smallest = self.kinds.iter().fold(f64::INFINITY, |least: f64, kind| least.min(kind.radius));
@@ -218,7 +220,7 @@ impl Shells {
         }
     }
 
-    /// Number of the level to which a particle belongs by its size.
+    /// Number of the grid (level) to which a particle belongs by its size.
     #[inline]
     fn level(&self, body: &FlightState) -> usize {
         let radius = self.radius(body);
@@ -314,8 +316,8 @@ impl Shells {
         checks
     }
 
-    /// Makes a new shell about the position of particle `i`, which must be inside the box, and updates the neighbour
-    /// lists.
+    /// Makes a new shell about the position of particle `i`, which must be inside the box. Updates the neighbour lists
+    /// of `i` and of its old and new neighbours.
     pub fn update_neighbour_list(
         &mut self,
         i: u32,
@@ -358,8 +360,8 @@ impl Shells {
         }
         let count = found.len() as u32;
         let shell = &mut next_events[i as usize].shell;
-        // moves also to a smaller room: otherwise all rooms would grow to the longest list so far, and small rooms
-        // would stay unused
+        // moves also to a smaller room: otherwise every room would stay as large as its longest list so far, and small
+        // rooms would remain unused
         let wanted = room_for(count);
         if wanted != shell.room {
             *shell = self.moved(shell, wanted);
@@ -373,8 +375,8 @@ impl Shells {
         self.renewed += 1;
     }
 
-    /// Returns the shell with another room: a free one of the given size, or a new one at the end. The content is
-    /// undefined.
+    /// Returns the shell with another room (memory block): a free one of the given size, or a new one at the end of the
+    /// memory. The content of the new room is undefined.
     fn moved(&mut self, shell: &Shell, room: u8) -> Shell {
         self.free.give(shell.room, shell.first);
         let first = self.free.take(room).unwrap_or_else(|| {

@@ -6,12 +6,12 @@ use crate::walls::NearWalls;
 use std::ops::Range;
 
 /// All contacts that a sphere may have with the walls of a scene, in the order of the walls, and a search for walls
-/// near a point.
+/// near a point. A wall may have several contacts with a sphere, such as one for each side of a box.
 #[derive(Clone, Debug, Default)]
 pub struct WallContacts {
     /// The contacts; events refer to them by their number in this list.
     pub contacts: Vec<AtWall>,
-    /// Numbers of the contacts with each wall.
+    /// Range of contact numbers that belong to each wall.
     of: Vec<Range<u32>>,
     /// Search structure for the walls near a position.
     pub near: NearWalls,
@@ -29,7 +29,7 @@ impl WallContacts {
         Self { contacts, of, near: NearWalls::of(&scene.walls) }
     }
 
-    /// Numbers of the contacts with a wall.
+    /// Range of contact numbers that belong to a wall.
     pub fn of_wall(&self, wall: u32) -> Range<u32> {
         self.of[wall as usize].clone()
     }

@@ -1,6 +1,7 @@
 //! Islands (groups of particles that may meet) that reach as far as their particles might fly. Before islands are
-//! solved, their surroundings are searched for *bystanders* (cold particles that they might hit) and for other islands
-//! with which they must unite.
+//! solved, the surroundings of each are searched. The search finds *bystanders* (cold particles that the island might
+//! hit), and other islands with which the island must unite. *Hot* particles touch something on their straight flight,
+//! *cold* ones do not.
 
 use super::{Cluster, Clusters, Few, IslandFinder, IslandLimits, Member};
 use crate::engine::islands::batch::Retry;
@@ -11,8 +12,9 @@ use crate::neighbours::cells::CellGrid;
 use crate::work_sharing;
 use std::ops::{Deref, DerefMut};
 
-/// Number of contacts in progress beyond which all of them form one crowd. A contact costs four times as much in a step
-/// of an island as in a uniform step, and with so many contacts some particles touch at any time.
+/// Number of contacts in progress beyond which all of them form one crowd (an island moved by uniform steps). A contact
+/// costs four times as much in a step of an island as in a uniform step. With so many contacts some particles touch at
+/// any time.
 const MANY_CONTACTS: usize = 16;
 
 /// Number of islands whose surroundings a thread searches in one piece of work.
@@ -27,15 +29,15 @@ enum Surroundings {
     Bystanders(Few),
     /// Numbers of other islands that this island might meet: all of them if islands may be crowds, otherwise one.
     Islands(Vec<usize>),
-    /// The island is too large.
+    /// The island is too large to be solved in this part of a window.
     TooLarge,
 }
 
-/// Islands that reach as far as their particles might fly, found before they are solved.
+/// Islands that reach as far as their particles might fly. They are complete before they are solved.
 pub struct BoundedIslands<'a> {
     clusters: Clusters<'a>,
     limits: IslandLimits,
-    /// Cells into which the members were sorted last. Members that became hot later are only at the end of `members`.
+    /// Cells into which the members were sorted last. Members added later are only at the end of `members`.
     grid: CellGrid,
     pub(super) sorted: Vec<u32>,
 }
@@ -68,16 +70,16 @@ impl<'a> IslandFinder<'a> for BoundedIslands<'a> {
 
     fn gather(&mut self, touches: &[FirstTouch], carried: &[[Option<u32>; 2]], energy: Vec<f64>) -> bool {
         // many contacts in progress form one crowd from the start, even if they do not touch one another: as separate
-        // islands they would meet one by one, at several times the cost of uniform steps
+        // islands they would unite one by one, at several times the cost of uniform steps
         let many = self.limits.crowds && carried.len() > MANY_CONTACTS;
         self.begin(touches, carried, energy, many);
         self.sort();
         self.expand_all((0..self.list.len()).collect())
     }
 
-    /// Appends the pairs of one member whose balls overlap.
+    /// Appends the pairs of one member with later particles of its island whose balls overlap its ball.
     fn list_pairs(&self, (a, member): (usize, &Member), (places, hot): (&[u32], usize), pairs: &mut Vec<Pair>) {
-        // enlarged by rounding, so that a touch at the very beginning is not lost
+        // the ball is enlarged by rounding, so that a touch at the very beginning is not lost
         let here = BoundingSphere { reach: member.ball.reach * (1.0 + 1e-9), ..member.ball };
         let others = (a + 1..places.len()).filter(|&b| here.meets(&self.ball_of(places[b], b < hot), self.domain));
         pairs.extend(others.map(|b| Pair { i: a as u32, j: b as u32 }));
@@ -115,14 +117,14 @@ impl BoundedIslands<'_> {
     pub(super) fn sort(&mut self) {
         let Clusters { search, members, widest, .. } = &self.clusters;
         let spacing = (search.region.volume() / members.len().max(1) as f64).cbrt();
-        // contacts fill only a part of the domain: with cells of a third of the mean spacing there are at most 27 per
-        // member
+        // contacts fill only a part of the domain: with cells of a third of the mean spacing there are at most 27 cells
+        // per member
         let edge = widest.max(if self.limits.crowds { spacing / 3.0 } else { spacing });
         self.grid.sort(members, |member| member.flight.middle, &search.region, edge, &mut self.sorted);
     }
 
-    /// Ball that contains a particle of an island. For a member it contains the motion after the first touch, for a
-    /// bystander the whole straight flight.
+    /// Ball that contains a particle of an island. The ball of a member contains its motion after the first touch, and
+    /// the ball of a bystander its whole straight flight.
     fn ball_of(&self, place: u32, is_member: bool) -> BoundingSphere {
         match self.search.label[place as usize] {
             Some(label) if is_member => self.members[label.member()].ball,
@@ -130,17 +132,17 @@ impl BoundedIslands<'_> {
         }
     }
 
-    /// Searches the surroundings of islands until no two of them meet; the bystanders of each are then known. Returns
-    /// false if an island is too large. Searches run in parallel, in rounds during which nothing changes. Islands only
-    /// grow, so the result does not depend on the order of the searches.
+    /// Searches the surroundings of islands until no two of them meet; then the bystanders of each island are known.
+    /// Returns false if an island is too large. The searches of a round run in parallel, and islands change only
+    /// between rounds. Islands only grow, so the result does not depend on the order of the searches.
     fn expand_all(&mut self, changed: Vec<usize>) -> bool {
         let mut waiting = changed;
         while !waiting.is_empty() {
             waiting.sort_unstable();
             waiting.dedup();
             self.settle_changed(&waiting);
-            // crowds first: each adds all that it meets at the same time; otherwise the islands around a crowd would be
-            // united with it one by one
+            // crowds first: each crowd adds all that it meets at the same time; otherwise the islands around a crowd
+            // would be united with it one by one
             if self.limits.crowds
                 && !waiting.iter().all(|&which| !self.list[which].is_crowd() || self.expand_crowd(which))
             {
@@ -153,7 +155,8 @@ impl BoundedIslands<'_> {
             let seen = work_sharing::map(looks, |some| some.iter().map(look).collect::<Vec<_>>()).into_iter().flatten();
             let mut united = Vec::new();
             for (which, version, seen) in seen {
-                // an island that was united with another one in this round is searched around in the next
+                // if an island was united with another one in this round, its surroundings are searched in the next
+                // round
                 if self.list[which].alive && self.list[which].version == version {
                     match seen {
                         Surroundings::Bystanders(bystanders) => self.has_seen(which, bystanders),
@@ -177,8 +180,8 @@ impl BoundedIslands<'_> {
         }
     }
 
-    /// Adds all particles next to a crowd to the crowd, finds its bystanders, and unites it with islands that it may
-    /// meet. Returns false if the crowd is too large.
+    /// Adds all particles next to a crowd to the crowd, finds its bystanders, and unites the crowd with islands that it
+    /// may meet. Returns false if the crowd is too large.
     fn expand_crowd(&mut self, which: usize) -> bool {
         let mut which = which;
         while self.list[which].has_to_look() {
@@ -193,19 +196,19 @@ impl BoundedIslands<'_> {
         true
     }
 
-    /// Unites an island with the others, and returns the number of the united island.
+    /// Unites an island with the islands `others`, and returns the number of the united island.
     fn unite_all(&mut self, which: usize, others: Vec<usize>) -> usize {
         others.into_iter().fold(which, |which, other| self.unite(which, other))
     }
 
-    /// Stores the bystanders of an island, which in its present version meets no other island.
+    /// Stores the bystanders of an island, after a search has shown that the island meets no other island.
     fn has_seen(&mut self, which: usize, bystanders: Few) {
         let cluster = &mut self.list[which];
         cluster.bystanders = bystanders;
         cluster.seen = Some(cluster.version);
     }
 
-    /// Finds the particles and islands that an island might hit.
+    /// Finds the particles and islands that the island `which` might hit.
     fn look_around(&self, which: usize) -> Surroundings {
         let cluster = &self.list[which];
         if cluster.is_too_large(self.limits.most) && !self.limits.crowds {
@@ -252,8 +255,8 @@ impl BoundedIslands<'_> {
         Surroundings::Bystanders(bystanders)
     }
 
-    /// Unites each island with those of its bystanders that have become members. New members have numbers from `known`
-    /// on. Returns one member of each changed island.
+    /// Unites each island with those of its bystanders that have become members of islands. `known` is the number of
+    /// the first new member. Returns one member of each changed island.
     fn unite_with_bystanders(&mut self, known: usize) -> Vec<u32> {
         let mut changed = Vec::new();
         if self.members.len() == known {
@@ -289,13 +292,14 @@ impl BoundedIslands<'_> {
 }
 
 impl Cluster {
-    /// True if the island is a crowd, or has more than `most` members where a shorter part of the window would give
-    /// fewer. Contacts in progress exist in any part, so each of them allows for two members.
+    /// True if the island is a crowd, or if it has too many members and a shorter part of the window would reduce their
+    /// number. More than `most` members are too many. Contacts in progress exist in any part, so each of them allows
+    /// two more members.
     fn is_too_large(&self, most: usize) -> bool {
         self.is_crowd() || self.hot.len() > most.max(2 * self.carried.len())
     }
 
-    /// True if the island has changed since its surroundings were last searched.
+    /// True if the island has changed since its surroundings were last searched, so that a new search is needed.
     fn has_to_look(&self) -> bool {
         self.alive && self.seen != Some(self.version)
     }

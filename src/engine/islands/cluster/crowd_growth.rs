@@ -1,21 +1,22 @@
 //! Growth of a crowd, which is an island so large that it is moved by uniform steps. Particles next to the crowd are
-//! added before it pushes them.
+//! added to it before it pushes them.
 
 use super::Member;
 use super::bounded::BoundedIslands;
 
-/// Gap over the distance of touch below which a particle next to a crowd is added to it. In a gas few particles are so
-/// near that this costs much. Without the rule, the crowd would be solved again for each particle that it pushes.
+/// [-] gap between a crowd's member and another particle, divided by the distance of their centres at touch. Particles
+/// with a smaller gap are added to the crowd. In a gas few particles are so near, so this costs little. Without the
+/// rule, the crowd would be solved again for each particle that it pushes.
 const BESIDE: f64 = 0.05;
 
-/// Number of late members, in excess of an eighth of those in cells, from which all members are sorted into cells
-/// again. Late members became hot after the last sort, and every search must check all of them.
+/// Number of late members, in excess of an eighth of the members in cells, above which all members are sorted into
+/// cells again. Late members were added after the last sort, and every search must check all of them.
 const MANY_LATE: usize = 64;
 
 impl BoundedIslands<'_> {
-    /// Adds all particles next to the members of a crowd, then those next to the new members, and so on. A new member
-    /// may raise the speed limits and so the reach of all. Members whose reach has grown search again, so that the
-    /// result does not depend on the order of the searches.
+    /// Adds to a crowd all particles next to its members, then those next to the new members, and so on. A new member
+    /// may raise the speed limits and so the reach of all members. The surroundings of members whose reach has grown
+    /// are searched again, so that the result does not depend on the order of the searches.
     pub(super) fn take_in_beside(&mut self, which: usize) {
         loop {
             let before = self.list[which].hot.len();
@@ -37,7 +38,7 @@ impl BoundedIslands<'_> {
         }
     }
 
-    /// Makes a particle, given by its index in the store, a member of a crowd.
+    /// Makes a particle, given by its index in the store, a member of the crowd `which`.
     fn take_in(&mut self, which: usize, place: u32) {
         if self.search.label[place as usize].is_none() {
             let alone = self.cluster_of(place);
@@ -48,7 +49,7 @@ impl BoundedIslands<'_> {
     }
 
     /// Indices of the particles in no island that are next to a member of a crowd and might be hit by this member.
-    /// Empty if the member has already searched with its present reach.
+    /// Empty if the surroundings of the member were already searched with its present reach.
     fn find_beside(&mut self, member: u32) -> Vec<u32> {
         let Member { place, ball, took_in, .. } = self.members[member as usize];
         let mut beside = Vec::new();
@@ -68,7 +69,7 @@ impl BoundedIslands<'_> {
         beside
     }
 
-    /// True if two particles, given by index, are so near that contacts in progress would soon bring them together.
+    /// True if two particles, given by index, are so near that one may soon be pushed against the other.
     fn is_beside(&self, one: u32, other: u32) -> bool {
         let [a, b] =
             [one, other].map(|place| (self.particles.position[place as usize], self.particles.radius[place as usize]));

@@ -1,5 +1,5 @@
-//! Copying an island (a group of particles that may meet) into a small scene: its particles, and the pairs that may
-//! touch.
+//! Copying of an island (a group of particles that may meet) into a small scene, with its particles and the pairs that
+//! may touch.
 
 use super::IslandFinder;
 use crate::encounter::AtWall;
@@ -8,8 +8,8 @@ use crate::neighbours::NearWall;
 use crate::scene::Scene;
 use nalgebra::Vector3;
 
-/// Copies the island `which` into a small scene, without its carried state. `fallen` [m/s] is the velocity that gravity
-/// has added to the velocities of the store.
+/// Copies the island `which` into the small scene `island`, without the state carried from earlier parts of a window.
+/// `fallen` [m/s] is the velocity that gravity has added to the velocities of the store since the window began.
 pub fn fill<'a, C>(
     islands: &impl IslandFinder<'a>,
     which: usize,

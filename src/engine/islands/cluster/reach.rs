@@ -1,5 +1,5 @@
-//! Speed limits of the particles of an island (a group of particles that may meet), and the distances that they may
-//! reach.
+//! Speed limits of the particles of an island (a group of particles that may meet), and the largest distances that
+//! these particles may reach.
 
 use super::{BATCH, Cluster, Clusters, Member};
 use crate::domain::Domain;
@@ -8,30 +8,30 @@ use crate::particles::Particles;
 use crate::work_sharing;
 use nalgebra::Vector3;
 
-/// Factor by which speeds may exceed the bound of energy conservation before an island is solved again: contacts with
-/// finite time steps may gain a little energy.
+/// Factor by which speeds may exceed the bound of energy conservation before an island is solved again. It allows for a
+/// small gain of energy in contacts with finite time steps.
 const MARGIN: f64 = 1.05;
 
-/// Largest distances [m] that particles may reach in flights and in islands.
+/// Largest distances [m] that particles may reach, on straight flights and in islands.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Reach {
-    /// Largest distance from the middle of a straight flight to any point of its particle.
+    /// Largest distance from the middle of a straight flight to any point of the flying particle.
     pub flight: f64,
-    /// Largest distance from the middle of a hot particle's flight that this particle may reach.
+    /// Largest distance that a hot particle (member of an island) may reach from the middle of its straight flight.
     pub around: f64,
     /// Largest radius of the ball in which a hot particle may be after the first touch of its island.
     pub ball: f64,
 }
 
 impl Reach {
-    /// Distance [m] around an island within which a process must store all particles. The process then has all flights
-    /// and balls that may meet the island, and can determine whether those particles are hot.
+    /// Distance [m] around an island within which a process must store all particles. All flights and balls that may
+    /// meet the island are then stored, and the process can determine whether their particles are hot.
     pub fn sight(&self) -> f64 {
         self.around.max(self.flight) + 2.0 * self.flight
     }
 
-    /// True if no particle can meet an image of another particle other than the nearest, which is at most half a period
-    /// [m] away.
+    /// True if particles can meet only as nearest images. An image other than the nearest is at least half a period [m]
+    /// away.
     pub fn fits(&self, half_period: f64) -> bool {
         self.ball + self.around.max(self.flight) <= half_period
     }
@@ -42,8 +42,9 @@ pub(super) fn two_largest([a, b]: [f64; 2], [c, d]: [f64; 2]) -> [f64; 2] {
     if a >= c { [a, b.max(c)] } else { [c, d.max(a)] }
 }
 
-/// Kinetic energy [J] and speed [m/s] of a particle, given by index, relative to a frame [m/s]. Rotation is included,
-/// since friction may turn it into motion: with its energy, and with the speed of the surface.
+/// Kinetic energy [J] and speed [m/s] of a particle, given by index, relative to a frame with the velocity `frame`
+/// [m/s]. Friction may turn rotation into translation. Therefore the energy includes that of rotation, and the speed
+/// includes that of the rotating surface.
 pub(super) fn motion(particles: &Particles, frame: Vector3<f64>, place: u32) -> (f64, f64) {
     let square = (particles.velocity[place as usize] - frame).norm_squared();
     let place = place as usize;
@@ -58,17 +59,18 @@ pub(super) fn motion(particles: &Particles, frame: Vector3<f64>, place: u32) -> 
 }
 
 impl Clusters<'_> {
-    /// Speed limit [m/s] of a hot particle: the lesser of two bounds. One bound assumes the two most energetic
-    /// particles of the island, the other the two fastest. Both bounds are exact for two particles. Among more
-    /// particles they are rarely exceeded; the island is then solved again with a higher limit.
+    /// Speed limit [m/s] of a hot particle (member of an island): the lesser of two bounds. One bound follows from the
+    /// two largest energies in the island, the other from the two largest speeds. Both bounds are exact for two
+    /// particles. Among more particles they are rarely exceeded; the island is then solved again with a higher limit.
     ///
-    /// The two most energetic particles may give one particle all their energy. The two fastest have speeds s₁ ≥ s₂.
-    /// Their centre of mass is not faster than s₁, and relative to it each moves at s₁ + s₂ or less. So neither leaves
-    /// faster than 2 s₁ + s₂. An energy E that a contact gives back adds at most √(2E/m). The second bound is the
-    /// lesser one for light particles among heavy ones.
+    /// The two most energetic particles may give all their energy to one particle, which gives the first bound. For the
+    /// second, let the two fastest have the speeds s₁ ≥ s₂. Their centre of mass is not faster than s₁, and relative to
+    /// it each particle moves at s₁ + s₂ or less. So neither leaves faster than 2 s₁ + s₂. An energy E that a contact
+    /// gives back adds at most √(2E/m). The second bound is the lesser one for light particles among heavy ones.
     ///
-    /// The contacts of a crowd together store far more energy than any of its particles ever gets. Therefore only twice
-    /// the largest energy of one contact is used in a crowd, and all of its particles have equal limits.
+    /// The contacts of a crowd (a large island moved by uniform steps) together store far more energy than any of its
+    /// particles ever receives. Therefore the bounds of a crowd contain only twice the largest energy of one contact,
+    /// and all of its particles have equal limits.
     pub(super) fn limit(&self, cluster: &Cluster, place: u32) -> f64 {
         let crowd = cluster.is_crowd();
         let stored = if crowd { 2.0 * cluster.deepest } else { cluster.stored };
@@ -78,8 +80,8 @@ impl Clusters<'_> {
         (of_energy.min(of_momentum) * MARGIN).max(cluster.floor) + self.fall
     }
 
-    /// Computes the reach of the members of all islands, in parallel. This is possible because each island depends only
-    /// on its members, and each member only on its island.
+    /// Computes the reach of the members of all islands, in parallel. This is possible because the data of an island
+    /// depend only on its members, and the reach of a member only on its island.
     pub(super) fn settle_all(&mut self) {
         let mut clusters = std::mem::take(&mut self.list);
         work_sharing::for_each(clusters.chunks_mut(BATCH), |some| {
@@ -110,9 +112,9 @@ impl Clusters<'_> {
         self.members = members;
     }
 
-    /// Sorts the members and the carried state of an island, finds its largest energies and speeds, and sums the energy
-    /// of its carried state. The order does not depend on that of the store, nor on the order in which islands were
-    /// united.
+    /// Sorts the members and the carried state (such as contacts) of an island. Also computes its largest energies and
+    /// speeds, and the sum of the energies of its carried state. The order does not depend on that of the store, nor on
+    /// the order in which islands were united.
     fn put_in_order(&self, cluster: &mut Cluster) {
         cluster.hot.sort_unstable_by_key(|&member| self.particles.id[self.members[member as usize].place as usize]);
         cluster.carried.sort_unstable();
@@ -127,8 +129,8 @@ impl Clusters<'_> {
         cluster.settled = Some(cluster.version);
     }
 
-    /// Computes the ball of a member of an island, and returns the distance [m] from the middle of its flight that it
-    /// may reach.
+    /// Computes the ball in which a member of an island stays after the first touch. Returns the distance [m] that the
+    /// member may reach from the middle of its straight flight.
     fn reach_out(&self, member: &mut Member) -> f64 {
         let (cluster, i) = (&self.list[member.cluster as usize], member.place as usize);
         member.flight = self.search.flights[i];
@@ -149,7 +151,8 @@ impl Clusters<'_> {
         Reach { flight: self.search.levels.largest_reach(), around: self.widest, ball }
     }
 
-    /// Distance [m] from an island to the end of the region that this process stores; infinite if it stores everything.
+    /// Distance [m] from an island to the end of the region that this process stores; infinite if the process stores
+    /// all particles.
     pub(super) fn room(&self, which: usize) -> f64 {
         if self.search.region.is_all() {
             return f64::INFINITY;
@@ -161,8 +164,8 @@ impl Clusters<'_> {
         members.map(room).fold(f64::INFINITY, f64::min)
     }
 
-    /// Smallest distance [m] to the end of the stored region, over the islands that contain a particle chosen by
-    /// `chosen`.
+    /// Smallest distance [m] from an island to the end of the region that this process stores. Only islands with a
+    /// particle for which `chosen` is true are considered.
     pub fn least_room(&self, chosen: impl Fn(u32) -> bool) -> f64 {
         if self.search.region.is_all() {
             return f64::INFINITY;

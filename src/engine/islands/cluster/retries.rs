@@ -3,13 +3,13 @@
 use super::Clusters;
 use crate::engine::islands::batch::Retry;
 
-/// Ratio of the next speed limit to the observed speed, after a limit was exceeded. With this ratio few repetitions are
-/// needed.
+/// [-] ratio of the next speed limit to the observed speed, after a particle has exceeded its limit. With this ratio
+/// few repetitions are needed.
 const RAISE: f64 = 1.5;
 
 impl Clusters<'_> {
-    /// Applies the changes to all islands of a round before any surroundings are searched again. So the order of the
-    /// changes does not matter. Returns one member of each changed island.
+    /// Applies the changes to all islands of a round. The surroundings of islands are searched again only afterwards,
+    /// so the order of the changes does not matter. Returns one member of each changed island.
     pub(super) fn apply_retries(&mut self, retries: Vec<(usize, Retry)>) -> Vec<u32> {
         // members identify the islands, since an island may be united with another one before its change is applied
         let retries: Vec<(u32, Retry)> =
@@ -20,7 +20,8 @@ impl Clusters<'_> {
         retries.into_iter().map(|(member, _)| member).collect()
     }
 
-    /// Changes one island: a bystander becomes a member, a speed limit rises, or the island becomes a crowd.
+    /// Changes one island before it is solved again: a bystander becomes a member, a speed limit rises, or the island
+    /// becomes a crowd.
     fn apply_retry(&mut self, member: u32, retry: &Retry) {
         let mut which = self.members[member as usize].cluster as usize;
         match retry {

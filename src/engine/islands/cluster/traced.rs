@@ -1,10 +1,10 @@
-//! Islands (groups of particles that may meet) that reach as far as their particles do fly. This way is for engines
-//! that report velocity changes. Encounters of islands are found from their trajectories after they are solved.
+//! Islands (groups of particles that may meet) that reach as far as their particles do fly. Islands of this type are
+//! used for engines that report velocity changes. After islands are solved, their trajectories show which of them meet.
 //!
 //! Each island is first solved as if it were alone. Its trajectories may then meet those of another island, or a
 //! particle that was expected to fly straight. In that case both form one island, which is solved again. In the end
 //! particles meet only within islands. The trajectories are then those of the whole system, because an initial state
-//! has only one solution. Earlier attempts do not affect the result, so the order in which islands are united does not
+//! has only one solution. Earlier solutions do not affect the result, so the order in which islands are united does not
 //! matter.
 
 use super::trajectories::{MemberTrajectories, ParticleTrajectory, PiecewiseTrajectory, Segment, VelocityChange};
@@ -20,21 +20,22 @@ use crate::neighbours::region::Region;
 use crate::work_sharing;
 use std::ops::{Deref, DerefMut, Range};
 
-/// Tolerance relative to the paths of both particles: trajectories that miss a touch by less count as touching, because
-/// of rounding.
+/// [-] tolerance relative to the lengths of both paths. Trajectories that miss a touch by less count as touching,
+/// because of rounding.
 const NEARLY: f64 = 1e-9;
 
-/// Balls, sorted into cells, that contain the paths of some hot particles after their first velocity change.
+/// Balls, sorted into cells, that contain the paths of some hot particles (members of islands) after their first
+/// velocity change.
 #[derive(Default)]
 pub struct DeflectedFlights {
-    /// Numbers of these hot particles among all members of islands.
+    /// Numbers of these particles among all members of islands.
     members: Vec<u32>,
     levels: SizeLevels,
     packed: PackedBalls,
 }
 
 impl DeflectedFlights {
-    /// Sorts the balls of the members with the numbers `some` into cells; the balls are in `region`.
+    /// Sorts into cells the balls of the members with the numbers `some`; the middles of the balls are in `region`.
     fn sort(&mut self, some: Vec<u32>, all: &[Member], region: &Region) {
         let ball = |k: usize| all[some[k] as usize].ball;
         self.levels.sort_alike(&some, |&k| all[k as usize].ball.middle, |k| ball(k).reach, region);
@@ -53,12 +54,14 @@ impl DeflectedFlights {
     }
 }
 
-/// Islands that reach as far as their particles do fly, found from the trajectories of solved islands.
+/// Islands that reach as far as their particles do fly. Meetings of islands are found from the trajectories of solved
+/// islands.
 pub struct TracedIslands<'a> {
     clusters: Clusters<'a>,
     /// Velocity changes of all members; those of one member are consecutive and in the order of time.
     turns: Vec<VelocityChange>,
-    /// Balls in cells: first those of all members, second those of members whose islands were solved again since.
+    /// Balls in cells: the first entry contains those of all members, the second those of members whose islands were
+    /// solved again since.
     deflected: [DeflectedFlights; 2],
 }
 
@@ -93,7 +96,7 @@ impl<'a> IslandFinder<'a> for TracedIslands<'a> {
         true
     }
 
-    /// Lists all pairs, because the path of a member is not bounded before the island is solved.
+    /// Appends all pairs of a member, because the path of a member is not bounded before the island is solved.
     fn list_pairs(&self, (a, _): (usize, &Member), (places, _): (&[u32], usize), pairs: &mut Vec<Pair>) {
         pairs.extend((a + 1..places.len()).map(|b| Pair { i: a as u32, j: b as u32 }));
     }
@@ -161,15 +164,16 @@ impl TracedIslands<'_> {
         ParticleTrajectory { place: member.place, turns: member.turns.clone().map(|turns| &self.turns[turns]) }
     }
 
-    /// Trajectory of a hot particle, given by index, with these velocity changes. `first` is the number of the first of
-    /// them in the list of all changes.
+    /// Trajectory of a hot particle, given by index, with the velocity changes `turns`. `first` is the number of the
+    /// first change in the list of all changes.
     fn way(&self, place: u32, turns: &[VelocityChange], first: usize) -> PiecewiseTrajectory {
         let flight = self.search.flights[place as usize];
         let turned = first..first + turns.len();
         let Some(begin) = turns.first().map(|turn| turn.origin + turn.velocity * turn.time) else {
             return PiecewiseTrajectory { turns: turned, ball: flight, around: flight.reach };
         };
-        // a ball about the middle of beginning and end contains the path if it contains every velocity change
+        // a ball about the middle between the first change and the end contains the path if it contains the position at
+        // every velocity change
         let corner = |turn: &VelocityChange| turn.origin + turn.velocity * turn.time;
         let end = turns.last().map_or(begin, |turn| turn.origin + turn.velocity * self.part);
         let middle = (begin + end) * 0.5;
@@ -182,8 +186,8 @@ impl TracedIslands<'_> {
     }
 
     /// Unites islands whose trajectories meet, and adds the particles that they hit; these islands must be solved
-    /// again. Returns the number of islands solved in vain, counting those whose leading particle satisfies `mine`.
-    /// Returns `None` if an island is too large.
+    /// again. Returns the number of solved islands whose results became invalid in this way. Only islands whose leading
+    /// particle satisfies `mine` are counted. Returns `None` if an island is too large.
     fn unite_meeting(&mut self, mine: impl Fn(u32) -> bool) -> Option<u64> {
         let is_new = |which: &usize| {
             let cluster = &self.list[*which];
@@ -219,8 +223,8 @@ impl TracedIslands<'_> {
         changed.iter().all(|&which| !self.list[which].is_crowd()).then_some(in_vain)
     }
 
-    /// Sorts the balls of all members into cells in the first round. Later rounds sort only those of islands that were
-    /// solved again since.
+    /// Sorts balls that contain trajectories into cells. In the first round these are the balls of all members, in
+    /// later rounds only those of islands that were solved again since.
     fn lay_out(&mut self, new: &[usize]) {
         let Clusters { search, members: known, list, widest, .. } = &mut self.clusters;
         let region = &search.region;
@@ -237,19 +241,20 @@ impl TracedIslands<'_> {
         anew.sort(members, known, region);
     }
 
-    /// Calls `visit` with the members whose balls overlap `ball`. Some members are visited twice, and the balls of some
-    /// only nearly overlap.
+    /// Calls `visit` with the members whose balls overlap `ball`. Some members are visited twice, and some whose balls
+    /// only nearly overlap `ball` are visited too.
     fn for_each_deflected_beside(&self, ball: &BoundingSphere, mut visit: impl FnMut(&Member)) {
         for turned in &self.deflected {
             turned.for_each_beside(ball, &self.search.region, |member| visit(&self.members[member as usize]));
         }
     }
 
-    /// Indices of the particles that meet the trajectories of an island; `None` if one of its members reaches too far.
+    /// Indices of the particles that meet the trajectories of an island; `None` if one of its members could meet an
+    /// image other than the nearest.
     fn met_by(&self, which: usize) -> Option<Vec<u32>> {
         let mut met = Vec::new();
-        // in the first round every island is searched around: a deflected flight that meets a straight one finds it, so
-        // the opposite search is not needed
+        // in the first round the surroundings of every island are searched: a search around a deflected flight finds
+        // the straight flights that it meets, so the opposite search is not needed
         let all_look = self.search.region.is_all() && self.deflected[1].members.is_empty();
         for &member in &self.list[which].hot {
             let member = &self.members[member as usize];
@@ -277,19 +282,20 @@ impl TracedIslands<'_> {
         Some(met)
     }
 
-    /// True if two particles may touch on their trajectories, after a velocity change of at least one of them.
+    /// True if two particles may touch on their trajectories, after a velocity change of at least one of the two.
     fn may_touch(&self, one: &ParticleTrajectory, other: &ParticleTrajectory) -> bool {
         let (Some(turns), Some(others)) = (one.turns, other.turns) else { return true };
         let reach = self.particles.radius[one.place as usize] + self.particles.radius[other.place as usize];
         (0..=turns.len()).any(|number| {
             let leg = self.leg(one.place, turns, number);
-            // touches before the first velocity change of both are known already
+            // touches before the first velocity change of both particles are already known
             let first = usize::from(number == 0);
             (first..=others.len()).any(|number| self.pass(&leg, &self.leg(other.place, others, number), reach))
         })
     }
 
-    /// Straight piece of a trajectory by number; number 0 is the flight before the first velocity change.
+    /// Straight piece of a particle's trajectory, given by its number; number 0 is the flight before the first velocity
+    /// change.
     fn leg(&self, place: u32, turns: &[VelocityChange], number: usize) -> Segment {
         let end = turns.get(number).map_or(self.part, |turn| turn.time);
         match number.checked_sub(1).and_then(|before| turns.get(before)) {
@@ -302,7 +308,7 @@ impl TracedIslands<'_> {
         }
     }
 
-    /// True if the centres of two particles come within `reach` [m] while both are on these pieces of their
+    /// True if the centres of two particles come within `reach` [m] while both particles are on these pieces of their
     /// trajectories.
     fn pass(&self, one: &Segment, other: &Segment, reach: f64) -> bool {
         let (from, to) = (one.span[0].max(other.span[0]), one.span[1].min(other.span[1]));
@@ -312,7 +318,7 @@ impl TracedIslands<'_> {
         let at = |leg: &Segment| leg.origin + leg.velocity * from;
         let (apart, relative) = (self.domain.separation(&at(one), &at(other)), one.velocity - other.velocity);
         let nearest = -apart.dot(&relative) / relative.norm_squared();
-        // with equal velocities the distance is constant, and the quotient is not finite
+        // at equal velocities the distance is constant, and the quotient is not finite
         let nearest = if nearest.is_finite() { nearest.clamp(0.0, to - from) } else { 0.0 };
         let way = (one.velocity.norm() + other.velocity.norm()) * self.part;
         let reach = (reach + way * NEARLY) * (1.0 + NEARLY);

@@ -1,4 +1,5 @@
-//! Trajectories of particles that fly straight between velocity changes.
+//! Trajectories of particles that fly straight between velocity changes, in a part of a window (the time between two
+//! exchanges of momentum with the gas).
 
 use crate::engine::islands::search::BoundingSphere;
 use nalgebra::Vector3;
@@ -10,7 +11,7 @@ use std::ops::Range;
 pub struct VelocityChange {
     /// Time of the change [s] since the start of the part of the window.
     pub time: f64,
-    /// Position [m] at the start of the part from which the new flight, extended backwards, would have begun.
+    /// Position [m] at the start of the part on the straight line of the new flight, extended backwards.
     pub origin: Vector3<f64>,
     /// New velocity [m/s], relative to the frame of the search.
     pub velocity: Vector3<f64>,
@@ -21,14 +22,15 @@ pub struct VelocityChange {
 pub struct ParticleTrajectory<'a> {
     /// Index of the particle in the store.
     pub place: u32,
-    /// Velocity changes in the order of time; `None` if they are unknown and the particle may be anywhere in its ball.
+    /// Velocity changes in the order of time. With `None` the changes are unknown, and the particle may be anywhere in
+    /// the ball of its island member.
     pub turns: Option<&'a [VelocityChange]>,
 }
 
-/// Trajectory of a member of a solved island.
+/// Trajectory of a member of a solved island, and bounds on its extent.
 #[derive(Clone)]
 pub struct PiecewiseTrajectory {
-    /// Range of its velocity changes in the list stored with the trajectory, in the order of time.
+    /// Range of the velocity changes in the list that is stored with the trajectory, in the order of time.
     pub turns: Range<usize>,
     /// The ball that contains the trajectory after the first velocity change.
     pub ball: BoundingSphere,
@@ -36,17 +38,17 @@ pub struct PiecewiseTrajectory {
     pub around: f64,
 }
 
-/// A straight piece of a trajectory between two velocity changes.
+/// A straight piece of a trajectory between two successive velocity changes.
 pub struct Segment {
-    /// Times [s] of its beginning and end, since the start of the part.
+    /// Times [s] of the beginning and the end of the piece, since the start of the part.
     pub span: [f64; 2],
-    /// Position [m] at the start of the part on the line of this piece.
+    /// Position [m] at the start of the part on the straight line of this piece, extended if necessary.
     pub origin: Vector3<f64>,
-    /// Velocity [m/s] on this piece, relative to the frame of the search.
+    /// Velocity [m/s] on this piece, relative to the moving frame in which speeds are measured.
     pub velocity: Vector3<f64>,
 }
 
-/// Trajectories of the members of islands, with their velocity changes.
+/// Trajectories of the members of several islands, with their velocity changes.
 #[derive(Default)]
 pub struct MemberTrajectories {
     /// Trajectory of each member.
