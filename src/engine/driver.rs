@@ -1,9 +1,11 @@
-//! Driver of the windows of all engines. It solves islands for as long as they pay, and then moves all particles at
-//! once by the classical algorithm. An island is a group of particles that may meet within a part of a window.
+//! Driver that moves the particles of all engines through windows. A window is the time between two exchanges of
+//! momentum with the gas. The driver solves islands for as long as this pays, and then moves all particles at once by
+//! the classical algorithm (uniform time steps, or one event queue). An island is a group of particles that may meet
+//! within a part of a window.
 //!
 //! An engine is a driver with a [`Solver`], which solves single islands and moves all particles at once. The driver
-//! stores the state that is carried from one window to the next (contacts in progress, times of recent collisions). It
-//! passes this state to the method in use.
+//! stores the state that is carried from one window to the next (contacts in progress, or times of recent collisions).
+//! The driver passes this state to the method in use.
 
 use super::distributed::{Distributed, DistributedSolver};
 use super::islands::{IslandCost, IslandCounters, Islands, Solve, SpeedSummary};
@@ -25,40 +27,41 @@ pub struct Work<'a, C> {
     pub particles: &'a mut Particles,
     /// The scene with walls, gravity and materials.
     pub scene: &'a Scene,
-    /// State carried from one window to the next; it refers to particles by their index in the store.
+    /// State carried from one window to the next, such as contacts; it contains indices of particles in the store.
     pub lasting: &'a mut Vec<C>,
-    /// Log of the events in the window.
+    /// Log of the impacts in the window.
     pub log: &'a mut Log,
-    /// Record to which the log is added at the end of the window. A solver that fills the log may add it earlier.
+    /// Record of the run, to which the log is added at the end of the window. A solver with a full log may add it
+    /// earlier.
     pub record: &'a mut Record,
 }
 
-/// State that a solver of type `S` carries from one window to the next.
+/// State that a solver of type `S` carries from one window to the next, such as a contact.
 pub type Lasting<S> = <<S as Solver>::Islands as Solve>::Carried;
 
-/// Result of trying islands in a window.
+/// Result of trying to solve islands in a window.
 #[derive(Clone, Copy)]
 pub struct Trial {
-    /// Simulated time [s] for which islands were solved.
+    /// Simulated time [s] that was covered by solving islands.
     pub done: f64,
-    /// Counts of island work before the trial.
+    /// Counts of the work in islands before the trial.
     pub before: IslandCounters,
-    /// Counts of island work after the trial.
+    /// Counts of the work in islands after the trial.
     pub after: IslandCounters,
 }
 
-/// The part of an engine that solves single islands and moves all particles at once.
+/// The methods of an engine that solve single islands and move all particles at once.
 pub trait Solver {
     /// Type that solves one island; several threads use it at the same time.
     type Islands: Solve;
 
-    /// State that the solver itself keeps from one window to the next, in addition to that of the driver.
+    /// State other than carried contacts or collisions that the solver keeps from one window to the next.
     type State: Serialize + DeserializeOwned;
 
     /// Returns the solver of islands.
     fn islands(&self) -> &Self::Islands;
 
-    /// Sets up the carried state at the start of a run, such as contacts in progress.
+    /// Makes the carried state at the start of a run, such as contacts of particles that overlap at the start.
     fn begin(&mut self, _work: &mut Work<Lasting<Self>>, _window: Window) {}
 
     /// Largest cost at which islands are used in this window, per particle and simulated time [ns/s]. With `None`
@@ -71,17 +74,17 @@ pub trait Solver {
         window: Window,
     ) -> Option<f64>;
 
-    /// Decides from a trial of islands (small groups solved separately) for how long islands are not tried again.
+    /// Decides, from the result of a trial of islands, for how long islands are not tried again.
     fn judge(&mut self, _population: &PopulationSummary, _scene: &Scene, _trial: &Trial) {}
 
-    /// Moves the carried state that the classical algorithm has kept to `lasting`. The driver calls this function only
-    /// when islands or other processes need the state, because a copy of it would need as much memory again.
+    /// Moves the carried state that the classical algorithm has stored to `lasting`. The driver calls this function
+    /// only when islands or other processes need the state, because a copy would double its memory.
     fn hand_over(&mut self, lasting: &mut Vec<Lasting<Self>>);
 
     /// Calls `visit` with each item of state that [`hand_over`](Self::hand_over) would move.
     fn for_each_kept(&self, visit: &mut dyn FnMut(Lasting<Self>));
 
-    /// Marks data about the store as outdated, because islands may have moved or sorted the particles.
+    /// Marks data about the particle store as outdated, because islands may have moved or sorted the particles.
     fn disturb(&mut self);
 
     /// Moves all particles through the window by the classical algorithm.
@@ -93,11 +96,11 @@ pub trait Solver {
     /// Counts of all work: that of the classical algorithm plus that in islands.
     fn counters(&self, islands: &IslandCounters) -> Counters;
 
-    /// Frees memory that is needed only for a further window, at the end of the run.
+    /// Frees, at the end of the run, memory that is needed only for a further window.
     fn forget(&mut self) {}
 
-    /// Energy [J] stored in contacts, if the classical algorithm moved the particles last. `None` after islands: the
-    /// energy is then computed from the carried state.
+    /// Energy [J] stored in contacts, if the classical algorithm moved the particles last. The result is `None` after
+    /// islands, for which the energy is computed from the carried state.
     fn elastic_energy(&self) -> Option<f64>;
 
     /// Sets the clock that measures the time of the classical algorithm from now on.
@@ -106,14 +109,14 @@ pub trait Solver {
     /// Returns `spent` plus the time of the classical algorithm so far.
     fn spent(&self, spent: EngineTimes) -> EngineTimes;
 
-    /// Returns the state that the solver itself keeps from one window to the next.
+    /// Returns the state that the solver keeps from one window to the next, except carried contacts or collisions.
     fn state(&self) -> Self::State;
 
     /// Continues from a stored state of the solver.
     fn resume(&mut self, state: Self::State);
 }
 
-/// State of an engine between windows, as it is stored.
+/// State of an engine between windows, in the form in which it is stored.
 #[derive(Serialize, Deserialize)]
 struct DriverState<C, S> {
     /// Contacts in progress, or times of recent collisions.
@@ -124,11 +127,11 @@ struct DriverState<C, S> {
     islands: IslandCounters,
     /// Wall-clock time spent on islands.
     spent: EngineTimes,
-    /// State that the solver itself keeps.
+    /// State that the solver keeps.
     solver: S,
 }
 
-/// An engine that consists of a solver and the common handling of windows.
+/// An engine: a solver together with the handling of windows that all engines have in common.
 pub struct Driver<S: Solver> {
     pub(super) solver: S,
     pub(super) islands: Islands<Lasting<S>>,
@@ -152,7 +155,7 @@ impl<S: DistributedSolver> Driver<S> {
         }
     }
 
-    /// Sets up the carried state in the first window.
+    /// Makes the carried state in the first window, in the lead process.
     fn begin(&mut self, work: &mut Work<Lasting<S>>, window: Window) {
         if !std::mem::replace(&mut self.begun, true) && self.islands.processes.is_lead() {
             self.solver.begin(work, window);
@@ -170,8 +173,8 @@ impl<S: DistributedSolver> Driver<S> {
         Some(choice)
     }
 
-    /// Adapts to the result of trying islands; `done` is the simulated time [s] for which they were solved, or a
-    /// failure.
+    /// Passes the result of trying islands to the solver, which decides when islands are tried again. `done` is the
+    /// simulated time [s] that was covered by islands, or a failure.
     fn judge(&mut self, choice: &IslandCost, scene: &Scene, before: IslandCounters, done: &Result<f64, Failure>) {
         self.islands.processes.share_counts(&mut self.islands.counters, &before);
         let after = self.islands.counters();
@@ -183,7 +186,7 @@ impl<S: DistributedSolver> Driver<S> {
         }
     }
 
-    /// Calls `visit` with each item of carried state, of the driver and of the solver.
+    /// Calls `visit` with each item of carried state, stored in the driver or in the solver.
     pub(super) fn for_each_lasting(&self, visit: &mut dyn FnMut(Lasting<S>)) {
         self.lasting.iter().copied().for_each(&mut *visit);
         self.solver.for_each_kept(visit);

@@ -1,8 +1,9 @@
 //! Engines: each is one way to move spheres and to compute their collisions.
 //!
-//! An [`Engine`] moves every particle through one window under gravity and impacts. Drag is applied by the simulation
-//! before and after the window. Sampling, other engines and other processes do not appear in an engine. An engine whose
-//! run several processes can share also implements [`Distributed`](distributed::Distributed).
+//! An [`Engine`] moves every particle through one window under gravity and impacts. A window is the time between two
+//! exchanges of momentum with the gas. Drag is applied by the simulation before and after the window. Engines contain
+//! no sampling, and no engine depends on another. An engine whose run several processes can share also implements
+//! [`Distributed`](distributed::Distributed).
 
 pub mod distributed;
 pub mod driver;
@@ -70,22 +71,23 @@ pub trait Engine {
         record: &mut Record,
     ) -> Result<(), Failure>;
 
-    /// Frees memory that is needed only for a further window, at the end of the run. A further window would then begin
-    /// without stored data. Counts and times are kept.
+    /// Frees, at the end of the run, memory that is needed only for a further window. A further window would then begin
+    /// without stored contacts or collisions. Counts and times are kept.
     fn forget(&mut self) {}
 
-    /// Work done so far. The counts are equal on every machine. The wall-clock times are those of the parts of the work
-    /// that engines have in common; the rest of the time is spent on contacts and collisions.
+    /// Work done so far: counts, which are equal on every machine, and wall-clock times. The times are those of the
+    /// tasks that engines have in common. The rest of the time is spent on contacts and collisions.
     fn work_done(&self) -> (Counters, EngineTimes);
 
-    /// Energy [J] that is now stored in contacts (soft spheres: in springs); 0 if contacts are instantaneous.
+    /// Energy [J] that is now stored in contacts (for soft spheres: in springs); 0 if contacts are instantaneous.
     fn elastic_energy(&self) -> f64;
 
-    /// Calls `visit` with the pairs that are now in contact, by index in the store. For soft spheres these are the
-    /// contacts in progress at the last check. If contacts are instantaneous, `visit` is not called.
+    /// Calls `visit` with the pairs that are now in contact, by index in the store. For soft spheres, these are the
+    /// contacts that were in progress at the last check. If contacts are instantaneous, `visit` is not called.
     fn for_each_touching(&self, visit: &mut dyn FnMut(Couple));
 
-    /// Indices of the particles that islands moved last; `None` if the classical algorithm moved all particles.
+    /// Indices of the particles that were members of islands (groups solved separately) in the last window. `None` if
+    /// the classical algorithm moved all particles.
     fn in_islands(&self) -> Option<&[u32]>;
 
     /// Sets the clock with which the engine measures times, and to which it reports the simulated time within long
@@ -115,12 +117,12 @@ pub struct Overlap {
     pub diameter: f64,
 }
 
-/// Wall-clock time spent on parts of an engine's work.
+/// Wall-clock time spent on tasks that engines have in common.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct EngineTimes {
-    /// Time spent on the search for pairs that may touch.
+    /// Wall-clock time spent on the search for pairs that may touch.
     pub neighbours: Duration,
-    /// Time spent on the straight flight of all particles, if this is a separate part of the work.
+    /// Wall-clock time spent on the straight flight of all particles, if flight is a separate task.
     pub flight: Duration,
 }
 
@@ -134,29 +136,32 @@ impl EngineTimes {
 /// Amounts of work done, as counts that do not depend on the machine.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Counters {
-    /// Number of time steps: of all particles (soft uniform, stepped hard), or of islands in contact (soft local).
+    /// Number of time steps. In soft uniform steps and in stepped hard spheres, these are steps of all particles. In
+    /// soft local steps, these are steps of islands in contact.
     pub steps: u64,
-    /// Number of `steps` in which all particles were moved (soft). Local stepping uses them if too many particles
-    /// touch.
+    /// Number of steps in which all particles were moved (soft spheres), included in `steps`. Local stepping uses such
+    /// steps if too many particles touch.
     pub uniform_steps: u64,
-    /// Number of pairs, and particles with walls, whose gap or time of touch was computed. For soft uniform steps these
-    /// are the candidates in the neighbour list, although most are known to be too far apart.
+    /// Number of pairs, and particles with walls, whose gap or time of touch was computed. For soft uniform steps, all
+    /// candidates in the neighbour list are counted, although most are not computed.
     pub pair_checks: u64,
-    /// Number of contact forces computed (soft).
+    /// Number of contact forces computed (soft spheres).
     pub force_evaluations: u64,
-    /// Number of impulses applied (hard).
+    /// Number of impulses applied (hard spheres).
     pub events: u64,
-    /// Number of collisions without impulse, because the spheres already separated at the next check (stepped hard).
+    /// Number of collisions without impulse, because the spheres already separated at the next check (hard spheres with
+    /// steps).
     pub missed_collisions: u64,
     /// Number of neighbour lists and cell grids built.
     pub neighbour_builds: u64,
-    /// Number of islands solved.
+    /// Number of islands (groups of particles that may meet) that were solved.
     pub islands: u64,
     /// Sum over all solved islands of the number of their particles.
     pub island_members: u64,
     /// Number of particles in the largest island.
     pub largest_island: u64,
-    /// Number of islands solved again, because a particle met an unexpected particle or exceeded its speed limit.
+    /// Number of islands that were solved again, because a particle met an unexpected particle or exceeded its speed
+    /// limit.
     pub islands_redone: u64,
 }
 
@@ -164,7 +169,7 @@ pub struct Counters {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, thiserror::Error)]
 #[serde(rename_all = "snake_case")]
 pub enum Failure {
-    /// A soft contact is deeper than the limit: the stiffness is too low for this speed.
+    /// The overlap of a soft contact exceeds the limit: the stiffness is too low for this speed of impact.
     #[error(
         "at t = {time} s {}: raise soft stiffness",
         match (way, partner) {
@@ -191,8 +196,8 @@ pub enum Failure {
         ratio: f64,
         /// [-] limit of the ratio of overlap to diameter.
         limit: f64,
-        /// [-] path of the centre within the step over the diameter, if the centre passed through the surface of a wall
-        /// between two checks.
+        /// [-] path of the centre within the step, divided by the diameter, if the centre has passed through the
+        /// surface of a wall between two checks; otherwise `None`.
         way: Option<f64>,
     },
     /// The soft time step exceeds the stability limit of the integrator: the oscillation of a long contact would grow.
@@ -220,12 +225,13 @@ pub enum Failure {
     /// A contact law of the calling program violates a contract on which engines rely.
     #[error("at t = 0 s the contact law cannot be used ({law}): {broken}")]
     BrokenContract {
-        /// The name of the law in words.
+        /// Name of the contact law, in words.
         law: String,
-        /// The violated contract.
+        /// The contract that the law violates.
         broken: BrokenContract,
     },
-    /// Kinetic and elastic energy grew by more than the work of drag and gravity plus the error of the time integrator.
+    /// Kinetic and elastic energy grew by more than the work of drag and gravity plus the error of the time integrator
+    /// explains.
     #[error(
         "at t = {time} s the energy has grown by {grown:.3e} J beyond what drag and gravity put in; the time integrator explains {explained:.3e} J: lower the time step ({remedy})",
         time = nine(time)
@@ -233,15 +239,15 @@ pub enum Failure {
     EnergyGrew {
         /// Time [s] of the failure.
         time: f64,
-        /// Growth [J] beyond the work of drag and gravity.
+        /// Growth [J] of the energy beyond the work of drag and gravity.
         grown: f64,
         /// Part of this growth [J] that the error of the time integrator explains.
         explained: f64,
         /// Settings that shorten the time step of this case.
         remedy: String,
     },
-    /// Impacts accumulate, for instance when a sphere comes to rest: the intervals between them become too short to
-    /// resolve.
+    /// Inelastic collapse. Impacts accumulate, for instance when a sphere comes to rest, and the intervals between them
+    /// become too short to resolve.
     #[error(
         "inelastic collapse at t = {time} s: particle {particle}, which now meets {partner}, met others {impacts} times within one window, the last time after {interval:.1e} s, at ({x:.6e}, {y:.6e}, {z:.6e}) m; {}: {}, or use the hybrid or the soft model",
         sliding.map_or(
@@ -317,7 +323,7 @@ pub enum Failure {
     },
 }
 
-/// Time [s] for messages, rounded to nine digits: further digits are rounding errors from summing windows.
+/// Time [s] for messages, rounded to nine digits. Further digits are rounding errors of the sum of windows.
 fn nine(time: &f64) -> f64 {
     format!("{time:.8e}").parse().unwrap_or(*time)
 }
@@ -355,7 +361,7 @@ impl Failure {
     }
 }
 
-/// Largest component [m/s] of a particle's velocity; unlike the speed, it is finite if its square is not.
+/// Largest component [m/s] of a particle's velocity. It may be finite even if the square of the speed is not.
 fn speed(particles: &Particles, place: usize) -> f64 {
     particles.velocity.get(place).map_or(0.0, |velocity| velocity.amax())
 }
@@ -368,7 +374,7 @@ fn not_a_number(particles: &Particles, time: f64) -> Failure {
         .iter()
         .zip(&particles.velocity)
         .position(|(x, v)| !(x.iter().chain(v.iter()).all(|value| value.is_finite())));
-    // if all numbers are finite, the square of the largest speed is not
+    // if all numbers are finite, the square of the largest speed is not, so this particle is the fastest
     let fastest = || (0..particles.len()).max_by(|a, b| speed(particles, *a).total_cmp(&speed(particles, *b)));
     let place = bad.or_else(fastest).unwrap_or_default();
     Failure::NotANumber { time, particle: particles.id.get(place).copied().unwrap_or_default() }

@@ -1,4 +1,4 @@
-//! Motion of all particles at once, used by several engines.
+//! Straight motion of all particles at once, used by several engines.
 //!
 //! Within a window an engine uses the frame that falls freely with gravity from rest. In this frame, particles without
 //! contact fly straight at constant velocity. Gravity then needs no computation per step, and it is exact.
@@ -8,7 +8,7 @@ use crate::work_sharing;
 
 use nalgebra::Vector3;
 
-/// Number of particles that a thread moves at a time. With larger pieces, threads would wait longer for the last one.
+/// Number of particles that a thread moves at a time. With larger pieces, threads would wait longer for the last piece.
 const PART: usize = CHUNK / 4;
 
 /// Moves every particle: x += v dt + shift. `shift` [m] is the fall of the frame in the time `dt` [s].
@@ -26,7 +26,8 @@ pub fn drift(particles: &mut Particles, dt: f64, shift: Vector3<f64>) {
     }
 }
 
-/// Changes every velocity: v += change [m/s]. This returns from the falling frame to the frame at rest.
+/// Changes every velocity: v += `change` [m/s]. The engines use the function to return from the falling frame to the
+/// frame at rest.
 pub fn accelerate(particles: &mut Particles, change: Vector3<f64>) {
     if change != Vector3::zeros() {
         work_sharing::for_each(particles.velocity.chunks_mut(CHUNK), |part| part.iter_mut().for_each(|v| *v += change));

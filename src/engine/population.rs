@@ -1,5 +1,5 @@
-//! Summary of the particles' sizes, by which engines choose between methods. It does not depend on the order of the
-//! store, and is equal on all processes that share a run.
+//! Summary of the particles' sizes, by which engines choose between methods. The summary does not depend on the order
+//! of the particles in the store, and is equal in all processes that share a run.
 
 use crate::neighbours::levels::Census;
 use crate::particles::{CHUNK, Sample};
@@ -8,7 +8,7 @@ use crate::work_sharing;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-/// Summary of all particles of a run in a few numbers.
+/// Summary of the sizes of all particles of a run in a few numbers.
 #[derive(Clone, Serialize, Deserialize)]
 pub struct PopulationSummary {
     /// Number of particles of the run.
@@ -19,13 +19,13 @@ pub struct PopulationSummary {
     pub lightest: f64,
     /// Means over all particles of the radius [m] and of its square [m²].
     pub mean_radius: [f64; 2],
-    /// Fraction [-] of the volume open to particles that they fill.
+    /// Volume fraction [-]: volume of the particles divided by the volume open to them.
     pub filled: f64,
     /// True if the particles have different radii.
     pub mixed: bool,
-    /// Numbers of particles by size, if the sizes differ so much that several grids are used.
+    /// Numbers of particles in each range of sizes, if the sizes differ so much that several grids of cells are used.
     pub census: Option<Census>,
-    /// [1/m³] number of particles per volume open to them.
+    /// [1/m³] number density: number of particles per volume open to them.
     pub density: f64,
 }
 

@@ -1,26 +1,27 @@
-//! Joint decision of all processes about a part of a window that they have tried. A part counts only if the islands
-//! that several processes solved have the same members and results.
+//! Joint decision of all processes about a trial of a part of a window (the time between two exchanges of momentum with
+//! the gas). The trial is valid only if islands that several processes solved have equal members and results. To borrow
+//! a particle means to store a copy (ghost) of a particle of another process.
 
 use super::domains::{Domains, LocalParticles};
 use super::ghost_islands::{HotParticleDigest, agree_with, tell};
 use super::packing::{packed, unpacked};
 use crate::engine::islands::{IslandFinder, Reach};
 
-/// Safety factor on the distance from which particles are borrowed, over the distance needed in the part before.
-/// Repeating a part costs more than borrowing a few particles too many.
+/// [-] safety factor on the distance from which particles are borrowed, relative to the distance needed in the previous
+/// part. Repeating a part costs more than borrowing a few particles too many.
 const SPARE: f64 = 1.25;
 
-/// Decision of all processes about a part of a window that they have tried.
+/// Decision of all processes about a part of a window, after each has tried to solve its islands.
 pub enum PartDecision {
     /// The results of the part are valid.
     Done,
-    /// The part must be repeated with particles borrowed from farther away.
+    /// The part must be repeated, with particles borrowed from farther away.
     Again,
-    /// Islands are too large, or an engine failed.
+    /// An island is too large or an engine failed, so islands are not solved in this part.
     Failed,
 }
 
-/// Result of a part of a window in one process.
+/// Result of one process for a part of a window, on which the joint decision is based.
 struct LocalStatus {
     /// Largest distances [m] that particles reach in flights and in islands.
     reach: Reach,
@@ -29,13 +30,13 @@ struct LocalStatus {
     room: f64,
     /// True if an island is too large, or the engine failed.
     failed: bool,
-    /// True if other processes have equal results for the islands of this process.
+    /// True if other processes have obtained equal results for the islands of this process.
     agrees: bool,
 }
 
 impl<C> Domains<C> {
-    /// Joint decision of all processes about a part that they have tried. In this process, `failed` is true if an
-    /// island is too large or the engine failed.
+    /// Returns the joint decision of all processes about a part that they have tried. `failed` is true if, in this
+    /// process, an island is too large or the engine failed.
     pub fn decide<'a>(
         &mut self,
         islands: &impl IslandFinder<'a>,
@@ -48,8 +49,8 @@ impl<C> Domains<C> {
         self.vote(&status, islands.half_period(), islands.domain().size.amax())
     }
 
-    /// True if other processes have equal results for the islands of this process. All processes must call this
-    /// function; a process with `failed` sends nothing.
+    /// True if other processes have obtained equal results for the islands of this process. All processes must call
+    /// this function at the same time; a process for which `failed` is true sends no results.
     fn compare<'a>(&self, islands: &impl IslandFinder<'a>, view: &LocalParticles<C>, failed: bool) -> bool {
         let mut told: Vec<Vec<HotParticleDigest>> = vec![Vec::new(); self.communicator.size()];
         if !failed {
@@ -68,7 +69,8 @@ impl<C> Domains<C> {
         !failed && agree_with(islands, |place| view.is_mine(place), &heard)
     }
 
-    /// Joint decision of all processes about a part, in a box whose longest edge is `size` [m].
+    /// Returns the joint decision of all processes about a part, in a box whose longest edge is `size` [m].
+    /// `half_period` [m] is half the shortest period of the box.
     fn vote(&mut self, opinion: &LocalStatus, half_period: f64, size: f64) -> PartDecision {
         let LocalStatus { reach, room, failed, agrees } = *opinion;
         let flag = |set: bool| if set { 1.0 } else { 0.0 };
@@ -86,7 +88,8 @@ impl<C> Domains<C> {
             return PartDecision::Again;
         }
         if differs > 0.0 {
-            // every process has stored all particles, so results cannot differ; a shorter part is tried next
+            // every process has stored all particles, so differences cannot be due to missing ones; a shorter part is
+            // tried next
             if self.width > size {
                 return PartDecision::Failed;
             }

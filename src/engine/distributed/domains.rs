@@ -1,10 +1,12 @@
-//! One run divided among processes. Each process owns the particles in a block of the box. For each part of a window it
-//! also borrows copies of other particles with which its own may interact (ghost particles).
+//! One run divided among processes. Each process owns the particles in a block of the box. For each part of a window
+//! (the time between two exchanges of momentum with the gas) it also borrows ghost particles. These are copies of
+//! particles of other processes that may interact with its own.
 //!
-//! A process treats its own and the borrowed particles as if there were no others, and solves all islands whose
-//! surroundings it stores completely. These include islands of other processes, so no results are sent back for them.
-//! Each process sends checksums of its results to the processes that borrowed its particles. If two processes differ on
-//! the members of an island, or an island reaches too far, all processes borrow from farther away and repeat the part.
+//! A process treats its own and the borrowed particles as if there were no others. It solves all islands (groups of
+//! particles that may meet) whose surroundings it stores completely. These include islands of other processes, so no
+//! results need to be sent back. Each process sends checksums of its results to the processes that borrowed its
+//! particles. If two processes obtain different members of an island, or an island reaches too far, all processes
+//! borrow from farther away and repeat the part.
 
 use super::CrossRankContact;
 use super::gathering::GatheredPart;
@@ -23,52 +25,54 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::sync::Arc;
 
-/// Smallest distance from the block within which particles are borrowed, over the largest reach of a flight.
+/// [-] smallest distance from the block within which particles are borrowed, divided by the largest reach of a flight.
 const SEEN: f64 = 4.0;
 
-/// Smallest such distance in the first part of a run, over the largest reach of a flight. Case D with 10⁶ particles
-/// needs 8, and a repeated part costs as much as a window.
+/// [-] smallest distance from the block within which particles are borrowed in the first part of a run, divided by the
+/// largest reach of a flight. Case D with 10⁶ particles needs 8, and a repeated part costs as much as a window.
 const SEEN_AT_FIRST: f64 = 10.0;
 
-/// Number of particles per process below which uniform steps are not shared, because most particles would be ghost
-/// particles.
+/// Number of particles per process below which processes do not share uniform steps, because most particles would be
+/// ghost particles.
 const FEWEST: usize = 200;
 
-/// One run that is divided among processes, or can be.
+/// Division of a run among several processes.
 pub struct Domains<C> {
     pub(super) communicator: Arc<dyn Communicator>,
     /// Blocks of the box, one per process.
     pub(super) blocks: Blocks,
-    /// Distance [m] from the block within which particles are borrowed.
+    /// Distance [m] from the block within which particles of other processes are borrowed.
     pub(super) width: f64,
     /// True if each process stores only the particles of its block; false if the lead process stores all.
     pub is_cut: bool,
-    /// State carried between a particle of this process and one of another process, such as a contact.
+    /// Carried state (such as a contact) between a particle of this process and one of another process.
     pub abroad: Vec<CrossRankContact<C>>,
-    /// Own particles of the lead process, stored while copies of the particles of all processes replace them.
+    /// Own particles of the lead process, set aside while copies of the particles of all processes replace them.
     pub(super) gathered: Option<GatheredPart<C>>,
     /// Summary of the sizes of all particles of the run.
     pub population: Arc<PopulationSummary>,
 }
 
-/// The particles that a process stores in a part of a window: its own and the borrowed ones.
+/// Particles that a process stores in a part of a window: its own and the borrowed ones.
 pub struct LocalParticles<C> {
-    /// For each particle, true if this process owns it; empty if it owns all.
+    /// For each particle, true if this process owns it; empty if this process owns all particles.
     pub(super) mine: Vec<bool>,
-    /// Number of particles in the store when the part began.
+    /// Number of particles in the store when the part began, before others were borrowed.
     pub(super) count: usize,
-    /// Carried state when the part began: among own particles, and between an own particle and one of another process.
+    /// Carried state, such as contacts, when the part began. The first list is that among own particles, the second
+    /// that between an own particle and one of another process.
     pub(super) lasting: (Vec<C>, Vec<CrossRankContact<C>>),
     /// Index of each borrowed particle, by its id.
     pub(super) strangers: FxHashMap<u32, u32>,
-    /// True if all particles in carried state are among the stored ones.
+    /// True if all particles to which carried state belongs are stored.
     pub complete: bool,
-    /// Region that contains all of these particles.
+    /// Region that contains all stored particles.
     pub region: Region,
 }
 
 impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
-    /// Prepares a run for the given processes. The summary of the lead process is used in all processes.
+    /// Divides a run among the processes that `communicator` connects. All processes use the summary of sizes of the
+    /// lead process.
     pub fn new(communicator: Arc<dyn Communicator>, population: PopulationSummary) -> Self {
         let population = unpacked(&communicator.broadcast(packed(&population))).unwrap_or(population);
         Self {
@@ -82,45 +86,46 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
         }
     }
 
-    /// Returns the value of the lead process in all processes.
+    /// Returns in all processes the value that the lead process has passed.
     pub fn of_lead<T: Serialize + DeserializeOwned>(&self, value: T) -> T {
         unpacked(&self.communicator.broadcast(packed(&value))).unwrap_or(value)
     }
 
-    /// True if this process is the lead.
+    /// True if this process is the lead process.
     pub fn is_lead(&self) -> bool {
         self.communicator.is_lead()
     }
 
-    /// Replaces sums by their totals over all processes, if each process has its own particles.
+    /// Replaces each sum by its total over all processes, if each process stores only its own particles.
     pub fn total(&self, sums: &mut [&mut ExactSum]) {
         if self.is_cut {
             self.communicator.total(sums);
         }
     }
 
-    /// Replaces counts by their sums over all processes.
+    /// Replaces each count by its sum over all processes.
     pub fn count(&self, counts: &mut [i64]) {
         self.communicator.sum(counts);
     }
 
-    /// Replaces values by their largest over all processes, if each process has its own particles.
+    /// Replaces each value by its largest value in any process, if each process stores only its own particles.
     pub fn largest(&self, values: &mut [f64]) {
         if self.is_cut {
             self.communicator.largest(values);
         }
     }
 
-    /// Sends particles that have left the block to their owners, and borrows those whose flights come near. Flights
-    /// last `part` [s] and are measured relative to `frame` [m/s]; `flight` [m] is the largest reach of a flight.
+    /// Sends particles that have left the block to the processes that now own them, and borrows particles whose flights
+    /// come near the block. Flights last `part` [s] and are measured relative to a frame with the velocity `frame`
+    /// [m/s]. `flight` [m] is the largest reach of a flight.
     pub fn trade<S: Solve<Carried = C>>(
         &mut self,
         work: &mut Work<C>,
         (frame, part): (Vector3<f64>, f64),
         flight: f64,
     ) -> LocalParticles<C> {
-        // partners of own particles, and the partners of these, must be stored; what islands need beyond this is known
-        // only after the first part
+        // partners of own particles, and the partners of these, must be stored; the distance that islands need beyond
+        // this is known only after the first part
         let least = if self.width > 0.0 { SEEN } else { SEEN_AT_FIRST };
         self.width = self.width.max(least * flight);
         let (mut mine, places) = self.sort_out(work, (frame, part), flight);
@@ -140,11 +145,11 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
         for CrossRankContact { carried, own, .. } in self.abroad.drain(..) {
             let id = work.particles.id[own as usize];
             let place = |other: u32| if other == id { Some(own) } else { strangers.get(&other).copied() };
-            // a partner in contact is within reach, so it was borrowed; otherwise the part must be repeated
+            // a partner in contact is near, so it was borrowed; otherwise the part must be repeated
             agrees &= S::places(&carried).iter().flatten().all(|id| place(*id).is_some());
             work.lasting.push(S::moved(&carried, &|id| place(id).unwrap_or(own)));
         }
-        // state that involves a particle which stays in this process is known already
+        // state that involves a particle which stays in this process is stored already
         for carried in lasting {
             if S::places(&carried).iter().flatten().all(|id| strangers.contains_key(id)) {
                 work.lasting.push(S::moved(&carried, &|id| strangers.get(&id).copied().unwrap_or(id)));
@@ -156,14 +161,14 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
         LocalParticles { mine, count, lasting: before, strangers, complete: agrees, region }
     }
 
-    /// For each particle, true if this process owns it. Also returns, for each process, the indices of the particles to
-    /// send there: those that it owns, and those that it borrows.
+    /// Returns, for each particle, true if this process owns it. Also returns, for each process, the indices of the
+    /// particles to be sent there: those that the process now owns, and those that it borrows.
     fn sort_out(&self, work: &Work<C>, (frame, part): (Vector3<f64>, f64), flight: f64) -> (Vec<bool>, Vec<Vec<u32>>) {
         let domain = &work.scene.domain;
         let block = self.block(domain);
         let mut places: Vec<Vec<u32>> = vec![Vec::new(); self.communicator.size()];
         let mut mine = Vec::with_capacity(work.particles.len());
-        // a particle this deep inside the block stays, and no other process borrows it
+        // a particle this deep inside the block stays in it, and no other process borrows it
         let deep = (self.width + flight) * (1.0 + 1e-9);
         for place in 0..work.particles.len() {
             if self.blocks.is_deep(&work.particles.position[place], &block, deep) {
@@ -186,7 +191,8 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
         (mine, places)
     }
 
-    /// Packs the particles with the given indices, and all carried state that involves them.
+    /// Packs the particles with the given indices, and all carried state (such as contacts) that involves them, into
+    /// bytes.
     fn cargo<S: Solve<Carried = C>>(&self, work: &Work<C>, places: &[u32]) -> Vec<u8> {
         if places.is_empty() {
             return Vec::new();
@@ -199,9 +205,10 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
         pack(work.particles, places, &lasting)
     }
 
-    /// Sends particles that have left the block to their owners, and borrows all within `width` [m] of the block.
-    /// Returns, for each particle, true if this process owns it. Also returns, for each process, the indices of the
-    /// particles that it borrows from this one, which it may have stored already.
+    /// Sends particles that have left the block to the processes that now own them, and borrows all particles within
+    /// `width` [m] of the block. Returns, for each particle, true if this process owns it. Also returns, for each
+    /// process, the indices of the particles of this process that it borrows. That process may have stored these
+    /// particles already.
     pub fn borrow<S: Solve<Carried = C>>(&mut self, work: &mut Work<C>, width: f64) -> (Vec<bool>, Vec<Vec<u32>>) {
         let before = std::mem::replace(&mut self.width, width);
         let LocalParticles { mine, .. } = self.trade::<S>(work, (Vector3::zeros(), 0.0), 0.0);
@@ -227,7 +234,7 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
 }
 
 impl<C> Domains<C> {
-    /// Region with the particles that this process owns.
+    /// Region of the box that contains the particles owned by this process.
     pub fn region(&self, domain: &Domain) -> Region {
         Region::around(domain, self.block(domain), 0.0)
     }
@@ -241,13 +248,14 @@ impl<C> Domains<C> {
         self.blocks.corners(self.communicator.rank(), domain)
     }
 
-    /// Distance [m] from another block within which particles are sent to its process: slightly more than is required.
+    /// Distance [m] from another block within which own particles are sent to the process of that block. It is slightly
+    /// larger than required.
     pub(super) fn lent(&self) -> f64 {
         self.width * (1.0 + 1e-9)
     }
 
-    /// Calls `visit` with every other process that borrows a particle. `x` is the middle of the particle's flight, and
-    /// `block` contains the corners of the own block.
+    /// Calls `visit` with the number of every other process that borrows a particle. `x` is the middle of the
+    /// particle's flight, and `block` contains the two corners of the block of this process.
     pub(super) fn for_each_borrower(
         &self,
         x: &Vector3<f64>,
@@ -267,7 +275,7 @@ impl<C> Domains<C> {
 }
 
 impl<C> LocalParticles<C> {
-    /// All particles of a box, for a single process.
+    /// Describes the store of a single process, which owns all particles of the box.
     pub fn all(domain: &Domain) -> Self {
         Self {
             mine: Vec::new(),

@@ -1,4 +1,4 @@
-//! Implementation of shared runs for all engines that consist of a solver.
+//! Sharing of a run among processes, for all engines that consist of a solver and the common driver.
 
 use super::packing::packed_part;
 use super::{Distributed, DistributedSolver};
@@ -13,7 +13,8 @@ use crate::scene::Scene;
 use std::sync::Arc;
 
 impl<S: DistributedSolver> Driver<S> {
-    /// Returns the cost of the classical algorithm and the summary of speeds of the lead process, in all processes.
+    /// Returns in all processes two values of the lead process: the cost of the classical algorithm, and the summary of
+    /// speeds.
     pub(in crate::engine) fn of_lead(
         &mut self,
         fallback_cost: Option<f64>,
@@ -29,7 +30,7 @@ impl<S: DistributedSolver> Driver<S> {
     }
 
     /// Moves all particles through the window by the classical algorithm. If several processes share the run, they do
-    /// this together where it pays. Otherwise the lead process gets all particles and moves them.
+    /// so together where this pays. Otherwise the lead process receives all particles and moves them.
     pub(in crate::engine) fn by_all(&mut self, work: &mut Work<Lasting<S>>, window: Window) -> Result<(), Failure> {
         if let Some(domains) = self.islands.processes.domains() {
             if domains.is_worth_it() && self.solver.shares_steps() {
@@ -47,7 +48,7 @@ impl<S: DistributedSolver> Driver<S> {
         self.solver.everyone(work, window)
     }
 
-    /// Calls `change` with this engine and its carried state, between two windows.
+    /// Calls `change` with this engine and its carried state (such as contacts), between two windows.
     fn between_windows(
         &mut self,
         (particles, scene): (&mut Particles, &Scene),
@@ -100,7 +101,7 @@ impl<S: DistributedSolver> Distributed for Driver<S> {
     }
 
     fn gives_parts(&self) -> bool {
-        // with shared steps, the neighbour list is stored for all particles together
+        // if processes share the steps, the neighbour list is stored once for all particles
         self.is_cut() && !self.solver.steps_together()
     }
 

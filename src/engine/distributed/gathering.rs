@@ -1,4 +1,4 @@
-//! Distributing particles from the lead process to all processes, and gathering them there again.
+//! Distributing particles from the lead process to all processes, and gathering them in the lead process again.
 
 use super::CrossRankContact;
 use super::domains::Domains;
@@ -12,30 +12,30 @@ use nalgebra::Vector3;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-/// Ratio of the largest number of particles of a process to the mean number above which new blocks are made. The other
-/// processes must wait for the fullest one.
+/// [-] ratio of the largest number of particles of a process to the mean number, above which new blocks are made. The
+/// other processes must wait for the process with most particles.
 const FULLEST: f64 = 1.1;
 
-/// Number of particles whose positions determine new borders of the blocks.
+/// Approximate number of particles whose positions determine new borders of the blocks.
 const ASKED: usize = 1 << 16;
 
 /// Number of particles that a process sends at a time, which limits the memory of messages for any number of particles.
 const SLICE: usize = 1 << 17;
 
-/// Own particles and state of the lead process, stored while copies of the particles of all processes replace them.
+/// Own particles and state of the lead process, set aside while copies of the particles of all processes replace them.
 pub struct GatheredPart<C> {
     /// Own particles of the lead process.
     pub particles: Particles,
-    /// State carried among the own particles of the lead process.
+    /// Carried state, such as contacts, among the own particles of the lead process.
     pub lasting: Vec<C>,
-    /// State carried between an own particle of the lead process and one of another process.
+    /// Carried state between an own particle of the lead process and a particle of another process.
     pub abroad: Vec<CrossRankContact<C>>,
-    /// Indices of the own particles that were in islands in the last part.
+    /// Indices of the own particles that were members of islands in the last part of a window.
     pub members: Vec<u32>,
 }
 
 impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
-    /// Distributes all particles, which the lead process stores, and their carried state to the owners of the blocks.
+    /// Distributes all particles and their carried state from the lead process to the processes that own their blocks.
     pub fn cut<S: Solve<Carried = C>>(&mut self, solver: &S, work: &mut Work<C>) {
         let (domain, size) = (&work.scene.domain, self.communicator.size());
         work.particles.wrap(domain);
@@ -67,7 +67,8 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
         self.abroad = settle::<S>(lasting, work);
     }
 
-    /// Gathers all particles in the lead process; the others then have none. The indices in `members` are updated.
+    /// Gathers all particles in the lead process, so that the other processes have none. Updates the indices in
+    /// `members`.
     pub fn assemble<S: Solve<Carried = C>>(&mut self, solver: &S, work: &mut Work<C>, members: &mut Vec<u32>) {
         drop(self.bring_together(solver, work, members, 1));
         if !self.is_lead() {
@@ -80,27 +81,28 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
     }
 
     /// Replaces the particles of the lead process by copies of particles of all processes, until [`hide`](Self::hide)
-    /// is called. Copied are all particles whose id is divisible by `every`, and those that share carried state with
-    /// them.
+    /// is called. Copies are made of all particles whose id is divisible by `every`, and of those that are in contact
+    /// with them.
     pub fn show<S: Solve<Carried = C>>(&mut self, solver: &S, work: &mut Work<C>, members: &mut Vec<u32>, every: u32) {
         self.gathered = self.bring_together(solver, work, members, every);
     }
 
-    /// Restores the own particles of the lead process and their carried state. Returns false if they were not replaced.
+    /// Restores the own particles of the lead process and their carried state. Returns false if they had not been
+    /// replaced by copies.
     pub fn hide(&mut self, particles: &mut Particles, lasting: &mut Vec<C>, members: &mut Vec<u32>) -> bool {
         let Some(part) = self.gathered.take() else { return false };
         (*particles, *lasting, self.abroad, *members) = (part.particles, part.lasting, part.abroad, part.members);
         true
     }
 
-    /// Begins with blocks of equal size; each process must store the particles of its block.
+    /// Begins a run with blocks of equal size; each process must already store the particles of its block.
     pub fn begin_cut(&mut self, domain: &Domain) {
         self.blocks = Blocks::of_one_size(self.communicator.size(), domain);
         self.is_cut = true;
     }
 
-    /// Moves the borders of the blocks if one process has many more particles than the others. Particles that are then
-    /// in the block of another process are sent there in the next part of a window.
+    /// Moves the borders of the blocks if one process has many more particles than the others. Particles whose block
+    /// changes in this way are sent to its process in the next part of a window.
     pub fn balance(&mut self, particles: &Particles, domain: &Domain) {
         let (mut most, count) = ([particles.len() as f64], self.population.count);
         self.communicator.largest(&mut most);
@@ -122,8 +124,8 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
         self.blocks = self.of_lead(Blocks::of(&all.position, self.communicator.size(), domain));
     }
 
-    /// Replaces the particles of the lead process by copies of chosen particles of all processes, as for
-    /// [`show`](Self::show). Returns the own particles and state of the lead process, and `None` in other processes.
+    /// Replaces the particles of the lead process by copies of particles of all processes, as [`show`](Self::show)
+    /// requires. In the lead process, returns its own particles and state; in other processes, returns `None`.
     fn bring_together<S: Solve<Carried = C>>(
         &mut self,
         solver: &S,
@@ -177,8 +179,8 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
     }
 }
 
-/// Indices, in ascending order, of the particles whose id is divisible by `every`, and of those that share carried
-/// state with them. Also returns this state, which refers to particles by id.
+/// Indices, in ascending order, of the particles whose id is divisible by `every`, and of those in contact with them.
+/// Also returns the carried state of these particles, with ids instead of indices.
 fn chosen<S: Solve>(
     work: &Work<S::Carried>,
     abroad: &[CrossRankContact<S::Carried>],

@@ -1,5 +1,5 @@
-//! Messages by which processes compare their results for islands (groups of particles that may meet) near the border of
-//! a block.
+//! Messages by which processes compare their results for islands near the border of a block. An island is a group of
+//! particles that may meet, and a block is the part of the box that a process owns.
 
 use crate::engine::islands::{BoundingSphere, Clusters, IslandFinder, Member, VelocityChange};
 use nalgebra::Vector3;
@@ -7,21 +7,21 @@ use rustc_hash::FxHashMap;
 use serde::{Deserialize, Serialize};
 use std::hash::Hasher;
 
-/// Result of a process for one of its hot particles (members of islands), sent to other processes.
+/// Result of one process for one of its hot particles (members of islands), sent to other processes for comparison.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct HotParticleDigest {
     /// Id of the hot particle.
     pub id: u32,
-    /// Checksum of the island to which the particle belongs.
+    /// Checksum of the data of the island to which the particle belongs.
     mark: u64,
-    /// The ball that contains the particle during the part of the window.
+    /// The ball that contains the particle during the part of the window, after the first touch in its island.
     ball: BoundingSphere,
     /// Velocity changes of the particle; `None` if the engine does not report them.
     turns: Option<Vec<VelocityChange>>,
 }
 
-/// Calls `tell` with the result for each hot particle for which `chosen` is true, and with the middle of its flight.
-/// Only particles for whose middle `near` is true are included.
+/// Calls `tell` with the result for each hot particle (member of an island) for which `chosen` is true, and with the
+/// middle of its flight. Particles for whose middle `near` is false are omitted.
 pub fn tell<'a>(
     islands: &impl IslandFinder<'a>,
     chosen: impl Fn(u32) -> bool,
@@ -40,9 +40,9 @@ pub fn tell<'a>(
     }
 }
 
-/// True if the results of other processes agree with those here, for the islands of the particles for which `chosen` is
-/// true. The islands must have equal checksums. No other particle in the messages may meet them. `told` contains the
-/// index of each particle and its message.
+/// True if the results of other processes equal those of this process, for the islands that contain a particle for
+/// which `chosen` is true. The checksums of these islands must be equal, and no other particle in the messages may meet
+/// these islands. `told` contains the messages, each with the index of its particle.
 pub fn agree_with<'a>(
     islands: &impl IslandFinder<'a>,
     chosen: impl Fn(u32) -> bool,
@@ -77,8 +77,8 @@ pub fn agree_with<'a>(
     alike && told.iter().all(|(place, told)| is_known(*place) || !meets(*place, told))
 }
 
-/// Members of own islands that are not in cells and may meet a particle of the messages. Most members are too deep
-/// inside the block. No ball reaches farther than `widest` [m].
+/// Members of own islands that are not sorted into cells and may meet a particle of the messages. Members deep inside
+/// the block are excluded. No ball reaches farther than `widest` [m].
 fn late_near<'i, 'a: 'i>(
     islands: &'i impl IslandFinder<'a>,
     own: &[bool],
@@ -94,7 +94,7 @@ fn late_near<'i, 'a: 'i>(
     islands.late().iter().filter(|member| own[member.cluster as usize]).filter(is_near).collect()
 }
 
-/// Checksum of all data on which the result of an island depends, except the state of its particles.
+/// Checksum of all data that determine the result of an island, except the state of its particles.
 fn mark(islands: &Clusters, which: usize) -> u64 {
     let cluster = &islands.list[which];
     let id = |place: u32| u64::from(islands.particles.id[place as usize]);

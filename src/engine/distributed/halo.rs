@@ -1,5 +1,5 @@
-//! Own and borrowed particles of a process in shared uniform steps. A borrowed particle, or ghost, is a copy of a
-//! particle of another process.
+//! Own and borrowed particles of a process while processes share uniform steps. A borrowed particle, or ghost, is a
+//! copy of a particle that another process owns.
 
 use super::CrossRankContact;
 use super::domains::Domains;
@@ -14,29 +14,29 @@ use nalgebra::Vector3;
 use rustc_hash::{FxHashMap, FxHashSet};
 use serde::{Deserialize, Serialize};
 
-/// Solver type of the islands whose contacts are exchanged.
+/// Type that solves the islands of soft spheres, whose contacts are exchanged.
 type Solving = SoftIslands;
 
-/// Own and borrowed particles of a process while uniform steps are shared.
+/// Own and borrowed particles (ghosts) of a process while processes share uniform steps.
 #[derive(Default)]
 pub struct Halo {
     /// For each particle, in the order of the neighbour list, true if this process owns it.
     pub mine: Vec<bool>,
     /// Indices of the particles that this process owns.
     pub own: Vec<u32>,
-    /// For each process: the indices of own particles that it borrows, in the order of ids.
+    /// For each process, the indices of the own particles of which that process has copies, in the order of ids.
     pub lent: Vec<Vec<u32>>,
-    /// For each process: the indices of the particles borrowed from it, in the order of ids.
+    /// For each process, the indices of the particles borrowed from that process, in the order of ids.
     pub borrowed: Vec<Vec<u32>>,
     /// [m] positions of the particles at the time when the neighbour list was built.
     pub built_at: Vec<Vector3<f64>>,
-    /// Own and borrowed particles, stored between two windows.
+    /// Own and borrowed particles at the end of the last window.
     pub seen: Particles,
-    /// Scratch memory: true for each particle on which a force acted.
+    /// Scratch memory: for each particle, true if a force acted on it. Between uses all entries are false.
     pushed: Vec<bool>,
 }
 
-/// Ids of the particles that processes borrow from each other.
+/// Ids of the particles of which processes have exchanged copies.
 pub struct Names {
     lent: Vec<Vec<u32>>,
     borrowed: Vec<Vec<u32>>,
@@ -44,24 +44,24 @@ pub struct Names {
     id: Vec<u32>,
 }
 
-/// Data that a process sends to the lead about its part of the neighbour list.
+/// Data about its share of the neighbour list that a process sends to the lead process.
 #[derive(Serialize, Deserialize)]
 struct ListSummary {
     id: Vec<u32>,
     built_at: Vec<Vector3<f64>>,
-    /// Ids of particles, with the forces [N] and the torques that are not yet applied to them.
+    /// Ids of particles, each with the force [N] and the torque that are not yet applied to the particle.
     due: Vec<(u32, Vector3<f64>, Option<ContactTorque>)>,
 }
 
 impl Halo {
-    /// Halo of a process that owns all particles of its store, all or none.
+    /// Halo of a process that owns all `count` particles of its store, so none are borrowed.
     pub fn of_all(count: usize) -> Self {
         Self { mine: vec![true; count], own: (0..count as u32).collect(), ..Self::default() }
     }
 
-    /// Sends particles that have left the block to the owners of their new blocks, and borrows all particles within
-    /// `width` [m] of the block. Afterwards the store contains own and borrowed particles, and `lasting` their
-    /// contacts.
+    /// Sends particles that have left the block to the processes that own their new blocks, and borrows all particles
+    /// within `width` [m] of the block. Afterwards the store contains own and borrowed particles, and `lasting`
+    /// contains their contacts.
     pub fn borrow(domains: &mut Domains<Contact>, work: &mut Work<Contact>, width: f64) -> (Self, Names) {
         let (mine, places) = domains.borrow::<SoftIslands>(work, width);
         let id = &work.particles.id;
@@ -76,7 +76,7 @@ impl Halo {
         let borrowed = domains.communicator().exchange(outgoing);
         let borrowed: Vec<Vec<u32>> =
             borrowed.iter().map(|bytes| bytes.as_chunks::<4>().0.iter().map(number).collect()).collect();
-        // drops particles that have left the block and are not borrowed again
+        // removes particles that have left the block and are not borrowed again
         let wanted: FxHashSet<u32> = borrowed.iter().flatten().copied().collect();
         let stays: Vec<bool> = id.iter().zip(&mine).map(|(id, mine)| *mine || wanted.contains(id)).collect();
         let kept: Vec<u32> = (0..id.len() as u32).filter(|&place| stays[place as usize]).collect();
@@ -128,7 +128,8 @@ impl Halo {
         }
     }
 
-    /// Packs the velocities of those borrowed particles on which forces acted, each with its number in `lent`.
+    /// Packs, into bytes, the velocities of those particles in `lent` on which forces acted. Each is preceded by its
+    /// number in `lent`.
     pub fn pack(&self, lent: &[u32], particles: &Particles) -> Vec<u8> {
         let mut bytes = Vec::new();
         for (k, &place) in (0u32..).zip(lent) {
@@ -164,8 +165,8 @@ impl Halo {
         seen
     }
 
-    /// Writes the own particles and their contacts into `work` at the end of a window. Returns the contacts between a
-    /// particle of this process and one of another process.
+    /// Writes the own particles and their contacts into `work` at the end of a window. Returns the contacts between an
+    /// own particle and a particle of another process.
     pub fn leave(
         &self,
         seen: &Particles,
@@ -201,7 +202,8 @@ impl Halo {
         abroad
     }
 
-    /// Data for the lead process: the own particles in the neighbour list, and the forces that are not yet applied.
+    /// Packs data for the lead process: the own particles in the neighbour list, and the forces that are not yet
+    /// applied.
     pub fn packed(&self, pushes: &[ForceBuffer]) -> Vec<u8> {
         let mut due = Vec::new();
         let id = |place: u32| self.seen.id[place as usize];
@@ -218,8 +220,8 @@ impl Halo {
     }
 }
 
-/// Makes the neighbour list of all particles, and the list of forces that are not yet applied. Sorts the particles and
-/// the contacts of `work` in the order of the list.
+/// Makes, in the lead process, the neighbour list of all particles and the list of forces that are not yet applied.
+/// Sorts the particles and the contacts of `work` in the order of the neighbour list.
 pub fn list_of_all(parts: &[Vec<u8>], own: &NeighbourList, work: &mut Work<Contact>) -> (NeighbourList, ForceBuffer) {
     let place: FxHashMap<u32, u32> = work.particles.id.iter().copied().zip(0..).collect();
     let mut then = work.particles.clone();
@@ -254,13 +256,13 @@ pub fn list_of_all(parts: &[Vec<u8>], own: &NeighbourList, work: &mut Work<Conta
     (list, pending)
 }
 
-/// Bytes of a failure, or of none, for sending.
+/// Converts a failure, or `None`, to bytes for sending.
 pub fn to_bytes(failure: &Option<Failure>) -> Vec<u8> {
     postcard::to_stdvec(failure).unwrap_or_default()
 }
 
-/// Reads the velocities after a kick that another process sends for particles borrowed from it. `borrowed` contains the
-/// indices of these particles here.
+/// Reads the velocities after a kick, which another process has sent for particles borrowed from it. `borrowed`
+/// contains the indices of these particles in this process.
 pub fn take_kicks(mut bytes: &[u8], borrowed: &[u32], particles: &mut Particles) {
     while let Some((number, rest)) = bytes.split_first_chunk() {
         let index = borrowed.get(u32::from_le_bytes(*number) as usize);

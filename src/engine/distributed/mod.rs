@@ -1,9 +1,9 @@
-//! Several processes that share one run: each moves the particles in its domain, a block of the box.
+//! Several processes that share one run. Each process moves the particles in its domain, a block of the box.
 //!
-//! Engines, islands and uniform steps are written as for a single process. Where processes must agree or exchange
-//! particles, they call code of this module: `Processes` for islands, `GhostExchange` for uniform steps. For a single
-//! process both do nothing. A process *owns* the particles in its block. It *borrows* copies of particles of other
-//! processes (ghosts).
+//! Engines, islands and uniform steps are written as for a single process. Where processes must decide together or
+//! exchange particles, the code of this module is called: `Processes` for islands, `GhostExchange` for uniform steps.
+//! For a single process these calls do nothing. A process *owns* the particles in its block. It *borrows* copies of
+//! particles of other processes (ghosts).
 
 mod agreement;
 mod domains;
@@ -30,22 +30,22 @@ use crate::particles::{Particles, Sample};
 use crate::scene::Scene;
 use std::sync::Arc;
 
-/// An engine whose run several processes can share. If this pays, the run is *cut*: each process owns the particles of
-/// its domain. Otherwise the lead process has all particles.
+/// An engine whose run several processes can share. If sharing pays, the run is *cut*: each process owns the particles
+/// of its domain. Otherwise the lead process stores all particles.
 ///
 /// While the run is cut, [`Engine::elastic_energy`] returns the energy of all processes, which must all call it.
 pub trait Distributed: Engine {
-    /// Shares the run with other processes, whose engines are called in the same way.
+    /// Shares the run with other processes, in which the engine is called with equal arguments.
     ///
-    /// If `sample` is divided among the processes, each process must have the particles of its block, among [blocks of
-    /// one size](crate::domain::blocks::Blocks::of_one_size). Otherwise the lead process has all particles, and those
-    /// of other processes are ignored until the run is first cut.
+    /// If `sample` is divided among the processes, each process must store the particles of its block, among [blocks of
+    /// one size](crate::domain::blocks::Blocks::of_one_size). Otherwise the lead process stores all particles.
+    /// Particles of other processes are then ignored until the run is first cut.
     fn share(&mut self, communicator: Arc<dyn Communicator>, sample: &Sample, scene: &Scene);
 
-    /// True if the run is cut: each process has only the particles of its domain.
+    /// True if the run is cut: each process stores only the particles of its domain.
     fn is_cut(&self) -> bool;
 
-    /// Changes the domains from the next window on, if one process has many more particles than others. All processes
+    /// Changes the domains from the next window on, if one process owns many more particles than others. All processes
     /// must call this function, between two windows.
     fn balance(&mut self, particles: &Particles, scene: &Scene);
 
@@ -53,19 +53,21 @@ pub trait Distributed: Engine {
     /// by `every` (1: all), and those in contact with them. All processes must call this function, between two windows.
     fn show(&mut self, particles: &mut Particles, scene: &Scene, every: u32);
 
-    /// Restores the own particles of the lead process, with which the run continues.
+    /// Restores the own particles of the lead process, which [`show`](Self::show) has replaced. The run then continues
+    /// with them.
     fn hide(&mut self, particles: &mut Particles);
 
-    /// True if each process can now store its carried state by [`packed`](Self::packed). Otherwise all particles must
-    /// first be copied to the lead process, which then stores the state.
+    /// True if each process can now store its carried state (such as contacts) by [`packed`](Self::packed). Otherwise
+    /// all particles must first be copied to the lead process, which then stores the state.
     fn gives_parts(&self) -> bool;
 
     /// Packs the particles of this process and their carried state into bytes for [`take_parts`](Self::take_parts),
     /// while the run is cut.
     fn packed(&self, particles: &Particles) -> Vec<u8>;
 
-    /// Replaces all particles and carried state by `count` parts that processes have [`packed`](Self::packed). `next`
-    /// returns the parts one by one to the lead process, or to the only process. All processes must call this function.
+    /// Replaces all particles and carried state by `count` parts of a stored run, which processes have packed by
+    /// [`packed`](Self::packed). `next` returns the parts one by one to the lead process, or to the only process. All
+    /// processes must call this function.
     fn take_parts(
         &mut self,
         particles: &mut Particles,
@@ -74,16 +76,16 @@ pub trait Distributed: Engine {
         next: &mut dyn FnMut(usize) -> Vec<u8>,
     );
 
-    /// Contacts in progress between a particle of this process, given by index in the store, and one of another
-    /// process. Both processes return them.
+    /// Contacts in progress between a particle of this process, given by index in the store, and a particle of another
+    /// process. Each of the two processes returns the contact.
     fn touching_abroad(&self) -> Vec<(u32, Overlap)>;
 }
 
-/// A solver whose run several processes can share. By default they share only the islands, and the lead process moves
-/// all particles at once.
+/// A solver whose run several processes can share. By default processes share only the islands, and the lead process
+/// alone moves all particles by the classical algorithm.
 pub trait DistributedSolver: Solver {
-    /// Largest cost of one island [ns/s], if it changes from window to window. The value of the lead process is used in
-    /// all processes.
+    /// Largest cost of one island [ns/s], if this limit changes from window to window. All processes use the value of
+    /// the lead process.
     fn allowance(&mut self) -> Option<&mut f64> {
         None
     }
@@ -106,22 +108,23 @@ pub trait DistributedSolver: Solver {
         self.everyone(work, window)
     }
 
-    /// True if the processes shared the last steps, and will continue to do so.
+    /// True if the processes shared the last uniform steps, and will continue to share them.
     fn steps_together(&self) -> bool {
         false
     }
 
-    /// Gives the lead process, which has copies of all particles, the joint state with which the processes continue.
+    /// Stores in the lead process, which has copies of all particles, the joint state with which the processes
+    /// continue.
     fn show(&mut self, _work: &mut Work<Lasting<Self>>, _domains: &Domains<Lasting<Self>>) {}
 
-    /// Removes the joint state from the lead process, when each process continues with its own particles.
+    /// Removes the joint state from the lead process, before each process continues with its own particles.
     fn hide(&mut self) {}
 }
 
-/// State carried between a particle of this process and one of another process, such as a contact.
+/// Carried state (such as a contact) between a particle of this process and one of another process.
 #[derive(Clone)]
 pub struct CrossRankContact<C> {
-    /// The carried state, which refers to particles by id.
+    /// The carried state, which contains ids of particles instead of indices.
     pub carried: C,
     /// Index in the store of the particle of this process.
     pub own: u32,

@@ -14,7 +14,8 @@ use serde::de::DeserializeOwned;
 /// [bytes] size of a stored length.
 const LENGTH: usize = 8;
 
-/// Packs the particles of this process and their carried state, which then refers to particles by id.
+/// Packs the particles of this process and their carried state (such as contacts) into bytes. In the packed state, ids
+/// of particles replace indices.
 pub fn packed_part<S: Solve>(
     particles: &Particles,
     home: &[S::Carried],
@@ -25,7 +26,7 @@ pub fn packed_part<S: Solve>(
     pack(particles, &(0..particles.len() as u32).collect::<Vec<u32>>(), &lasting)
 }
 
-/// Replaces ids by indices in carried state, in the process that has its particles. Returns the state carried between a
+/// Replaces ids by indices in carried state, in the process that stores its particles. Returns the state between a
 /// particle of this process and one of another process.
 pub fn settle<S: Solve>(lasting: Vec<S::Carried>, work: &mut Work<S::Carried>) -> Vec<CrossRankContact<S::Carried>> {
     let mut abroad = Vec::new();
@@ -33,7 +34,7 @@ pub fn settle<S: Solve>(lasting: Vec<S::Carried>, work: &mut Work<S::Carried>) -
     for carried in lasting {
         let here: Vec<Option<u32>> = S::places(&carried).iter().flatten().map(|id| places.get(id).copied()).collect();
         match here.iter().flatten().next() {
-            // the overlap is computed at the end of the next part
+            // for state between two processes, the overlap is computed at the end of the next part
             Some(&own) if here.iter().any(Option::is_none) => {
                 abroad.push(CrossRankContact { carried, own, overlap: None })
             }
@@ -45,8 +46,8 @@ pub fn settle<S: Solve>(lasting: Vec<S::Carried>, work: &mut Work<S::Carried>) -
 }
 
 impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
-    /// Distributes a part that the lead process has read: each process gets its particles and their carried state as
-    /// bytes. The other processes call this function with empty `bytes`.
+    /// Distributes a part of a stored run that the lead process has read. Each process receives its particles and their
+    /// carried state as bytes. The other processes call this function with empty `bytes`.
     pub fn deal<S: Solve<Carried = C>>(&self, bytes: &[u8], domain: &Domain) -> Vec<u8> {
         let mut outgoing = vec![Vec::new(); self.communicator.size()];
         let mut part = Particles::default();
@@ -67,8 +68,8 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
     }
 }
 
-/// Packs particles and carried state for sending: the length of the bytes for particles, these bytes, then the carried
-/// state.
+/// Packs particles and carried state into bytes for sending. The bytes contain the length of the particles' data, these
+/// data, then the carried state.
 pub fn pack<C: Serialize>(particles: &Particles, places: &[u32], lasting: &[C]) -> Vec<u8> {
     let mut bytes = vec![0; LENGTH];
     particles.pack(places, &mut bytes);
@@ -80,8 +81,8 @@ pub fn pack<C: Serialize>(particles: &Particles, places: &[u32], lasting: &[C]) 
     bytes
 }
 
-/// Appends packed particles to `particles`, and returns the carried state. If the bytes are not of this form, nothing
-/// is appended.
+/// Appends packed particles to `particles`, and returns their carried state. If the bytes are not those of packed
+/// particles, nothing is appended, and the result is `None`.
 pub fn take_aboard<C: DeserializeOwned>(bytes: &[u8], particles: &mut Particles) -> Option<Vec<C>> {
     let (length, rest) = bytes.split_first_chunk::<LENGTH>()?;
     let (of_particles, rest) = rest.split_at_checked(u64::from_le_bytes(*length) as usize)?;
@@ -92,7 +93,7 @@ pub fn take_aboard<C: DeserializeOwned>(bytes: &[u8], particles: &mut Particles)
     Some(lasting)
 }
 
-/// Carried state that refers to particles by id instead of index.
+/// Copies carried state with ids of particles instead of indices.
 pub fn ids_of<'a, S: Solve>(particles: &Particles, lasting: impl Iterator<Item = &'a S::Carried>) -> Vec<S::Carried>
 where
     S::Carried: 'a,
@@ -100,12 +101,12 @@ where
     lasting.map(|carried| S::moved(carried, &|place| particles.id[place as usize])).collect()
 }
 
-/// Bytes of a value, for sending.
+/// Converts a value to bytes, for sending to other processes.
 pub fn packed<T: Serialize>(value: &T) -> Vec<u8> {
     postcard::to_stdvec(value).unwrap_or_default()
 }
 
-/// Value that was [`packed`]; `None` if the bytes are not such a value.
+/// Reads a value that [`packed`] has converted to bytes; `None` if the bytes are not such a value.
 pub fn unpacked<T: DeserializeOwned>(bytes: &[u8]) -> Option<T> {
     postcard::from_bytes(bytes).ok()
 }

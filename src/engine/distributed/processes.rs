@@ -1,5 +1,5 @@
-//! Processes that share a run, as islands use them. By default the run has a single process, and the methods do
-//! nothing.
+//! Processes that share a run, with the operations that islands (groups of particles that may meet) require. By default
+//! the run has a single process, and the operations do nothing.
 
 use super::CrossRankContact;
 use super::agreement::PartDecision;
@@ -18,7 +18,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::sync::Arc;
 
-/// Processes that share a run; by default a single one, which has all particles.
+/// Processes that share a run; by default a single process, which stores all particles.
 pub struct Processes<C> {
     domains: Option<Domains<C>>,
 }
@@ -30,8 +30,8 @@ impl<C> Default for Processes<C> {
 }
 
 impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
-    /// Shares the run among processes. If each already has the particles of its block, `cut` is the box. Otherwise
-    /// particles are distributed when islands are next tried.
+    /// Shares the run among processes. If each process already stores the particles of its block, `cut` is the box.
+    /// With `None` particles are distributed when islands are next tried.
     pub fn share(&mut self, communicator: Arc<dyn Communicator>, population: PopulationSummary, cut: Option<&Domain>) {
         let domains = self.domains.insert(Domains::new(communicator, population));
         cut.into_iter().for_each(|domain| domains.begin_cut(domain));
@@ -42,7 +42,7 @@ impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
         self.domains.as_mut()
     }
 
-    /// Division of the run, if each process has only the particles of its domain; otherwise `None`.
+    /// Division of the run, if each process stores only the particles of its domain; otherwise `None`.
     fn cut_domains(&self) -> Option<&Domains<C>> {
         self.domains.as_ref().filter(|domains| domains.is_cut)
     }
@@ -52,37 +52,38 @@ impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
         self.cut_domains().is_some()
     }
 
-    /// True if copies of particles of all processes replace the own particles of this process, which is then the lead.
+    /// True if this process is the lead process, and copies of particles of all processes replace its own particles.
     pub fn is_shown(&self) -> bool {
         self.domains.as_ref().is_some_and(|domains| domains.gathered.is_some())
     }
 
-    /// True if this process is the lead, or the only one.
+    /// True if this process is the lead process, or the only one.
     pub fn is_lead(&self) -> bool {
         self.domains.as_ref().is_none_or(Domains::is_lead)
     }
 
-    /// State carried between a particle of this process and one of another process.
+    /// Carried state, such as contacts, between a particle of this process and one of another process.
     pub fn abroad(&self) -> &[CrossRankContact<C>] {
         self.domains.as_ref().map_or(&[], |domains| &domains.abroad)
     }
 
-    /// Summary of all particles of the run; `None` for a single process.
+    /// Summary of the sizes of all particles of the run; `None` for a single process.
     pub fn population(&self) -> Option<Arc<PopulationSummary>> {
         self.domains.as_ref().map(|domains| domains.population.clone())
     }
 
-    /// Replaces sums by their totals over all processes.
+    /// Replaces each sum by its total over all processes.
     pub fn total(&self, sums: &mut [&mut ExactSum]) {
         self.domains.iter().for_each(|domains| domains.total(sums));
     }
 
-    /// Replaces values by their largest over all processes.
+    /// Replaces each value by its largest value in any process.
     pub fn largest(&self, values: &mut [f64]) {
         self.domains.iter().for_each(|domains| domains.largest(values));
     }
 
-    /// Adds the `energy` [J] of state carried between processes to the sum, and then sums over all processes.
+    /// Adds to `sum` the energy [J] of carried state between processes, and then adds up the sums of all processes.
+    /// `energy` returns the energy of an item of carried state.
     pub fn add_energy(&self, sum: &mut ExactSum, energy: impl Fn(&C) -> f64) {
         if let Some(domains) = self.cut_domains().filter(|_| !self.is_shown()) {
             // half, since both processes count it
@@ -91,16 +92,17 @@ impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
         }
     }
 
-    /// Number of contacts in progress in all processes; `own` is the number among own particles of this process.
+    /// Number of contacts in progress in all processes; `own` is the number of contacts among own particles of this
+    /// process.
     pub fn held(&self, own: usize) -> usize {
         let Some(domains) = self.cut_domains() else { return own };
-        // a contact with a particle of another process is counted by both processes
+        // a contact with a particle of another process is counted twice, once by each process
         let mut twice = [(2 * own + domains.abroad.len()) as i64];
         domains.count(&mut twice);
         (twice[0] / 2) as usize
     }
 
-    /// Replaces the counts since `before` by their sums over all processes.
+    /// Replaces the counts added since `before` by their sums over all processes.
     pub fn share_counts(&self, counters: &mut IslandCounters, before: &IslandCounters) {
         let Some(domains) = self.cut_domains() else { return };
         let mut past = *before;
@@ -115,7 +117,7 @@ impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
         counters.largest = largest[0] as u64;
     }
 
-    /// Region with the particles of this process.
+    /// Region of the box that contains the particles of this process.
     pub fn region(&self, domain: &Domain) -> Region {
         self.domains.as_ref().map_or_else(|| Region::from(domain), |domains| domains.region(domain))
     }
@@ -127,7 +129,7 @@ impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
         }
     }
 
-    /// Distributes the particles to the owners of their domains, if this has not been done.
+    /// Distributes the particles from the lead process to the owners of their domains, if this has not been done.
     pub fn cut<S: Solve<Carried = C>>(&mut self, solver: &S, work: &mut Work<C>) {
         if let Some(domains) = self.domains.as_mut().filter(|domains| !domains.is_cut) {
             domains.cut(solver, work);
@@ -141,9 +143,9 @@ impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
         }
     }
 
-    /// Replaces all particles and all carried state by `count` parts that processes have packed. `next` returns the
-    /// parts one by one to the lead process. Each process keeps the particles in its block, among blocks of equal size.
-    /// A single process keeps all.
+    /// Replaces all particles and all carried state by `count` parts of a stored run, which processes have packed.
+    /// `next` returns the parts one by one to the lead process. Each process keeps the particles in its block, among
+    /// blocks of equal size. A single process keeps all particles.
     pub fn take_parts<S: Solve<Carried = C>>(
         &mut self,
         solver: &S,
@@ -169,7 +171,8 @@ impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
     }
 
     /// Borrows the particles of other processes that may take part in islands of own particles. Flights last `part` [s]
-    /// and are measured relative to `frame` [m/s]; `flight` [m] is the largest reach of a flight.
+    /// and are measured relative to a frame with the velocity `frame` [m/s]; `flight` [m] is the largest reach of a
+    /// flight.
     pub fn borrow<S: Solve<Carried = C>>(
         &mut self,
         work: &mut Work<C>,
@@ -182,8 +185,8 @@ impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
         }
     }
 
-    /// Joint decision of all processes about a part that they have tried. In this process, `failed` is true if an
-    /// island is too large or the engine failed.
+    /// Returns the joint decision of all processes about a part of a window that they have tried. `failed` is true if,
+    /// in this process, an island is too large or the engine failed.
     pub fn decide<'a>(
         &mut self,
         islands: &impl IslandFinder<'a>,
@@ -197,8 +200,8 @@ impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
         }
     }
 
-    /// Removes the borrowed particles and their carried state after a successful part. The indices in `members` are
-    /// updated.
+    /// Removes the borrowed particles and their carried state after a successful part of a window. Updates the indices
+    /// in `members`.
     pub fn keep<S: Solve<Carried = C>>(
         &mut self,
         solver: &S,
@@ -209,7 +212,8 @@ impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
         self.domains.iter_mut().for_each(|domains| domains.keep(solver, work, view, members));
     }
 
-    /// Removes the borrowed particles, and restores the store and the carried state from before they were borrowed.
+    /// Removes the borrowed particles after a failed part. Restores the store and the carried state from before they
+    /// were borrowed.
     pub fn give_back(&mut self, work: &mut Work<C>, view: LocalParticles<C>) {
         if let Some(domains) = &mut self.domains {
             domains.give_back(work, view);

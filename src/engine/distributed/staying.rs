@@ -1,4 +1,4 @@
-//! Removing borrowed particles after a part of a window: own particles stay with their process.
+//! Removal of borrowed particles (ghosts) after a part of a window. Own particles stay with their process.
 
 use super::CrossRankContact;
 use super::domains::{Domains, LocalParticles};
@@ -7,13 +7,14 @@ use crate::engine::Overlap;
 use crate::engine::driver::Work;
 use crate::engine::islands::Solve;
 
-/// New indices of the particles that stay after others are removed.
+/// New indices of the particles that stay in the store when others are removed.
 pub struct Stay<'a> {
-    /// For each old index, true if the particle stays.
+    /// For each particle, by old index, true if it stays.
     mine: &'a [bool],
     /// Number of particles that stay in the store.
     count: u32,
-    /// Old and new index of those last particles that move to the places of removed ones, in ascending order.
+    /// Old and new indices of the particles that move from the end of the store to the places of removed ones. They are
+    /// in ascending order.
     moves: Vec<(u32, u32)>,
 }
 
@@ -26,7 +27,7 @@ impl<'a> Stay<'a> {
         Self { mine, count: count as u32, moves: movers.zip(holes).collect() }
     }
 
-    /// New index of a particle with an old index; `None` if the particle is removed.
+    /// New index of the particle with the old index `before`; `None` if the particle is removed.
     fn place(&self, before: u32) -> Option<u32> {
         if !self.mine[before as usize] {
             return None;
@@ -40,14 +41,15 @@ impl<'a> Stay<'a> {
 }
 
 impl<C: Copy> Domains<C> {
-    /// Removes the borrowed particles, and restores the store and the carried state from before they were borrowed.
+    /// Removes the borrowed particles after a failed part. Restores the store and the carried state from before they
+    /// were borrowed.
     pub fn give_back(&mut self, work: &mut Work<C>, view: LocalParticles<C>) {
         work.particles.truncate(view.count);
         (*work.lasting, self.abroad) = view.lasting;
     }
 
-    /// Removes the borrowed particles and their carried state after a successful part. The indices in `members` are
-    /// updated.
+    /// Removes the borrowed particles and their carried state after a successful part of a window. Updates the indices
+    /// in `members`.
     pub fn keep<S: Solve<Carried = C>>(
         &mut self,
         solver: &S,
@@ -59,12 +61,13 @@ impl<C: Copy> Domains<C> {
         *members = members.iter().filter_map(|&place| stay.place(place)).collect();
     }
 
-    /// Keeps only the particles for which `mine` is true, by index, and carried state that involves them.
+    /// Keeps only the particles for which `mine` (by index) is true, and the carried state that involves one of them.
     pub fn keep_own<S: Solve<Carried = C>>(&mut self, solver: &S, work: &mut Work<C>, mine: &[bool]) {
         drop(self.keep_some(solver, work, mine));
     }
 
-    /// Keeps the particles for which `mine` is true, by index, and carried state that involves them.
+    /// Keeps only the particles for which `mine` (by index) is true, and the carried state that involves one of them.
+    /// Returns the new indices.
     pub(super) fn keep_some<'a, S: Solve<Carried = C>>(
         &mut self,
         solver: &S,

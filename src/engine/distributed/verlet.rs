@@ -1,11 +1,12 @@
-//! Shared uniform steps: each process moves the particles of its block.
+//! Shared uniform steps: each process moves the particles of its block, a part of the box.
 //!
-//! When the neighbour list is built, a process borrows the particles that its own particles may touch while the list
-//! lasts. Both processes compute the forces of a contact across their border. The results agree in all bits, because
-//! each process keeps the order that the list of all particles has.
+//! When the neighbour list is built, a process borrows copies of the particles that its own particles may touch before
+//! the next list. A contact across the border of two blocks is computed in both processes. The two results agree in all
+//! bits, because each process keeps the order that the list of all particles has.
 //!
-//! After every kick all processes agree on the largest speed, and on whether one has failed. Then each process sends
-//! the new velocities of own particles on which forces acted to the processes that borrow them.
+//! After every kick (change of velocities by forces) the processes exchange the largest speed, and the information if
+//! one has failed. Then each process sends the new velocities of own particles on which forces acted to the processes
+//! that borrow them.
 
 use super::DistributedSolver;
 use super::domains::Domains;
@@ -26,32 +27,33 @@ use crate::record::{Log, Record};
 use crate::scene::Scene;
 use std::sync::Arc;
 
-/// Data of a process while several processes share the uniform steps.
+/// Data of a process while several processes share uniform steps.
 #[derive(Default)]
 pub struct SharedSteps {
-    /// Own and borrowed particles of this process, while several processes share the steps.
+    /// Own and borrowed particles of this process; `None` if processes do not share the steps.
     pub halo: Option<Halo>,
-    /// Number of slots in the lists of all processes, if they have shared steps since the list was built.
+    /// Total number of candidates (slots) in the neighbour lists of all processes, if the processes have shared steps
+    /// since the list was built.
     pub slots: Option<usize>,
-    /// List of all particles and the forces that are not yet applied, while the lead process has copies of all
-    /// particles.
+    /// Neighbour list of all particles and the forces that are not yet applied. They are stored only while the lead
+    /// process has copies of all particles.
     pub shown: Option<(NeighbourList, ForceBuffer)>,
 }
 
 impl SharedSteps {
-    /// For each particle, true if this process owns it; `None` if it owns all.
+    /// For each particle, true if this process owns it; `None` if this process owns all particles.
     pub fn mine(&self) -> Option<&[bool]> {
         self.halo.as_ref().map(|halo| halo.mine.as_slice())
     }
 }
 
-/// Exchange of borrowed particles with other processes, during one window.
+/// Exchange of data on borrowed particles with other processes, during one window.
 pub struct OtherProcesses<'a> {
     /// Division of the run among processes.
     domains: &'a mut Domains<Contact>,
     /// Contacts among the particles of this process.
     lasting: &'a mut Vec<Contact>,
-    /// Values before the last kick of all quantities that a kick changes.
+    /// Particles before the last kick, with the values of all quantities that a kick changes.
     before: Particles,
     communicator: Arc<dyn Communicator>,
 }
@@ -62,8 +64,8 @@ impl<'a> OtherProcesses<'a> {
         Self { domains, lasting, before: Particles::default(), communicator }
     }
 
-    /// Sends the new velocities of own particles to the processes that borrow them, or reports a failure. Returns the
-    /// first failure of any process.
+    /// Sends the new velocities of own particles to the processes that borrow them, unless any process has failed.
+    /// Returns the first failure of any process.
     fn tell(&self, solver: &mut SoftSolver, particles: &mut Particles, failure: Option<Failure>) -> Option<Failure> {
         let mut largest = [solver.speed.all, f64::from(u8::from(failure.is_some()))];
         self.communicator.largest(&mut largest);
@@ -82,21 +84,21 @@ impl<'a> OtherProcesses<'a> {
         None
     }
 
-    /// First failure of any process, by the order of ids.
+    /// Returns the first failure of any process, in the order of particle ids.
     fn first(&self, failure: Option<Failure>) -> Option<Failure> {
         let all = self.communicator.exchange(vec![to_bytes(&failure); self.communicator.size()]);
         let all = all.iter().filter_map(|bytes| postcard::from_bytes::<Option<Failure>>(bytes).ok().flatten());
         all.fold(None, |first, failure| Some(first_named(first, failure)))
     }
 
-    /// Settings of the neighbour list, equal in all processes, for uses that are `between_uses` [s] apart.
+    /// Settings of the neighbour list, equal in all processes, for uses of the list that are `between_uses` [s] apart.
     fn agreed(&self, own: &Particles, scene: &Scene, between_uses: f64) -> ListSettings {
         let sizes = (self.domains.population.count, self.domains.population.mean_radius[0]);
         ListSettings::together(own, sizes, scene, between_uses, &*self.communicator)
     }
 
-    /// Rebuilds the neighbour list with the settings `plan`; each process builds its part. Particles that have left a
-    /// block are sent to the owner of their new block.
+    /// Rebuilds the neighbour list with the settings `plan`; each process builds its share. Particles that have left a
+    /// block are first sent to the process that owns their new block.
     fn rebuild_by(&mut self, plan: &ListSettings, solver: &mut SoftSolver, particles: &mut Particles, scene: &Scene) {
         let (mut log, mut record) = (Log::default(), Record::default());
         let mut work = Work { particles, scene, lasting: &mut *self.lasting, log: &mut log, record: &mut record };
@@ -127,12 +129,12 @@ impl<'a> OtherProcesses<'a> {
         self.communicator.sum(&mut slots);
         solver.shared.slots = Some(slots[0] as usize);
         solver.shared.halo = Some(halo);
-        // the stored particles have changed
+        // recomputed, since the stored particles have changed
         solver.alike = Alike::of(particles, scene, &solver.islands.law);
     }
 }
 
-/// Own particles of a process, in the order of the list.
+/// Own particles of this process, in the order of the neighbour list.
 fn own_of(solver: &SoftSolver, particles: &Particles) -> Particles {
     let mut own = Particles::default();
     match &solver.shared.halo {
@@ -245,10 +247,10 @@ impl SoftSolver {
         result
     }
 
-    /// Begins shared steps when the lead process has all particles.
+    /// Begins shared steps at a time when the lead process stores all particles.
     ///
-    /// The particles are distributed now, unless the lead process has a list in use. In that case they are distributed
-    /// when the list is next built, and until then the other processes have no particles.
+    /// The particles are distributed at once, unless the lead process has a list in use. In that case they are
+    /// distributed when the list is next built. Until then the other processes store no particles.
     fn start_together(&mut self, work: &mut Work<Contact>, domains: &mut Domains<Contact>) {
         let is_in_use = self.has_forces || self.list.allows(0.0);
         let known = (is_in_use && domains.is_lead()).then(|| (self.list.without_pairs(), self.has_forces));
@@ -276,8 +278,8 @@ impl SoftSolver {
         }
     }
 
-    /// Gives the lead process, which has copies of all particles, the list of all particles and the forces that are not
-    /// yet applied. The lead process stores both with a run.
+    /// Stores in the lead process, which has copies of all particles, the neighbour list of all particles and the
+    /// forces that are not yet applied. The lead process writes both into a stored run.
     fn show_all(&mut self, work: &mut Work<Contact>, domains: &Domains<Contact>) {
         let Some(halo) = &self.shared.halo else { return };
         let parts = domains.communicator().collect(halo.packed(&self.pushes));

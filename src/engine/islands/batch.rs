@@ -94,7 +94,8 @@ pub struct Solved {
     pub pair_checks: u64,
     /// Number of contact forces computed.
     pub force_evaluations: u64,
-    /// Number of particles moved by stages of steps, plus the number of gaps checked after steps.
+    /// Number of particles moved by stages of contact steps, plus the number of gaps checked after steps. It measures
+    /// the work.
     pub updates: u64,
 }
 

@@ -73,7 +73,7 @@ pub struct Cluster {
     pub(in crate::engine) stored: f64,
     /// Largest energy [J] of one item of carried state of the island.
     deepest: f64,
-    /// Lower limit [m/s] of the speed limits of the members, which rises when a limit was exceeded.
+    /// Lower limit [m/s] of the speed limits of the members. It rises when a member has exceeded its limit.
     pub(in crate::engine) floor: f64,
     /// Time [s] of the first touch in the island: until then all members fly straight.
     pub(in crate::engine) first: f64,
@@ -291,7 +291,8 @@ impl<'a> Clusters<'a> {
         into
     }
 
-    /// Numbers of the islands that are still to be solved by this process, because it stores all of their surroundings.
+    /// Numbers of the islands that this process still has to solve. A process solves an island only if it stores all
+    /// particles around the island.
     pub fn unsolved(&self) -> Vec<usize> {
         let sees_all = self.search.region.is_all();
         let sight = if sees_all { 0.0 } else { self.reach().sight() };

@@ -154,7 +154,8 @@ impl<C> Island<C> {
     }
 
     /// True if the velocity [m/s] of the particle at local index `place` is below its limit. The velocity is given in
-    /// the frame at rest. For a bystander the result is false, because a bystander must not be touched.
+    /// the frame that falls with gravity from rest, beginning with the part of the window. For a bystander the result
+    /// is false, because a bystander must not be touched.
     pub fn allows(&self, place: usize, velocity: &Vector3<f64>) -> bool {
         Bounds { limits: &self.limits, frame: self.frame }.allows(place, velocity)
     }
@@ -166,7 +167,7 @@ impl<C> Island<C> {
 
     /// Records a velocity change of the particle at local index `place`, at `time` [s since the start of the part].
     /// `origin` [m] is the position at the start of the part on the line of the new flight, extended backwards.
-    /// `velocity` [m/s] is the new velocity, in the frame of the particles.
+    /// `velocity` [m/s] is the new velocity in the frame that falls with gravity from rest, beginning with the part.
     pub fn turn(&mut self, place: u32, time: f64, origin: Vector3<f64>, velocity: Vector3<f64>) {
         self.turns.push((place, VelocityChange { time, origin, velocity: velocity - self.frame }));
     }

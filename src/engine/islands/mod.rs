@@ -195,8 +195,8 @@ impl<C: Copy + Send + Sync + Serialize + DeserializeOwned> Islands<C> {
     /// simulated time [s] covered in this way. In a dilute scene it is the whole window.
     ///
     /// # Errors
-    /// A velocity is not a number. If the engine fails in an island, the function only returns early. The classical
-    /// algorithm then encounters the failure again, and stops at its time.
+    /// A velocity is not a finite number. If the engine fails in an island, the function returns early without an
+    /// error. The classical algorithm then meets the failure again, and stops at its time.
     pub fn advance<S: Solve<Carried = C>>(
         &mut self,
         solver: &S,

@@ -13,7 +13,7 @@ pub struct VelocityChange {
     pub time: f64,
     /// Position [m] at the start of the part on the straight line of the new flight, extended backwards.
     pub origin: Vector3<f64>,
-    /// New velocity [m/s], relative to the frame of the search.
+    /// New velocity [m/s], relative to the moving frame in which speeds are measured.
     pub velocity: Vector3<f64>,
 }
 
