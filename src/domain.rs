@@ -10,11 +10,12 @@ use serde::Serialize;
 /// Axes: x spanwise, y wall-normal, z streamwise (the paper's section 2.1).
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Domain {
-    /// [m] edge lengths along x, y, z.
+    /// [m] edge lengths of the box along x, y, z.
     pub size: Vector3<f64>,
     /// True for each axis along which the box is periodic.
     pub periodic: [bool; 3],
-    /// [m] half the edge along periodic axes, infinity along others: at larger distances another image is nearer.
+    /// [m] half the edge along periodic axes, infinity along others: beyond this distance another image of a particle
+    /// is nearer.
     #[serde(skip)]
     pub(crate) half: Vector3<f64>,
     /// [m²] square of the shortest half edge: if a particle is within this distance, no image of it is nearer.
@@ -34,12 +35,12 @@ impl Domain {
         self.size.x * self.size.y * self.size.z
     }
 
-    /// [m] vector from `b` to the nearest image of `a`. Both positions must be within 1.5 periods of the box, as they
-    /// are between two calls of [`Domain::wrap`].
+    /// [m] vector from `b` to the nearest image of `a`. Both positions must be within 1.5 periods of the box. This is
+    /// so between two calls of [`Domain::wrap`].
     #[inline(always)]
     pub fn separation(&self, a: &Vector3<f64>, b: &Vector3<f64>) -> Vector3<f64> {
         let mut d = a - b;
-        // most pairs are near, and then one comparison replaces those of three axes
+        // most pairs are near, and for these one comparison replaces those of three axes
         if d.norm_squared() < self.direct {
             return d;
         }
@@ -53,7 +54,7 @@ impl Domain {
         d
     }
 
-    /// [m] image of `position` that lies inside the box along the periodic axes.
+    /// [m] image of `position` that lies in the box along all periodic axes.
     #[inline]
     pub fn wrap(&self, position: &Vector3<f64>) -> Vector3<f64> {
         Vector3::from_fn(|axis, _| {
@@ -62,12 +63,12 @@ impl Domain {
                 return x;
             }
             let wrapped = x - l * (x / l).floor();
-            // for x slightly below zero, x + l rounds to l
+            // the result is checked, because x + l rounds to l for x slightly below zero
             if wrapped < l { wrapped } else { 0.0 }
         })
     }
 
-    /// True if `position` [m] lies in the box along every axis that is not periodic.
+    /// True if `position` [m] is within the box along every axis that is not periodic.
     #[inline]
     pub fn contains(&self, position: &Vector3<f64>) -> bool {
         (0..3).all(|axis| self.periodic[axis] || (0.0..=self.size[axis]).contains(&position[axis]))

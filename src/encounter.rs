@@ -1,10 +1,10 @@
-//! Two bodies that meet, a pair of particles or a particle and a wall: their identity, their relative position and
-//! velocity, and the time at which they touch. Both engines and all predictions use these functions; no other code
-//! distinguishes pairs from walls.
+//! Two bodies that meet: a pair of particles, or a particle and a wall. This file contains their identity, their
+//! relative position and velocity, and the time at which they touch. All engines and predictions use these functions;
+//! no other code distinguishes pairs from walls.
 //!
-//! The functions that every pair goes through are always inlined. Callers know the moment, and most know that they
-//! look at a pair, so that half of the code is optimised away. As function calls they cost a tenth of the run time of
-//! case D with soft spheres.
+//! The functions that are called for every pair are always inlined. In most calls the compiler then knows the frame,
+//! and that the bodies are a pair, so half of the code is optimised away. As function calls they cost a tenth of the
+//! run time of case D with soft spheres.
 
 use crate::contact_law::Bodies;
 use crate::particles::Particles;
@@ -16,7 +16,7 @@ use crate::walls::{Flight, Touch};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Collision partner of a particle, as results name it.
+/// Collision partner of a particle, in the form in which results name it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Partner {
@@ -35,7 +35,7 @@ impl std::fmt::Display for Partner {
     }
 }
 
-/// The body that a particle may meet.
+/// The second body of a couple: the body that a particle may meet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Other {
     /// Another particle, by index in the store.
@@ -44,7 +44,7 @@ pub enum Other {
     Wall(AtWall),
 }
 
-/// A wall, with the number of one of its possible contacts with a sphere.
+/// A wall of the scene, with the number of one of its possible contacts with a sphere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct AtWall {
     /// Index of the wall in the scene.
@@ -54,13 +54,13 @@ pub struct AtWall {
 }
 
 impl AtWall {
-    /// The first contact of the wall with that index.
+    /// The first contact of the wall with the index `wall` in the scene.
     pub fn first(wall: u32) -> Self {
         Self { wall, which: 0 }
     }
 }
 
-/// A particle, by index in the store, and a body that it may meet.
+/// A particle, by its index in the store, and a body that it may meet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Couple {
     /// Index of the particle.
@@ -69,33 +69,35 @@ pub struct Couple {
     pub other: Other,
 }
 
-/// The moment at which bodies are looked at, relative to a store that an engine keeps in a frame of its own. All
-/// times in s.
+/// Time at which two bodies are compared, relative to the time of the stored positions and velocities. The store may be
+/// in a falling frame, so two times of fall are also given. All times in s.
 ///
-/// Engines move particles in the frame that falls freely with gravity, in which pairs do not feel gravity. A wall
-/// does not fall, so gravity counts when a particle is seen from a wall.
+/// Engines move particles in the frame that falls freely with gravity, in which gravity does not affect pairs. A wall
+/// does not fall, so the motion of a particle relative to a wall includes gravity.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FrameTime {
-    /// Time ahead of the store, along straight flights.
+    /// Time [s] from the time of the store to that of the comparison; particles fly straight meanwhile.
     pub ahead: f64,
-    /// Time of free fall that is missing in the positions.
+    /// Time [s] of free fall whose displacement g t²/2 must be added to positions relative to a wall.
     pub sunk: f64,
-    /// Time of free fall that is missing in the velocities.
+    /// Time [s] of free fall whose velocity g t must be added to velocities relative to a wall.
     pub fallen: f64,
 }
 
 impl FrameTime {
-    /// The store as it is, with velocities in the frame that has fallen for `time` [s].
+    /// Time of the store. Positions are relative to the walls, and velocities are in a frame that has fallen for `time`
+    /// [s].
     pub fn fallen(time: f64) -> Self {
         Self { ahead: 0.0, sunk: 0.0, fallen: time }
     }
 
-    /// Time of the stored positions and velocities, which are given in a frame that has fallen freely for `time` [s].
+    /// Time of the store. Positions and velocities are in a frame that has fallen freely for `time` [s].
     pub fn in_free_fall(time: f64) -> Self {
         Self { ahead: 0.0, sunk: time, fallen: time }
     }
 
-    /// `time` [s] ahead of the store, with positions and velocities in the frame that falls from now on.
+    /// Time that is `time` [s] after that of the store. The frame of positions and velocities begins to fall at the
+    /// time of the store.
     pub fn ahead(time: f64) -> Self {
         Self { ahead: time, sunk: time, fallen: time }
     }
@@ -107,7 +109,7 @@ impl FrameTime {
         if self.ahead == 0.0 { x } else { x + particles.velocity[place] * self.ahead }
     }
 
-    /// Motion of the particle at index `place` as seen from a wall.
+    /// Motion of the particle at index `place` relative to a wall, with gravity.
     #[inline(always)]
     pub fn flight(&self, particles: &Particles, scene: &Scene, place: usize) -> Flight {
         let fall = scene.gravity * (0.5 * self.sunk * self.sunk);
@@ -124,22 +126,22 @@ impl FrameTime {
 pub struct Encounter {
     /// [-] unit normal from the other body to particle `i`.
     pub normal: Vector3<f64>,
-    /// [m] distance between the surfaces; negative: an overlap.
+    /// [m] distance between the surfaces; negative if they overlap.
     pub gap: f64,
     /// [m/s] velocity of particle `i` relative to the other body, at the contact point.
     pub velocity: Vector3<f64>,
-    /// [m/s] normal component of `velocity`; positive: separating.
+    /// [m/s] component of `velocity` along the normal; positive if the bodies separate.
     pub normal_velocity: f64,
 }
 
 impl Encounter {
-    /// [m] overlap; negative: a gap.
+    /// [m] overlap of the two bodies; negative if there is a gap.
     #[inline]
     pub fn overlap(&self) -> f64 {
         -self.gap
     }
 
-    /// [m/s] tangential part of the relative velocity.
+    /// [m/s] tangential part of the relative velocity, perpendicular to the normal.
     #[inline]
     pub fn slip(&self) -> Vector3<f64> {
         self.velocity - self.normal * self.normal_velocity
@@ -147,23 +149,23 @@ impl Encounter {
 }
 
 impl Couple {
-    /// Two particles, by index.
+    /// A couple of two particles, by their indices in the store.
     pub fn pair(i: u32, j: u32) -> Self {
         Self { i, other: Other::Particle(j) }
     }
 
-    /// A particle, by index, and a contact of a wall.
+    /// A couple of a particle, by its index in the store, and a contact of a wall.
     pub fn at_wall(i: u32, at: AtWall) -> Self {
         Self { i, other: Other::Wall(at) }
     }
 
-    /// True if the other body is a wall.
+    /// True if the other body of the couple is a wall.
     pub fn is_wall(&self) -> bool {
         matches!(self.other, Other::Wall(_))
     }
 
-    /// True if the other body is a wall with a constant normal: a contact with it alone then needs one coordinate
-    /// only.
+    /// True if the other body is a wall with a constant normal. The motion of a single contact with such a wall
+    /// requires only one coordinate.
     pub fn is_flat(&self, scene: &Scene) -> bool {
         match self.other {
             Other::Particle(_) => false,
@@ -171,14 +173,14 @@ impl Couple {
         }
     }
 
-    /// True if this is not the first contact of its wall.
+    /// True if the couple is a contact with a wall, but not the first possible contact with that wall.
     #[inline]
     pub fn is_further(&self) -> bool {
         matches!(self.other, Other::Wall(at) if at.which > 0)
     }
 
-    /// True if both are contacts with one wall and this one cannot be nearer than `other`, because the contacts are
-    /// numbered from the nearest on.
+    /// True if both couples are contacts of one particle with one wall, and this contact cannot be nearer than `other`.
+    /// This is known if a wall numbers its contacts by distance, the nearest first.
     pub fn is_beyond(&self, other: &Self, scene: &Scene) -> bool {
         let (Other::Wall(at), Other::Wall(before)) = (self.other, other.other) else { return false };
         let same = self.i == other.i && at.wall == before.wall && at.which > before.which;
@@ -193,12 +195,12 @@ impl Couple {
         }
     }
 
-    /// Indices of the one or two particles.
+    /// Indices of the particles of the couple: two for a pair, one for a wall.
     pub fn places(&self) -> [Option<u32>; 2] {
         [Some(self.i), self.j()]
     }
 
-    /// This couple after particles have moved to other indices.
+    /// Returns this couple with new indices, after particles have moved in the store.
     pub fn moved(self, place_of: impl Fn(u32) -> u32) -> Self {
         let other = match self.other {
             Other::Particle(j) => Other::Particle(place_of(j)),
@@ -207,12 +209,12 @@ impl Couple {
         Self { i: place_of(self.i), other }
     }
 
-    /// True if both couples name equal bodies, in either order.
+    /// True if both couples consist of equal bodies, in either order.
     pub fn is(&self, couple: &Self) -> bool {
         self == couple || couple.j().is_some_and(|j| *self == Self::pair(j, couple.i))
     }
 
-    /// Surface properties between the two bodies.
+    /// Restitution and friction between the two bodies.
     #[inline]
     pub fn surface<'s>(&self, particles: &Particles, scene: &'s Scene) -> &'s Surface {
         let (species, other) = self.kinds(particles);
@@ -229,8 +231,8 @@ impl Couple {
         (particles.species[self.i as usize], other)
     }
 
-    /// [W] power of `force` [N], or energy [J] of an impulse [N s], that a wall with a moving surface gives to the
-    /// particle; 0 for other bodies.
+    /// [W] power that a wall with a moving surface gives to the particle by a force [N] on the particle; 0 for other
+    /// bodies. For an impulse [N s] instead of a force, the result is an energy [J].
     #[inline]
     pub fn driven(&self, force: &Vector3<f64>, scene: &Scene) -> f64 {
         match self.other {
@@ -239,7 +241,7 @@ impl Couple {
         }
     }
 
-    /// Properties of the two bodies that a contact law needs.
+    /// Properties of the two bodies on which a contact law depends.
     pub fn bodies(&self, particles: &Particles, scene: &Scene) -> Bodies {
         match self.other {
             Other::Particle(j) => Bodies::pair(scene, particles, self.i as usize, j as usize),
@@ -254,7 +256,7 @@ impl Couple {
         self.j().map_or(mass, |j| 1.0 / (1.0 / mass + 1.0 / particles.mass[j as usize]))
     }
 
-    /// [kg] effective mass M_t of the slip of two bodies that rotate ([`tangential_mass`]); 0 if the store holds no
+    /// [kg] effective mass M_t of the slip of two rotating bodies ([`tangential_mass`]); 0 if the particles have no
     /// moments of inertia.
     pub fn tangential_mass(&self, particles: &Particles) -> f64 {
         let Some(inertia) = &particles.inertia else { return 0.0 };
@@ -265,9 +267,9 @@ impl Couple {
         tangential_mass(self.places().into_iter().flatten().map(of))
     }
 
-    /// [m/s] velocity w = l_i ω_i + l_j ω_j of two surfaces by their spins, and the lever arms l [m] per radius: the
-    /// arms add up to the distance of the centres, `reach` + `gap` [m], so that a contact keeps both energy and angular
-    /// momentum. At a wall the arm is the radius.
+    /// [m/s] relative velocity w = l_i ω_i + l_j ω_j of two surfaces due to the spins ω, from which the slip follows.
+    /// Also returns the ratio of lever arm l to radius. The lever arms add up to the distance of the centres, `reach` +
+    /// `gap` [m], so that a contact conserves energy and angular momentum. At a wall the lever arm is the radius.
     #[inline(always)]
     pub fn surface_velocity(&self, particles: &Particles, reach: f64, gap: f64) -> (Vector3<f64>, f64) {
         let (radii, spins) = (&particles.radius, particles.spins());
@@ -282,7 +284,7 @@ impl Couple {
         }
     }
 
-    /// [rad/s] mean spin of the two bodies about their normal; a wall has none.
+    /// [rad/s] component along the normal of the mean spin of the two bodies; the spin of a wall is zero.
     #[inline(always)]
     pub fn twist(&self, particles: &Particles, normal: &Vector3<f64>) -> f64 {
         let spins = particles.spins();
@@ -293,7 +295,7 @@ impl Couple {
         }
     }
 
-    /// [rad/s] spin of particle i relative to the other body.
+    /// [rad/s] spin of particle i relative to the other body; the spin of a wall is zero.
     #[inline(always)]
     pub fn relative_spin(&self, particles: &Particles) -> Vector3<f64> {
         let spins = particles.spins();
@@ -304,13 +306,13 @@ impl Couple {
         }
     }
 
-    /// [m] the smaller diameter, the unit in which overlaps are given.
+    /// [m] smaller diameter of the two bodies, by which overlaps are divided; at a wall the diameter of the particle.
     pub fn diameter(&self, particles: &Particles) -> f64 {
         let radius = particles.radius[self.i as usize];
         2.0 * self.j().map_or(radius, |j| radius.min(particles.radius[j as usize]))
     }
 
-    /// The other body as results name it.
+    /// The other body, in the form in which results name it.
     pub fn partner(&self, particles: &Particles) -> Partner {
         match self.other {
             Other::Particle(j) => Partner::Particle(particles.id[j as usize]),
@@ -318,8 +320,8 @@ impl Couple {
         }
     }
 
-    /// Relative position and velocity of the two bodies at the instant of a predicted touch; at a wall with the
-    /// feature of the wall that is touched.
+    /// Relative position and velocity of the two bodies at the instant of a predicted touch. For a wall, `place` is the
+    /// number of the surface feature (such as a triangle) that is touched.
     #[inline(always)]
     pub fn strike(&self, particles: &Particles, scene: &Scene, moment: FrameTime, place: u32) -> Encounter {
         let Other::Wall(at) = self.other else { return self.meet(particles, scene, moment) };
@@ -331,20 +333,20 @@ impl Couple {
         Encounter { normal, gap: nearest.distance - radius, velocity, normal_velocity: velocity.dot(&normal) }
     }
 
-    /// Relative position and velocity of the two bodies.
+    /// Relative position and velocity of the two bodies at the time `moment`.
     #[inline(always)]
     pub fn meet(&self, particles: &Particles, scene: &Scene, moment: FrameTime) -> Encounter {
         self.meet_at(self.reach(particles), particles, scene, moment)
     }
 
-    /// [m] distance of the centres at which the two touch; at a wall the radius.
+    /// [m] distance between the centres of two particles that touch; at a wall the radius.
     #[inline(always)]
     pub fn reach(&self, particles: &Particles) -> f64 {
         let radius = particles.radius[self.i as usize];
         self.j().map_or(radius, |j| radius + particles.radius[j as usize])
     }
 
-    /// Relative position and velocity of two bodies with a known [`reach`](Self::reach) [m].
+    /// Relative position and velocity of two bodies whose [`reach`](Self::reach) [m] is already known.
     #[inline(always)]
     pub fn meet_at(&self, reach: f64, particles: &Particles, scene: &Scene, moment: FrameTime) -> Encounter {
         let i = self.i as usize;
@@ -352,7 +354,7 @@ impl Couple {
             Other::Particle(j) => {
                 let (apart, velocity) = relative(particles, scene, [i, j as usize], moment);
                 let distance = apart.norm();
-                // centres that coincide have no normal; the overlap check refuses them
+                // centres that coincide have no normal; the check of overlaps stops a run with such particles
                 let normal = if distance > 0.0 { apart / distance } else { Vector3::y() };
                 (normal, distance - reach, velocity)
             }
@@ -366,14 +368,15 @@ impl Couple {
         Encounter { normal, gap, velocity, normal_velocity: velocity.dot(&normal) }
     }
 
-    /// [s] time from the moment on until the two bodies touch on their flights. Only a touch before `until` [s] is
-    /// certain to be found.
+    /// [s] time from `moment` until the two bodies touch on their flights; `None` without a touch. Touches after
+    /// `until` [s] may be missed.
     #[inline(always)]
     pub fn touch_time(&self, particles: &Particles, scene: &Scene, moment: FrameTime, until: f64) -> Option<f64> {
         self.touch(particles, scene, moment, until).map(|touch| touch.time)
     }
 
-    /// Touch of the two bodies, with its time as in [`touch_time`](Self::touch_time) and the feature that is touched.
+    /// First touch of the two bodies, with its time as in [`touch_time`](Self::touch_time), and the number of the
+    /// surface feature that is touched.
     #[inline(always)]
     pub fn touch(&self, particles: &Particles, scene: &Scene, moment: FrameTime, until: f64) -> Option<Touch> {
         let i = self.i as usize;
@@ -393,16 +396,16 @@ impl Couple {
     }
 }
 
-/// True if two particles, by index, may touch on straight flights from their positions. If false, they certainly do
-/// not touch.
+/// True if two particles, by index, may touch on straight flights from their positions. If the result is false, they
+/// certainly do not touch.
 #[inline(always)]
 pub fn may_meet(particles: &Particles, scene: &Scene, [i, j]: [usize; 2]) -> bool {
     let (apart, velocity) = relative(particles, scene, [i, j], FrameTime::default());
     may_touch(&apart, &velocity, particles.radius[i] + particles.radius[j])
 }
 
-/// Separation [m] from the second of two particles to the first, by the nearest image, and the relative velocity
-/// [m/s] of the first.
+/// Separation [m] from the second of two particles to the nearest image of the first, and the velocity [m/s] of the
+/// first relative to the second.
 #[inline(always)]
 pub fn relative(
     particles: &Particles,

@@ -1,28 +1,29 @@
-//! Two touching bodies as a contact law sees them, and the constants that it makes of them.
+//! Properties of two touching bodies on which a contact law depends, and the constants of the law between them.
 
 use crate::particles::Particles;
 use crate::scene::{Elasticity, Kind, Scene, Species, Surface};
 use serde::{Deserialize, Serialize};
 
-/// Two touching bodies as a contact law needs them.
+/// Properties of two touching bodies on which a contact law depends.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Bodies {
-    /// [kg] effective mass M = 1/(1/m_p + 1/m_q); at a wall the particle's own mass.
+    /// [kg] effective mass M = 1/(1/m_p + 1/m_q); at a wall the mass of the particle.
     pub effective_mass: f64,
-    /// [m] effective radius R = 1/(1/r_p + 1/r_q); at a wall the particle's own radius.
+    /// [m] effective radius R = 1/(1/r_p + 1/r_q); at a wall the radius of the particle.
     pub effective_radius: f64,
-    /// [-] normal restitution e that an isolated impact is to have.
+    /// [-] normal restitution e of an isolated impact, which the law must reproduce.
     pub restitution: f64,
-    /// Elasticity of each body, where it has one of its own.
+    /// Elasticity of each body; `None` for a body with the elasticity of the contact law.
     #[serde(skip)]
     pub elasticity: [Option<Elasticity>; 2],
-    /// [-] stiffness over that which the law says, from [`Meeting`](crate::scene::Meeting).
+    /// [-] factor by which the stiffness between these bodies exceeds that of the contact law, from
+    /// [`Meeting`](crate::scene::Meeting).
     #[serde(skip)]
     pub stiffness_ratio: f64,
 }
 
 impl Bodies {
-    /// Two particles, by their indices `i` and `j` in a store.
+    /// Properties of two particles, which are given by their indices `i` and `j` in the store.
     pub fn pair(scene: &Scene, particles: &Particles, i: usize, j: usize) -> Self {
         let species = [i, j].map(|index| particles.species[index]);
         let meeting = scene.meeting(species[0], Kind::Species(species[1]));
@@ -36,7 +37,7 @@ impl Bodies {
         }
     }
 
-    /// A particle, by its index `i` in a store, and a wall.
+    /// Properties of a particle, given by its index `i` in the store, and of a wall, given by its index in the scene.
     pub fn at_wall(scene: &Scene, particles: &Particles, i: usize, wall: usize) -> Self {
         let species = particles.species[i];
         let meeting = scene.meeting(species, Kind::Wall(wall as u32));
@@ -49,7 +50,7 @@ impl Bodies {
         }
     }
 
-    /// Two spheres of two species.
+    /// Properties of two spheres, one of each species.
     pub fn of(one: &Species, other: &Species, surface: &Surface) -> Self {
         Self {
             effective_mass: 1.0 / (1.0 / one.mass() + 1.0 / other.mass()),
@@ -60,7 +61,7 @@ impl Bodies {
         }
     }
 
-    /// Two spheres of species with these indices in a scene, which may be one species.
+    /// Properties of two spheres of species with these indices in the scene. The two indices may be equal.
     pub fn between(scene: &Scene, one: u16, other: u16) -> Self {
         let meeting = scene.meeting(one, Kind::Species(other));
         let (first, second) = (&scene.species[usize::from(one)], &scene.species[usize::from(other)]);
@@ -69,7 +70,7 @@ impl Bodies {
         Self { stiffness_ratio: meeting.stiffness_of(bodies.effective_mass), ..bodies }
     }
 
-    /// A sphere of the species with that index in a scene, and a wall.
+    /// Properties of a sphere and a wall, given by the indices of the species and of the wall in the scene.
     pub fn beside(scene: &Scene, species: u16, wall: u32) -> Self {
         let meeting = scene.meeting(species, Kind::Wall(wall));
         let elasticity = scene.walls[wall as usize].elasticity;
@@ -77,7 +78,7 @@ impl Bodies {
         Self { stiffness_ratio: meeting.stiffness_of(bodies.effective_mass), ..bodies }
     }
 
-    /// Two spheres of one species.
+    /// Properties of two spheres of one species.
     pub fn alike(species: &Species, surface: &Surface) -> Self {
         Self {
             effective_mass: 0.5 * species.mass(),
@@ -88,7 +89,8 @@ impl Bodies {
         }
     }
 
-    /// A sphere of a species and a wall with that surface. A wall without an elasticity of its own has that of the law.
+    /// Properties of a sphere of a species, and of a wall with the surface `surface`. With `None` the wall has the
+    /// elasticity of the contact law.
     pub fn of_wall(species: &Species, surface: &Surface, elasticity: Option<Elasticity>) -> Self {
         Self {
             effective_mass: species.mass(),
@@ -100,15 +102,15 @@ impl Bodies {
     }
 }
 
-/// The constants of a law between two given bodies.
+/// Constants of a contact law between two given bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Spring {
     /// [kg] effective mass M.
     pub effective_mass: f64,
-    /// [-] restitution e asked for.
+    /// [-] restitution e of an isolated impact.
     pub restitution: f64,
-    /// [N/m] elastic constant of a linear spring; [N/m^1.5] of Hertz's law.
+    /// [N/m] stiffness of a linear spring; for Hertz's law, k_H [N/m^1.5] in the force k_H δ^(3/2) at the overlap δ.
     pub stiffness: f64,
-    /// [N s/m] viscous constant of a linear dashpot; [N s/m^1.25] of Hertz's law.
+    /// [N s/m] constant of a linear dashpot; for Hertz's law, c [N s/m^1.25] in the force c δ^(1/4) u_n.
     pub dashpot: f64,
 }

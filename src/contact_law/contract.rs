@@ -1,34 +1,36 @@
-//! Contracts of a contact law that engines rely on, checked for laws of the caller's when a simulation is made.
+//! Contracts of a contact law, which engines require. They are checked for laws of the calling program when a
+//! simulation is made.
 
 use super::{ContactLaw, Spring};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// A contract that a contact law does not keep between two bodies.
+/// A contract that a contact law violates between two bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum BrokenContract {
-    /// The force at touch is not zero: a contact that is first seen a part of a step after touch would gain or lose energy.
+    /// The elastic force at touch is not zero. A contact that is detected a part of a step after touch would then gain
+    /// or lose energy.
     ForceAtTouch {
-        /// [-] of the largest force in an impact.
+        /// [-] elastic force at touch over the largest elastic force in an impact.
         share: f64,
     },
-    /// The stored energy is not the work of the elastic force.
+    /// The stored energy is not equal to the work of the elastic force.
     Energy {
-        /// [m] overlap.
+        /// [m] overlap at which energy and work differ.
         overlap: f64,
-        /// [J] energy that the law says is stored there.
+        /// [J] stored energy at this overlap, as the law returns it.
         stored: f64,
-        /// [J] work of the elastic force up to there.
+        /// [J] work of the elastic force from touch to this overlap.
         work: f64,
     },
-    /// The viscous force drives the motion.
+    /// The viscous force accelerates the motion instead of slowing it down.
     Drives {
-        /// [m] overlap.
+        /// [m] overlap at which the viscous force has the wrong sign.
         overlap: f64,
-        /// [m/s] normal velocity.
+        /// [m/s] normal velocity at which the viscous force has the wrong sign; positive: separating.
         velocity: f64,
     },
-    /// No overlap stores the energy of an impact.
+    /// The law cannot stop an impact, since at no overlap is its kinetic energy stored.
     Bottomless {
         /// [m/s] normal speed of the impact.
         speed: f64,
@@ -55,16 +57,18 @@ impl fmt::Display for BrokenContract {
     }
 }
 
-/// [-] agreement that is asked for: what quadrature over `POINTS` intervals misses of a force with an infinite slope at touch.
+/// [-] largest relative error that passes the check. It is the error of a quadrature over `POINTS` intervals for a
+/// force with an infinite slope at touch.
 const TOLERANCE: f64 = 1e-3;
-/// Intervals of the quadrature.
+/// Number of intervals of the quadrature of the force over the overlap.
 const POINTS: u32 = 1000;
 
 impl ContactLaw {
-    /// Checks the contracts of [`Law`](super::Law) for impacts at normal speeds up to `speed` [m/s]. The laws of this library keep them.
+    /// Checks the contracts of [`Law`](super::Law) for impacts at normal speeds up to `speed` [m/s]. The laws of this
+    /// library are not checked, since they satisfy the contracts.
     ///
     /// # Errors
-    /// The first contract that is broken.
+    /// The first contract that the law violates.
     pub fn check(&self, spring: &Spring, speed: f64) -> Result<(), BrokenContract> {
         let Self::Other(law) = self else { return Ok(()) };
         let deepest = super::numerical::greatest_overlap(*law, spring, speed);
@@ -79,7 +83,7 @@ impl ContactLaw {
         if share.is_nan() || share > TOLERANCE {
             return Err(BrokenContract::ForceAtTouch { share });
         }
-        // where a law attracts, the energy passes through zero
+        // the largest magnitude is used, since the energy of a law that attracts passes through zero
         let whole = largest(&|overlap| law.stored_energy(spring, overlap));
         let mut work = 0.0;
         for k in 0..POINTS {

@@ -1,35 +1,36 @@
-//! Tangential force of a contact: Coulomb's law without memory, the paper's rule for spheres that do not rotate.
+//! Tangential force of a contact by Coulomb's law without memory. The paper uses this rule for spheres that do not
+//! rotate.
 
 use nalgebra::Vector3;
 
-/// [N] magnitude of the Coulomb force against a slip of `slip` >= 0 [m/s]: μ|f_n| with the `friction` μ [-], but never
-/// more than would stop the slip within `time_step` [s].
+/// [N] magnitude of the Coulomb force against a slip of magnitude `slip` >= 0 [m/s]. It is μ|f_n|, with the `friction`
+/// μ [-], but at most the force that stops the slip within `time_step` [s].
 #[inline]
 pub fn coulomb_limit(friction: f64, normal_force: f64, slip: f64, effective_mass: f64, time_step: f64) -> f64 {
     (friction * normal_force.abs()).min(effective_mass * slip / time_step)
 }
 
-/// Slip of two touching bodies, and what changes it within a time step besides friction.
+/// Slip of two touching bodies, and the rate at which forces other than friction change it.
 #[derive(Clone, Copy, Debug)]
 pub struct Slip {
-    /// [m/s] velocity of particle i relative to the other surface, along the surface.
+    /// [m/s] velocity of particle i relative to the surface of the other body, along the surface.
     pub velocity: Vector3<f64>,
-    /// [m/s²] relative acceleration of the two along the surface by known forces other than friction.
+    /// [m/s²] relative acceleration of the two surfaces along the surface, by known forces other than friction.
     pub acceleration: Vector3<f64>,
 }
 
-/// Tangential force of a contact.
+/// Tangential force of a contact, and its power.
 #[derive(Clone, Copy, Debug)]
 pub struct Friction {
-    /// [N] force on particle i is minus this.
+    /// [N] friction force on the other body; the force on particle i is its negative.
     pub force: Vector3<f64>,
-    /// [W] power that it takes out, `to_middle` after the instant of the slip.
+    /// [W] power by which friction reduces the kinetic energy, at the time `to_middle` after the instant of the slip.
     pub power: f64,
 }
 
-/// Force against the slip with which a step of `time_step` [s] would end. Against the slip of now it would come one
-/// step late, and bodies at rest on a slope would creep. `to_middle` [s] is the time from the instant of the slip to
-/// that at which its power is taken. `None` where nothing slips.
+/// Friction force against the slip that is predicted, without friction, for the end of a step of `time_step` [s]. A
+/// force against the present slip would act one step late, and bodies at rest on a slope would creep. `to_middle` [s]
+/// is the time from the present to the instant at which the power is computed. `None` if there is no friction force.
 #[inline(always)]
 pub fn coulomb(
     friction: f64,

@@ -11,36 +11,38 @@ use std::f64::consts::PI;
 /// The elastic constant is k_H = 4/3 E sqrt(R), with the effective modulus 1/E = (1-ν_p²)/E_p + (1-ν_q²)/E_q and the
 /// effective radius R.
 ///
-/// With the variable w = δ^(5/4) an impact follows, in the plane of w and speed, the path of a linear spring and
-/// dashpot. Its frequency is ω_0² = 4 k_H/(5 M) and its damping ratio is c/sqrt(5 M k_H) (Antypov and Elliott 2011,
-/// EPL 94, 50004). So c = ζ sqrt(5 M k_H), with the ζ of a linear dashpot, gives exactly the restitution asked for at
-/// every speed, if the contact ends at δ = 0. The force is not clamped and pulls a little at the end. Time runs
-/// differently: dt = 4/5 w^(-1/5) ds, where s is the time of the linear oscillator.
+/// With the variable w = δ^(5/4) an impact follows the path of a linear spring and dashpot in the plane of w and speed.
+/// The frequency of this oscillator is ω_0² = 4 k_H/(5 M), and its damping ratio is c/sqrt(5 M k_H) (Antypov and
+/// Elliott 2011, EPL 94, 50004). So c = ζ sqrt(5 M k_H), with the ζ of a linear dashpot, gives exactly the required
+/// restitution at every speed, if the contact ends at δ = 0. The force is not limited to repulsion, and attracts a
+/// little at the end. Time differs from that of the linear oscillator: dt = 4/5 w^(-1/5) ds, where s is the time of the
+/// oscillator.
 ///
-/// Constants between two bodies: k_H [N/m^1.5] and c [N s/m^1.25]. Walls count as flat. Valid while δ is small
-/// against the radius and the impact is slow against sound.
+/// The constants between two bodies are k_H [N/m^1.5] and c [N s/m^1.25]. Walls count as flat. The law is valid while δ
+/// is small compared with the radius, and while the impact is slow compared with the speed of sound.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hertz {
-    /// Elasticity of every body that has no elasticity of its own.
+    /// Elasticity of every body for which a case gives no elasticity.
     pub elasticity: Elasticity,
 }
 
-/// Number of quadrature points for the duration of an impact. The error falls with their power 2.4 and is 1e-8 here.
+/// Number of quadrature points for the duration of an impact. The error is proportional to the power -2.4 of this
+/// number, and is 1e-8 here.
 const POINTS: usize = 2000;
 
-/// [1/s] ω_0 of the linear oscillator in w, in the oscillator's own time.
+/// [1/s] undamped frequency ω_0 of the linear oscillator in w = δ^(5/4), per unit of the oscillator's time s.
 fn undamped(spring: &Spring) -> f64 {
     (0.8 * spring.stiffness / spring.effective_mass).sqrt() // 4/5, Antypov and Elliott
 }
 
-/// Time [s], overlap [m] and rate of the overlap [m/s] along an impact at a normal speed [m/s], at the ends of
-/// `POINTS` intervals of phase. Phases are crowded at both ends, because time is singular there as a function of the
-/// phase.
+/// Time [s], overlap [m] and rate of w = δ^(5/4), per unit of the oscillator's time, along an impact at a normal speed
+/// [m/s]. The points are the ends of `POINTS` intervals of the oscillator's phase. Intervals are short at both ends,
+/// because time is singular there as a function of the phase.
 fn path(spring: &Spring, speed: f64) -> Vec<[f64; 3]> {
     let ratio = damping_ratio(spring.restitution);
     let damped = undamped(spring) * (1.0 - ratio * ratio).sqrt();
     let at = |x: f64| {
-        let phase = PI * x * x * x * (10.0 - 15.0 * x + 6.0 * x * x); // smoothstep: flat at 0 and 1
+        let phase = PI * x * x * x * (10.0 - 15.0 * x + 6.0 * x * x); // smoothstep: its slope is zero at 0 and 1
         let envelope = speed * (-ratio * undamped(spring) * phase / damped).exp();
         let w = (envelope * phase.sin() / damped).max(0.0);
         (w, envelope * phase.cos() - ratio * undamped(spring) * w)
@@ -49,7 +51,7 @@ fn path(spring: &Spring, speed: f64) -> Vec<[f64; 3]> {
     let mut time = 0.0;
     for k in 0..POINTS {
         let (end, middle) = ((k + 1) as f64 / POINTS as f64, (k as f64 + 0.5) / POINTS as f64);
-        let slope = 30.0 * PI * (middle * (1.0 - middle)).powi(2); // of the phase
+        let slope = 30.0 * PI * (middle * (1.0 - middle)).powi(2); // slope of the phase as a function of x
         time += 0.8 * at(middle).0.powf(-0.2) * slope / damped / POINTS as f64;
         let (w, growth) = at(end);
         points.push([time, w.powf(0.8), growth]);
@@ -57,13 +59,13 @@ fn path(spring: &Spring, speed: f64) -> Vec<[f64; 3]> {
     points
 }
 
-/// Dashpot between bodies of mass 1 kg in units in which the elastic constant is 1: all impacts with the same restitution look alike in them.
+/// Dashpot constant in units of sqrt(M k_H). In these units it depends only on the restitution.
 fn unit_dashpot(restitution: f64) -> f64 {
-    5.0f64.sqrt() * damping_ratio(restitution) // Antypov and Elliott 2011
+    5.0f64.sqrt() * damping_ratio(restitution) // sqrt(5) ζ: Antypov and Elliott 2011
 }
 
 impl Hertz {
-    /// This law, `factor` [-] times as stiff.
+    /// Returns this law with an elastic force that is `factor` [-] times as large.
     pub fn stiffened(&self, factor: f64) -> Self {
         let youngs_modulus = factor * self.elasticity.youngs_modulus;
         Self { elasticity: Elasticity { youngs_modulus, ..self.elasticity } }
@@ -105,13 +107,13 @@ impl Law for Hertz {
         (spring.stiffness * overlap * root, -spring.dashpot * root.sqrt() * normal_velocity)
     }
 
-    /// Returns 2/5 k_H δ^(5/2).
+    /// Returns the energy 2/5 k_H δ^(5/2) [J].
     #[inline]
     fn stored_energy(&self, spring: &Spring, overlap: f64) -> f64 {
         0.4 * spring.stiffness * overlap * overlap * overlap.abs().sqrt()
     }
 
-    /// Proportional to u^(-1/5); equals 2.9433 δ_max/u without damping (Johnson 1985, Eq. 11.24).
+    /// Returns a time proportional to u^(-1/5), which is 2.9433 δ_max/u without damping (Johnson 1985, Eq. 11.24).
     fn contact_time(&self, spring: &Spring, speed: f64) -> f64 {
         if damping_ratio(spring.restitution) >= 1.0 {
             return f64::INFINITY;
@@ -119,23 +121,24 @@ impl Law for Hertz {
         path(spring, speed)[POINTS][0]
     }
 
-    /// [m] largest overlap; it grows with the speed as u^(4/5).
+    /// [m] largest overlap of an impact; it grows with the speed u as u^(4/5).
     fn greatest_overlap(&self, spring: &Spring, speed: f64) -> f64 {
         (reduced_overlap(spring.restitution) * speed / undamped(spring)).powf(0.8)
     }
 
-    /// Returns sqrt(3/2 k_H sqrt(δ)/M) at the largest overlap without damping, which no damped impact exceeds.
+    /// Returns sqrt(3/2 k_H sqrt(δ)/M) at the largest overlap δ without damping. No damped impact has a higher
+    /// frequency.
     fn frequency(&self, spring: &Spring, speed: f64) -> f64 {
         let deepest = (speed / undamped(spring)).powf(0.8);
         (1.5 * spring.stiffness * deepest.sqrt() / spring.effective_mass).sqrt()
     }
 
-    /// c δ^(1/4) over 2 sqrt(M · 3/2 k_H δ^(1/2)): the same at every overlap.
+    /// Returns c δ^(1/4) over 2 sqrt(M · 3/2 k_H δ^(1/2)), which does not depend on the overlap δ.
     fn damping_ratio(&self, spring: &Spring, _speed: f64) -> f64 {
         unit_dashpot(spring.restitution) / (2.0 * 1.5f64.sqrt())
     }
 
-    /// Returns Γ(7/5) (5 E/(2 k_H))^(2/5).
+    /// Returns the length Γ(7/5) (5 E/(2 k_H))^(2/5) [m].
     fn thermal_overlap(&self, spring: &Spring, energy: f64) -> f64 {
         libm::tgamma(1.4) * (2.5 * energy / spring.stiffness).powf(0.4)
     }
@@ -178,7 +181,7 @@ mod tests {
     use super::*;
 
     fn glass(restitution: f64) -> (Hertz, Spring) {
-        // 2 mm glass beads; the masses are those of the spheres
+        // glass beads with a diameter of 2 mm; the masses are those of the spheres
         let law = Hertz { elasticity: Elasticity { youngs_modulus: 70e9, poissons_ratio: 0.22 } };
         let bodies = Bodies {
             effective_mass: 5.2e-6,
@@ -199,13 +202,13 @@ mod tests {
             let deepest = (15.0 * 5.2e-6 * speed * speed / (16.0 * 0.5e-3f64.sqrt() * modulus)).powf(0.4);
             assert!((law.greatest_overlap(&spring, speed) / deepest - 1.0).abs() < 1e-12);
             let time = (5.2e-6 * 5.2e-6 / (0.5e-3 * modulus * modulus * speed)).powf(0.2);
-            // 2.868265...: sqrt(π)/2 (32/... ) by Gamma functions, 2.94327 (15/16)^(2/5), worked out to six digits
+            // 2.868265... is 2.94327 (15/16)^(2/5), with 2.94327 from Gamma functions
             assert!((law.contact_time(&spring, speed) / time - 2.868_27).abs() < 2e-4);
         }
     }
 
-    /// Compares restitution, duration and depth with a fine Runge-Kutta solution of the equation of motion, at
-    /// several speeds.
+    /// Compares restitution, duration and largest overlap with an accurate Runge-Kutta solution of the equation of
+    /// motion, at several speeds.
     #[test]
     fn damped_impacts_are_those_of_the_equation_of_motion() {
         for (restitution, speed) in [(1.0, 0.3), (0.9, 0.01), (0.5, 1.0), (0.1, 1.0)] {
@@ -226,7 +229,8 @@ mod tests {
                 deepest = deepest.max(state[0]);
                 elapsed += step;
             }
-            // the end lies within a step; the force at touch has an infinite slope, which costs orders
+            // the end lies within a step; the force has an infinite slope at touch, which reduces the order of the
+            // method
             let rebound = -state[1] / speed;
             assert!((rebound - restitution).abs() < 2e-4, "{restitution}: {rebound}");
             assert!((elapsed / time - 1.0).abs() < 2e-4, "{restitution}: {}", elapsed / time);
@@ -236,8 +240,8 @@ mod tests {
         }
     }
 
-    /// Compares with quadratures: the work of the elastic force up to the largest overlap, and its mean over a
-    /// Boltzmann distribution.
+    /// Compares two closed forms with quadratures: the stored energy with the work of the elastic force, and the
+    /// thermal overlap with its integral.
     #[test]
     fn stored_energy_is_the_work_of_the_force() {
         let (law, spring) = glass(0.9);

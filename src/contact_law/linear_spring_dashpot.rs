@@ -1,15 +1,16 @@
-//! The linear spring-dashpot law.
+//! The linear spring-dashpot law: elastic force proportional to the overlap, viscous force proportional to its rate.
 
 use super::{Bodies, Law, Parameter, Spring, damping_ratio, reduced_overlap};
 use std::f64::consts::PI;
 
-/// Normal force on p along n (from q to p): f_n = k_n δ - 2 γ_n M u_n, with overlap δ and u_n = (u_p - u_q)·n.
+/// Normal force on particle p along the unit normal n (from body q to p): f_n = k_n δ - 2 γ_n M u_n. Here δ is the
+/// overlap, and u_n = (u_p - u_q)·n is the normal velocity.
 ///
-/// The paper's Eq. 3 with the sign of the spring corrected. The contact ends when δ = 0, so the force pulls a little
-/// at the end, and the realised restitution is exactly e_n. Valid while δ is small against the radius.
+/// This is Eq. 3 of the paper with the sign of the spring corrected. The contact ends when δ = 0, so the force attracts
+/// a little at the end, and the restitution is exactly e_n. The law is valid while δ is small compared with the radius.
 ///
-/// Constants between two bodies: the stiffness k_n [N/m] and the dashpot 2 γ_n M [N s/m], with γ_n = ζ ω_0 and ω_0 =
-/// sqrt(k_n/M) (the paper, below Eq. 6).
+/// The constants between two bodies are the stiffness k_n [N/m] and the dashpot 2 γ_n M [N s/m]. Here γ_n = ζ ω_0 and
+/// ω_0 = sqrt(k_n/M) (the paper, below Eq. 6).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LinearSpringDashpot {
     /// [N/m] normal stiffness k_n.
@@ -22,7 +23,7 @@ fn undamped(spring: &Spring) -> f64 {
 }
 
 impl LinearSpringDashpot {
-    /// This law, `factor` [-] times as stiff.
+    /// Returns this law with a stiffness that is `factor` [-] times as large.
     pub fn stiffened(&self, factor: f64) -> Self {
         Self { stiffness: factor * self.stiffness }
     }
@@ -52,7 +53,7 @@ impl Law for LinearSpringDashpot {
         PI / (undamped(spring) * (1.0 - ratio * ratio).sqrt())
     }
 
-    /// Eq. 10 of the paper.
+    /// Returns the largest overlap [m] by Eq. 10 of the paper.
     fn greatest_overlap(&self, spring: &Spring, speed: f64) -> f64 {
         reduced_overlap(spring.restitution) * speed * (spring.effective_mass / spring.stiffness).sqrt()
     }
@@ -65,12 +66,12 @@ impl Law for LinearSpringDashpot {
         damping_ratio(spring.restitution)
     }
 
-    /// Returns sqrt(π E/(2 k_n)).
+    /// Returns the length sqrt(π E/(2 k_n)) [m].
     fn thermal_overlap(&self, spring: &Spring, energy: f64) -> f64 {
         (PI * energy / (2.0 * spring.stiffness)).sqrt()
     }
 
-    /// Eq. 6 of the paper.
+    /// Returns overlap [m] and rate [m/s] as a function of time, by Eq. 6 of the paper.
     fn course(&self, spring: &Spring, speed: f64) -> Box<dyn Fn(f64) -> (f64, f64)> {
         let ratio = damping_ratio(spring.restitution);
         let damping = ratio * undamped(spring);
@@ -119,7 +120,7 @@ mod tests {
         )
     }
 
-    /// Oracle A1: damping ratio and reduced contact time ω_0 T_c.
+    /// Checks the damping ratio and the reduced contact time ω_0 T_c against independent values (oracle A1).
     #[test]
     fn reduced_contact_times() {
         for (e, ratio, time) in [
@@ -134,7 +135,7 @@ mod tests {
         }
     }
 
-    /// Oracle A1: polystyrene of 406 µm at 3000 N/m, pair and wall.
+    /// Checks contact times of polystyrene spheres of 406 µm at 3000 N/m, for a pair and a wall (oracle A1).
     #[test]
     fn paper_sized_contact_times() {
         let mass = 3.6372577e-8;
@@ -144,7 +145,7 @@ mod tests {
         }
     }
 
-    /// Closed form of the damped oscillator, evaluated independently to ten digits.
+    /// Checks the largest overlap against the closed form of the damped oscillator, evaluated separately to ten digits.
     #[test]
     fn largest_overlap_is_eq_10() {
         for (e, depth) in [(1.0, 1.0), (0.94, 0.969912093), (0.9, 0.949750530), (0.5, 0.741810737), (0.1, 0.502721970)]

@@ -1,12 +1,13 @@
-//! Contact laws of soft spheres: the force with which two touching bodies push each other apart.
+//! Contact laws of soft spheres. A contact law gives the force with which two touching bodies push each other apart.
 //!
-//! A law is one file here and one variant of [`ContactLaw`], or a type of the caller's behind [`ContactLaw::Other`].
-//! Four answers are required: the constants between two bodies, the force, the stored energy, and the parameters. All
-//! others follow by numerical integration ([`numerical`]); a law with closed forms gives these instead.
+//! A law is one file of this folder and one variant of [`ContactLaw`], or a type of the calling program as
+//! [`ContactLaw::Other`]. Four functions are required: the constants between two bodies, the force, the stored energy,
+//! and the parameters. All other quantities follow by numerical integration ([`numerical`]). A law with closed forms
+//! returns these instead.
 //!
 //! Sign convention: the overlap δ [m] is positive while the bodies touch. Its rate is minus the normal velocity u_n
-//! [m/s], which is negative while the bodies approach. A contact ends when δ = 0 (the paper's convention). So the
-//! force pulls a little at the end, and the restitution is exactly the one asked for.
+//! [m/s], which is negative while the bodies approach. A contact ends when δ = 0 (the paper's convention). So the force
+//! attracts a little at the end, and the restitution is exactly the required one.
 
 mod bodies;
 mod contract;
@@ -26,11 +27,11 @@ use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
-/// A contact law for the normal force. Four answers are needed; the others follow from these.
+/// A contact law for the normal force. Four functions are required; the others are computed from these.
 ///
-/// Contracts, checked when a simulation is made ([`ContactLaw::check`]): the elastic force vanishes at touch, its work
-/// up to an overlap is the stored energy there, some overlap stores the energy of every impact, and the viscous force
-/// never drives the motion.
+/// Contracts, checked when a simulation is made ([`ContactLaw::check`]): The elastic force is zero at touch. Its work
+/// from touch to an overlap is the stored energy at that overlap. The energy of every impact is stored at some overlap.
+/// The viscous force never accelerates the motion.
 ///
 /// ```
 /// use diptych::contact_law::{Bodies, ContactLaw, Law, Parameter, Spring};
@@ -68,39 +69,40 @@ use std::f64::consts::PI;
 /// assert!((law.greatest_overlap(&spring, 1.0) / deepest - 1.0).abs() < 1e-6);
 /// ```
 pub trait Law: std::fmt::Debug + Send + Sync {
-    /// Constants of the law between two bodies; the elastic force is [`stiffness_ratio`](Bodies::stiffness_ratio) times
-    /// that of the law.
+    /// Constants of the law between two bodies. The elastic force between them is
+    /// [`stiffness_ratio`](Bodies::stiffness_ratio) times that of the law.
     fn between(&self, bodies: &Bodies) -> Spring;
 
-    /// [N] elastic and viscous parts of the normal force at overlap δ [m] and normal velocity u_n [m/s]. A step may try
-    /// a small negative overlap at the end of a contact: the force goes on smoothly there, and pulls.
+    /// [N] elastic and viscous parts of the normal force at the overlap δ [m] and the normal velocity u_n [m/s]. At the
+    /// end of a contact a step may use a small negative overlap, so the function must be smooth at δ = 0. The elastic
+    /// force at negative overlap attracts.
     fn force(&self, spring: &Spring, overlap: f64, normal_velocity: f64) -> (f64, f64);
 
     /// [J] energy stored at overlap δ [m]: the work of the elastic force since touch.
     fn stored_energy(&self, spring: &Spring, overlap: f64) -> f64;
 
-    /// All numbers that tell two laws apart; the first is the elastic one that a user makes larger for a stiffer
-    /// contact. Laws are compared, and stored runs are recognised, by these.
+    /// All numbers in which two laws of one type can differ. The first is the elastic constant that a user increases
+    /// for a stiffer contact. By these numbers laws are compared, and stored runs are recognised.
     fn parameters(&self) -> Vec<Parameter>;
 
-    /// Name of the law in a sentence.
+    /// Name of the law, for use in a sentence.
     fn title(&self) -> &'static str {
         self.parameters().first().map_or("contact law", |parameter| parameter.law)
     }
 
-    /// [N/m^1.5] tangential stiffness of two elastic spheres that do not slip, over the root of the overlap; 0 of a law
-    /// without elastic constants.
+    /// [N/m^1.5] tangential stiffness of two elastic spheres that do not slip, divided by the square root of the
+    /// overlap. It is 0 for a law without elastic constants.
     fn shear_stiffness(&self, _bodies: &Bodies) -> f64 {
         0.0
     }
 
-    /// [-] n, if the elastic force is about proportional to the overlap to the power n. Estimates of the stiffness that
-    /// a run needs assume it.
+    /// [-] exponent n of the overlap, to which the elastic force is about proportional. It is used to estimate the
+    /// stiffness that a run needs.
     fn exponent(&self) -> f64 {
         1.0
     }
 
-    /// [s] duration of an impact at normal speed `speed` > 0 [m/s]; infinite if it does not end.
+    /// [s] duration of an impact at normal speed `speed` > 0 [m/s]; infinite if the impact does not end.
     fn contact_time(&self, spring: &Spring, speed: f64) -> f64 {
         numerical::IntegratedImpact::new(self, spring, speed).map_or(f64::INFINITY, |impact| impact.duration())
     }
@@ -110,58 +112,58 @@ pub trait Law: std::fmt::Debug + Send + Sync {
         numerical::greatest_overlap(self, spring, speed)
     }
 
-    /// [1/s] highest angular frequency sqrt(f'(δ)/M) that an impact at normal speed `speed` [m/s] reaches: a time
-    /// step must be stable for it.
+    /// [1/s] highest angular frequency sqrt(f'(δ)/M) during an impact at normal speed `speed` [m/s], with f' the slope
+    /// of the elastic force. A time step must be stable for this frequency.
     fn frequency(&self, spring: &Spring, speed: f64) -> f64 {
         numerical::frequency(self, spring, speed)
     }
 
-    /// [-] largest viscous constant at overlaps that impacts at normal speed `speed` [m/s] reach, over the critical one
-    /// 2 M ω of the [`frequency`](Self::frequency) ω: a time step must be stable for both.
+    /// [-] largest viscous constant during impacts at normal speed `speed` [m/s], divided by the critical constant 2 M
+    /// ω, with ω the [`frequency`](Self::frequency). A time step must be stable for both.
     fn damping_ratio(&self, spring: &Spring, speed: f64) -> f64 {
         numerical::damping_ratio(self, spring, speed)
     }
 
-    /// [m] ∫ exp(-V(δ)/E) dδ over all overlaps, V the stored energy: spheres whose relative motion has the energy scale
-    /// `energy` E [J] act on one another as if smaller by that much (Barker and Henderson 1967, J. Chem. Phys. 47,
-    /// 4714).
+    /// [m] ∫ exp(-V(δ)/E) dδ over all overlaps δ, with V the stored energy and E = `energy` [J] the energy scale of the
+    /// relative motion. Spheres that move with this energy act on one another as if their diameter were smaller by this
+    /// length (Barker and Henderson 1967, J. Chem. Phys. 47, 4714).
     fn thermal_overlap(&self, spring: &Spring, energy: f64) -> f64 {
         numerical::thermal_overlap(self, spring, energy)
     }
 
-    /// Overlap [m] and its rate [m/s] at a time [s] after the touch of an impact at normal speed `speed` [m/s], for
-    /// every time up to its end.
+    /// Returns a function of the time [s] after touch, for an impact at normal speed `speed` [m/s]. Its values are the
+    /// overlap [m] and the rate of the overlap [m/s], up to the end of the impact.
     fn course(&self, spring: &Spring, speed: f64) -> Box<dyn Fn(f64) -> (f64, f64)> {
         let impact = numerical::IntegratedImpact::new(self, spring, speed);
         Box::new(move |time| impact.as_ref().map_or((f64::NAN, f64::NAN), |impact| impact.at(time)))
     }
 
-    /// [m] overlap of a contact at rest that carries `force` [N].
+    /// [m] overlap of a contact at rest that carries the normal force `force` [N].
     fn static_overlap(&self, spring: &Spring, force: f64) -> f64 {
         numerical::static_overlap(self, spring, force)
     }
 
-    /// [J] by how much the stored energy falls below that of touch at the overlap where it is least; 0 of a law that
-    /// does not attract.
+    /// [J] depth of the minimum of the stored energy, relative to the energy at touch. It is 0 for a law that does not
+    /// attract.
     fn well_depth(&self, spring: &Spring) -> f64 {
         numerical::well_depth(self, spring)
     }
 
-    /// [-] factor by which the law must be stiffer for impacts of equal energy to go only 1/`ratio` as deep. The
-    /// energy at overlap δ is k δ^(n+1)/(n+1).
+    /// [-] factor by which the elastic force must increase, so that impacts of equal energy have 1/`ratio` times the
+    /// overlap. The energy at overlap δ is taken as k δ^(n+1)/(n+1).
     fn stiffening(&self, ratio: f64) -> f64 {
         ratio.powf(self.exponent() + 1.0)
     }
 }
 
-/// A number that a law has, for tables and messages.
+/// A parameter of a contact law, for tables and messages.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Parameter {
-    /// Name of the law, and of its table in a case below `[soft]`.
+    /// Name of the law, which is also that of its table below `[soft]` in a case.
     pub law: &'static str,
-    /// Key in that table.
+    /// Key of the parameter in the table of the law.
     pub key: &'static str,
-    /// Name for use in a sentence.
+    /// Name of the parameter for use in a sentence.
     pub name: &'static str,
     /// Symbol of the parameter.
     pub symbol: &'static str,
@@ -172,7 +174,7 @@ pub struct Parameter {
 }
 
 impl Parameter {
-    /// The key of a case with the tables that it stands in.
+    /// Key of the parameter in a case, with the names of its tables.
     pub fn path(&self) -> String {
         format!("soft.{}.{}", self.law, self.key)
     }
@@ -180,7 +182,7 @@ impl Parameter {
 
 impl std::fmt::Display for Parameter {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        // moduli have too many digits to be read in full
+        // large values, such as moduli, have too many digits and are written with an exponent
         if self.value < 1e6 {
             write!(f, "{} {} {}", self.name, self.value, self.unit)
         } else {
@@ -189,7 +191,7 @@ impl std::fmt::Display for Parameter {
     }
 }
 
-/// The contact law of a soft scene, for pairs and walls.
+/// The contact law of a scene of soft spheres, for pairs of particles and for walls.
 ///
 /// ```
 /// use diptych::contact_law::{Bodies, ContactLaw};
@@ -204,15 +206,15 @@ impl std::fmt::Display for Parameter {
 /// ```
 #[derive(Clone, Copy, Debug)]
 pub enum ContactLaw {
-    /// A linear spring beside a linear dashpot.
+    /// Linear spring parallel to a linear dashpot.
     LinearSpringDashpot(LinearSpringDashpot),
-    /// Hertz's law with a viscous part.
+    /// Hertz's law for elastic spheres, with a viscous force.
     Hertz(Hertz),
-    /// A law of the caller's; a case cannot name it.
+    /// A law of the calling program; a case cannot name it.
     Other(&'static dyn Law),
 }
 
-/// Evaluates an expression with the chosen law: the only code that lists all laws.
+/// Evaluates an expression with the chosen law. No other code lists all laws.
 macro_rules! with_law {
     ($chosen:expr, $law:ident => $value:expr) => {
         match $chosen {
@@ -229,36 +231,37 @@ macro_rules! with_law {
 pub(crate) use with_law;
 
 impl ContactLaw {
-    /// A linear spring of stiffness k_n [N/m] beside a linear dashpot.
+    /// Makes the law of a linear spring with the stiffness k_n [N/m] parallel to a linear dashpot.
     pub const fn linear(stiffness: f64) -> Self {
         Self::LinearSpringDashpot(LinearSpringDashpot { stiffness })
     }
 
-    /// A law of the caller's. It stays in memory to the end of the program, so that laws can be copied as the numbers
-    /// that they mostly are.
+    /// Makes a law from a type of the calling program. Its memory is never freed, so that a law can be copied as
+    /// cheaply as a number.
     pub fn other(law: impl Law + 'static) -> Self {
         Self::Other(Box::leak(Box::new(law)))
     }
 
-    /// [N] as [`Law::force`]; asked in every time step, so it is answered without a virtual call.
+    /// Returns the elastic and the viscous force [N], as [`Law::force`]. It is called in every time step, so a virtual
+    /// call is avoided.
     #[inline]
     pub fn force(&self, spring: &Spring, overlap: f64, normal_velocity: f64) -> (f64, f64) {
         with_law!(self, law => law.force(spring, overlap, normal_velocity))
     }
 
-    /// [J] as [`Law::stored_energy`], without a virtual call.
+    /// Returns the stored energy [J], as [`Law::stored_energy`], without a virtual call.
     #[inline]
     pub fn stored_energy(&self, spring: &Spring, overlap: f64) -> f64 {
         with_law!(self, law => law.stored_energy(spring, overlap))
     }
 
-    /// [J] energy that a contact at overlap δ [m] may give back to the motion at most; >= 0.
+    /// [J] largest energy that a contact at overlap δ [m] may give back to the motion; never negative.
     #[inline]
     pub fn available_energy(&self, spring: &Spring, overlap: f64) -> f64 {
         with_law!(self, law => law.stored_energy(spring, overlap) + law.well_depth(spring))
     }
 
-    /// This law, `factor` [-] times as stiff: the elastic force at every overlap is so much larger.
+    /// Returns this law with an elastic force that is `factor` [-] times as large at every overlap.
     pub fn stiffened(&self, factor: f64) -> Self {
         match self {
             Self::LinearSpringDashpot(law) => Self::LinearSpringDashpot(law.stiffened(factor)),
@@ -267,13 +270,14 @@ impl ContactLaw {
         }
     }
 
-    /// The elastic parameter that a user chooses. A law without parameters has the factor by which it was made stiffer.
+    /// The elastic parameter that a user chooses. For a law without parameters, a parameter with the value 1 is
+    /// returned.
     pub fn parameter(&self) -> Parameter {
         let none = Parameter { law: self.title(), key: "", name: "stiffness", symbol: "k", value: 1.0, unit: "" };
         self.parameters().first().copied().unwrap_or(none)
     }
 
-    /// Normal contact of two bodies as a tangential law needs it.
+    /// Constants of the normal contact of two bodies on which a tangential law depends.
     pub fn normal_spring(&self, bodies: &Bodies, spring: &Spring) -> NormalSpring {
         let Spring { stiffness, dashpot, .. } = *spring;
         let contact_time = if self.is_linear() { self.contact_time(spring, 1.0) } else { f64::INFINITY };
@@ -282,30 +286,30 @@ impl ContactLaw {
         NormalSpring { stiffness, dashpot, contact_time, tangent: exponent * stiffness, half_powers, shear_stiffness }
     }
 
-    /// [-] Mindlin's tangential stiffness over the elastic constant of Hertz's law, between two bodies with these
-    /// elasticities; 0 of other laws.
+    /// [-] ratio of Mindlin's tangential stiffness to the elastic constant of Hertz's law, for two bodies with these
+    /// elasticities. It is 0 for other laws.
     pub fn shear_ratio(&self, elasticity: [Option<Elasticity>; 2]) -> f64 {
         let (effective_mass, effective_radius, restitution, stiffness_ratio) = (1.0, 1.0, 1.0, 1.0);
         let bodies = Bodies { effective_mass, effective_radius, restitution, elasticity, stiffness_ratio };
         self.shear_stiffness(&bodies) / self.between(&bodies).stiffness
     }
 
-    /// True if the elastic force is proportional to the overlap and the viscous one to its rate: closed forms for such
-    /// contacts hold.
+    /// True if the elastic force is proportional to the overlap, and the viscous force to its rate. Closed forms for
+    /// linear contacts are then valid.
     pub fn is_linear(&self) -> bool {
         matches!(self, Self::LinearSpringDashpot(_))
     }
 }
 
 impl PartialEq for ContactLaw {
-    /// Laws with equal parameters are one law.
+    /// Compares two laws by their parameters.
     fn eq(&self, other: &Self) -> bool {
         self.title() == other.title() && self.parameters() == other.parameters()
     }
 }
 
 impl Serialize for ContactLaw {
-    /// Serializes the law as its table of the case.
+    /// Serializes the law as the table that describes it in a case.
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let parameters = self.parameters();
         let values: BTreeMap<_, _> = parameters.iter().map(|parameter| (parameter.key, parameter.value)).collect();
@@ -331,11 +335,11 @@ impl std::ops::Deref for ContactLaw {
     }
 }
 
-/// A law of the caller's with another stiffness.
+/// A law of the calling program with a changed stiffness.
 #[derive(Debug)]
 struct Stiffened {
     law: &'static dyn Law,
-    /// [-]
+    /// [-] factor by which the elastic force is larger than that of `law`.
     factor: f64,
 }
 
@@ -352,7 +356,7 @@ impl Law for Stiffened {
         self.law.stored_energy(spring, overlap)
     }
 
-    /// Those of the law, the first times the factor.
+    /// Parameters of the unchanged law, the first multiplied by the factor.
     fn parameters(&self) -> Vec<Parameter> {
         let mut parameters = self.law.parameters();
         parameters.iter_mut().take(1).for_each(|first| first.value *= self.factor);
@@ -368,8 +372,8 @@ impl Law for Stiffened {
     }
 }
 
-/// [-] damping ratio ζ = -ln e / sqrt(π² + ln² e) of a linear spring and dashpot with restitution e (the paper, below
-/// Eq. 6); 1 for e = 0.
+/// [-] damping ratio ζ = -ln e / sqrt(π² + ln² e) of a linear spring and dashpot with the restitution e (the paper,
+/// below Eq. 6). It is 1 for e = 0.
 pub fn damping_ratio(restitution: f64) -> f64 {
     if restitution <= 0.0 {
         return 1.0;
@@ -378,12 +382,12 @@ pub fn damping_ratio(restitution: f64) -> f64 {
     -ln / (PI * PI + ln * ln).sqrt()
 }
 
-/// [-] largest overlap of an impact on a linear spring and dashpot, in units of u/ω_0 (the paper's Eq. 10):
-/// exp(-ζ arccos ζ / sqrt(1 - ζ²)).
+/// [-] largest overlap of an impact at speed u on a linear spring and dashpot, divided by u/ω_0: exp(-ζ arccos ζ /
+/// sqrt(1 - ζ²)) (the paper's Eq. 10).
 pub fn reduced_overlap(restitution: f64) -> f64 {
     let ratio = damping_ratio(restitution);
     if ratio >= 1.0 {
-        return (-1.0f64).exp(); // the limit ζ -> 1: critical damping
+        return (-1.0f64).exp(); // the limit for ζ -> 1, which is critical damping
     }
     (-ratio * ratio.acos() / (1.0 - ratio * ratio).sqrt()).exp()
 }

@@ -1,17 +1,21 @@
-//! Answers of a contact law without closed forms, found from its force and its stored energy.
+//! Properties of impacts for contact laws without closed forms, computed from the force and the stored energy of the
+//! law.
 
 use super::{Law, Spring};
 
-/// Steps in which an impact without damping and with a linear force would be gone through, at least; the error of fourth order is then below 1e-10.
+/// Number of time steps in the time that the approach at constant speed would take from touch to the largest overlap.
+/// The fourth-order error is then below 1e-10.
 const STEPS: f64 = 1000.0;
-/// An impact that lasts so many times as long as the way to its largest overlap takes is said not to end.
+/// Largest duration of an impact, over the time that the approach at constant speed would take to the largest overlap.
+/// Longer impacts count as endless.
 const ENDLESS: f64 = 100.0;
-/// Overlaps at which a force is looked at for its slope.
+/// Number of overlaps at which the slope of a force or the energy is computed.
 const SAMPLES: u32 = 64;
-/// [-] of the overlap: step of central differences, between rounding and curvature.
+/// [-] step of central differences over the overlap. It balances the errors of rounding and of curvature.
 const DIFFERENCE: f64 = 1e-5;
 
-/// The zero of a function that grows through it, where `guess` > 0 is of any size; `None` if it stays below zero up to 1e30 of it.
+/// Zero of a function that changes from negative to positive. The search begins at `guess` > 0, which may be far from
+/// the zero. `None` if the function is negative up to 1e30 times the guess.
 fn rising_zero(function: impl Fn(f64) -> f64, guess: f64) -> Option<f64> {
     let (mut low, mut high) = (guess, guess);
     while function(high) < 0.0 {
@@ -30,26 +34,26 @@ fn rising_zero(function: impl Fn(f64) -> f64, guess: f64) -> Option<f64> {
     Some(high)
 }
 
-/// [m] overlap at which the stored energy is that of a normal speed [m/s]: as deep as an impact goes without damping. `None` if the law
-/// cannot store it.
+/// [m] overlap at which the stored energy equals the kinetic energy at a normal speed [m/s]. It is the largest overlap
+/// of an impact without damping. `None` if the law cannot store this energy.
 fn undamped_overlap<L: Law + ?Sized>(law: &L, spring: &Spring, speed: f64) -> Option<f64> {
     let energy = 0.5 * spring.effective_mass * speed * speed;
     rising_zero(|overlap| law.stored_energy(spring, overlap) - energy, 1e-6)
 }
 
-/// An impact of two bodies that start in touch, step by step.
+/// An impact of two bodies, integrated in time steps from touch on.
 #[derive(Clone, Debug)]
 pub struct IntegratedImpact {
     /// [s] time step.
     step: f64,
-    /// Overlap [m] and its rate [m/s] at the start of each step, and at the end.
+    /// Overlap [m] and rate of the overlap [m/s] at the start of each step, and at the end of the impact.
     states: Vec<[f64; 2]>,
-    /// [s] duration.
+    /// [s] duration of the impact.
     duration: f64,
 }
 
 impl IntegratedImpact {
-    /// The impact at normal speed `speed` > 0 [m/s]; `None` if it does not end.
+    /// Integrates the impact at normal speed `speed` > 0 [m/s]; `None` if the impact does not end.
     pub fn new<L: Law + ?Sized>(law: &L, spring: &Spring, speed: f64) -> Option<Self> {
         let depth = undamped_overlap(law, spring, speed)?;
         let step = depth / speed / STEPS;
@@ -70,7 +74,7 @@ impl IntegratedImpact {
         while (states.len() as f64) < ENDLESS * STEPS {
             let next = advance(state, step);
             if next[0] <= 0.0 {
-                // the last step is as long as makes the overlap zero
+                // the last step is shortened so that the overlap at its end is zero
                 let part = rising_zero(|part| -advance(state, part * step)[0], 0.5)?.min(1.0);
                 let duration = ((states.len() - 1) as f64 + part) * step;
                 states.push(advance(state, part * step));
@@ -87,17 +91,17 @@ impl IntegratedImpact {
         self.duration
     }
 
-    /// [m/s] speed at which the bodies part.
+    /// [m/s] normal speed at which the bodies separate.
     pub fn rebound_speed(&self) -> f64 {
         -self.states[self.states.len() - 1][1]
     }
 
-    /// [m] largest overlap.
+    /// [m] largest overlap during the impact.
     pub fn greatest_overlap(&self) -> f64 {
         self.states.iter().fold(0.0, |deepest, state| deepest.max(state[0]))
     }
 
-    /// Overlap [m] and its rate [m/s] at a time [s] after touch, by straight lines between the steps.
+    /// Overlap [m] and rate of the overlap [m/s] at a time [s] after touch, interpolated linearly between the steps.
     pub fn at(&self, time: f64) -> (f64, f64) {
         let last = self.states.len() - 2;
         let first = ((time / self.step).max(0.0) as usize).min(last);
@@ -111,7 +115,7 @@ impl IntegratedImpact {
     }
 }
 
-/// Numerical [`Law::greatest_overlap`]; without an end of the impact, the overlap that it would have without damping.
+/// Numerical [`Law::greatest_overlap`]. If the impact does not end, it is the overlap without damping.
 pub fn greatest_overlap<L: Law + ?Sized>(law: &L, spring: &Spring, speed: f64) -> f64 {
     match IntegratedImpact::new(law, spring, speed) {
         Some(impact) => impact.greatest_overlap(),
@@ -119,7 +123,7 @@ pub fn greatest_overlap<L: Law + ?Sized>(law: &L, spring: &Spring, speed: f64) -
     }
 }
 
-/// Overlaps [m] up to the deepest that impacts at a normal speed [m/s] reach.
+/// Overlaps [m] at equal distances, up to the largest that impacts at the normal speed `speed` [m/s] reach.
 fn overlaps<L: Law + ?Sized>(law: &L, spring: &Spring, speed: f64) -> impl Iterator<Item = f64> {
     let deepest = undamped_overlap(law, spring, speed).unwrap_or(f64::INFINITY);
     (1..=SAMPLES).map(move |k| deepest * f64::from(k) / f64::from(SAMPLES))
@@ -146,9 +150,9 @@ pub fn damping_ratio<L: Law + ?Sized>(law: &L, spring: &Spring, speed: f64) -> f
 
 /// Numerical [`Law::thermal_overlap`].
 pub fn thermal_overlap<L: Law + ?Sized>(law: &L, spring: &Spring, energy: f64) -> f64 {
-    /// Weights beyond are below 1e-16.
+    /// Stored energy over `energy` above which the weights exp(-V/E) are negligible (below 1e-16).
     const NEGLIGIBLE: f64 = 37.0;
-    /// Intervals of Simpson's rule.
+    /// Number of intervals of Simpson's rule.
     const INTERVALS: u32 = 2000;
     let Some(end) = rising_zero(|overlap| law.stored_energy(spring, overlap) - NEGLIGIBLE * energy, 1e-6) else {
         return f64::INFINITY;
@@ -185,7 +189,7 @@ mod tests {
     use crate::contact_law::{Bodies, ContactLaw, Hertz, LinearSpringDashpot, Parameter};
     use crate::scene::Elasticity;
 
-    /// A law that says no more than it must.
+    /// A law that defines only the required functions, so that all others are numerical.
     #[derive(Debug)]
     struct Bare<L>(L);
 
@@ -221,7 +225,7 @@ mod tests {
                 "{law:?}, {restitution}: {name} {found} of {exact}"
             );
         };
-        // Hertz's damping has an infinite slope at touch, which costs orders
+        // Hertz's damping has an infinite slope at touch, which reduces the order of the method
         near("time", law.contact_time(&spring, speed), bare.contact_time(&spring, speed), 2e-4);
         near("overlap", law.greatest_overlap(&spring, speed), bare.greatest_overlap(&spring, speed), 1e-5);
         near("frequency", law.frequency(&spring, speed), bare.frequency(&spring, speed), 1e-6);
@@ -257,7 +261,7 @@ mod tests {
         assert!(law.greatest_overlap(&spring, 1.0).is_finite());
     }
 
-    /// Twice as stiff is the same for a law of the caller's as for one that a case can name.
+    /// Checks that a law of the calling program, made twice as stiff, equals a law of a case made twice as stiff.
     #[test]
     fn laws_of_the_callers_are_made_stiffer_and_compared_by_their_parameters() {
         let (linear, bare) =

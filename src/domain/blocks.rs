@@ -4,7 +4,7 @@ use super::Domain;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Boundaries of the blocks into which the box is cut, one block per process.
+/// Borders of the blocks into which the box is cut, one block for each process that shares a run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Blocks {
     /// [m] upper ends of the blocks along each axis; the last block ends at the side of the box.
@@ -12,8 +12,9 @@ pub struct Blocks {
 }
 
 impl Blocks {
-    /// Makes one block per process, with nearly equal numbers of particles in the slices along each axis. If the box
-    /// has periodic axes, only these are cut; otherwise all may be. The axis with the longest pieces is cut first.
+    /// Cuts the box into one block per process, with nearly equal numbers of particles in the slices along each axis.
+    /// If the box has periodic axes, only these are cut; otherwise all axes may be. The axis with the longest pieces is
+    /// cut first.
     pub fn of(positions: &[Vector3<f64>], processes: usize, domain: &Domain) -> Self {
         let blocks = along_axes(processes, domain);
         let ends = std::array::from_fn(|axis| {
@@ -27,7 +28,7 @@ impl Blocks {
         Self { ends }
     }
 
-    /// Makes one block per process, all of equal size.
+    /// Cuts the box into one block per process, all of equal size.
     pub fn of_one_size(processes: usize, domain: &Domain) -> Self {
         let blocks = along_axes(processes, domain);
         let end = |axis: usize, block: usize| domain.size[axis] * block as f64 / blocks[axis] as f64;
@@ -40,21 +41,22 @@ impl Blocks {
         self.number([along(0), along(1), along(2)])
     }
 
-    /// [m] lowest and highest corner of the block of a process.
+    /// [m] lowest and highest corner of the block that belongs to a process.
     pub fn corners(&self, process: usize, domain: &Domain) -> [Vector3<f64>; 2] {
         let (across, along) = (self.count(0), self.count(1));
         let block = [process % across, process / across % along, process / across / along];
         [0, 1].map(|side| Vector3::from_fn(|axis, _| self.span(axis, block[axis], domain)[side]))
     }
 
-    /// True if the position `x` [m] is farther than `width` [m] from all other blocks. The two corners are those of the
-    /// block that contains `x`.
+    /// True if the position `x` [m] is farther than `width` [m] from all other blocks. `low` and `high` [m] are the
+    /// corners of the block that contains `x`.
     pub fn is_deep(&self, x: &Vector3<f64>, [low, high]: &[Vector3<f64>; 2], width: f64) -> bool {
         let deep = |axis: usize| x[axis] - low[axis] > width && high[axis] - x[axis] > width;
         (0..3).all(|axis| self.ends[axis].is_empty() || deep(axis))
     }
 
-    /// Calls `visit` with the number of every process whose block is within `width` [m] of the position `x` in the box.
+    /// Calls `visit` with the number of every process whose block is within `width` [m] of the position `x` [m] in the
+    /// box.
     pub fn for_each_within(&self, x: &Vector3<f64>, width: f64, domain: &Domain, mut visit: impl FnMut(usize)) {
         let near: [Vec<usize>; 3] = std::array::from_fn(|axis| {
             let is_near = |block: &usize| {
@@ -89,7 +91,7 @@ impl Blocks {
     }
 }
 
-/// Number of blocks along each axis; the product is the number of processes.
+/// Number of blocks along each axis; the product of the three is the number of processes.
 fn along_axes(processes: usize, domain: &Domain) -> [usize; 3] {
     let mut blocks = [1usize; 3];
     let any = domain.periodic.iter().any(|periodic| *periodic);
@@ -124,7 +126,7 @@ mod tests {
     #[test]
     fn every_place_has_one_owner_and_blocks_are_equally_full() {
         let domain = Domain::new(Vector3::new(4.0, 9.0, 8.0), [true, false, true]);
-        // positions are denser towards the low end of z
+        // in this test positions are denser towards the low end of z
         let places: Vec<Vector3<f64>> = (0..600)
             .map(|k| Vector3::new(f64::from(k % 40) / 10.0, 3.0, 8.0 * (f64::from(k) / 600.0).powi(2)))
             .collect();
@@ -146,7 +148,7 @@ mod tests {
         let other = blocks.owner(&Vector3::new(0.1, 3.0, 0.05));
         assert!(across_the_side.contains(&other), "{across_the_side:?} {other}");
         assert_eq!(Blocks::of(&[], 1, &domain).owner(&places[0]), 0);
-        // 3 blocks along z, the longest periodic axis, and 2 along x
+        // six processes: 3 blocks along z, the longest periodic axis, and 2 along x
         let same = Blocks::of_one_size(6, &domain);
         let corners = same.corners(5, &domain);
         assert_eq!(corners[1], domain.size);

@@ -143,7 +143,7 @@ pub struct Counters {
     /// steps if too many particles touch.
     pub uniform_steps: u64,
     /// Number of pairs, and particles with walls, whose gap or time of touch was computed. For soft uniform steps, all
-    /// candidates in the neighbour list are counted, although most are not computed.
+    /// candidates in the neighbour list are counted, although most of them are skipped as too far apart.
     pub pair_checks: u64,
     /// Number of contact forces computed (soft spheres).
     pub force_evaluations: u64,

@@ -1,4 +1,4 @@
-//! A uniform grid of cells, and positions sorted into the cells.
+//! A uniform grid of cells, and items sorted into the cells by their positions.
 
 use super::region::Region;
 use crate::particles::CHUNK;
@@ -6,8 +6,8 @@ use crate::work_sharing;
 use nalgebra::Vector3;
 use std::ops::Range;
 
-/// A grid of cells over a region, numbered with x fastest. The *cell order* lists the items of one cell after the
-/// other; those of cell c are at `start[c] .. start[c + 1]`.
+/// A grid of cells over a region; cells are numbered first along x, then along y and z. The *cell order* lists the
+/// items cell by cell. The items of cell c are at `start[c] .. start[c + 1]` in this order.
 #[derive(Clone, Debug, Default)]
 pub struct CellGrid {
     region: Region,
@@ -16,17 +16,17 @@ pub struct CellGrid {
     /// [1/m] number of cells per length along each axis.
     per_length: Vector3<f64>,
     start: Vec<u32>,
-    /// Cell of each item during sorting, stored here so that its memory is used again.
+    /// Index of the cell of each item during sorting, stored here so that its memory is used again.
     cell: Vec<u32>,
 }
 
 impl CellGrid {
-    /// Sets the number of cells for a region, with edges of at least `edge` [m].
+    /// Sets the numbers of cells along the axes of a region, so that the edges of cells are at least `edge` [m].
     fn divide(&mut self, region: &Region, edge: f64) {
         self.region = region.clone();
         self.periodic = region.periodic();
         self.count = std::array::from_fn(|axis| {
-            // 4096 limits the number of cells in a nearly empty box
+            // at most 4096 cells per axis, to limit their number in a nearly empty box
             let fitting = (region.size()[axis] / edge).clamp(1.0, 4096.0) as usize;
             // with two cells along a periodic axis, each would be a neighbour of the other on both sides
             if self.periodic[axis] && fitting < 3 { 1 } else { fitting }
@@ -34,8 +34,8 @@ impl CellGrid {
         self.per_length = Vector3::from_fn(|axis, _| self.count[axis] as f64 / region.size()[axis]);
     }
 
-    /// Sorts items inside a region into cells with edges of at least `edge` [m]. `position` returns the position [m] of
-    /// an item. The indices of the items are written to `order`, in cell order.
+    /// Sorts items into cells with edges of at least `edge` [m]; all items must be inside the region. `position`
+    /// returns the position [m] of an item. The indices of the items are written to `order`, in cell order.
     pub fn sort<T: Sync>(
         &mut self,
         items: &[T],
@@ -59,7 +59,7 @@ impl CellGrid {
         let count = self.count.iter().product::<usize>();
         self.start.resize(count + 1, 0);
         order.resize(items.len(), 0);
-        // Each thread sorts the items in its share of the cells. It visits only chunks that contain such items: these
+        // Each thread sorts the items of some of the cells. It reads only chunks that contain such items. These chunks
         // are few if items are nearly in cell order already.
         let shares = rayon::current_num_threads().min(items.len() / CHUNK).max(1);
         let width = count.div_ceil(shares);
@@ -91,7 +91,7 @@ impl CellGrid {
                 before += *count;
                 *count = before;
             }
-            // goes backwards, which keeps the order of items within a cell; afterwards `start` has its documented
+            // runs backwards, so that the items of a cell keep their order; afterwards `start` has its documented
             // meaning
             for (chunk, (cells, _)) in chunks(share).rev() {
                 for (k, &c) in cells.iter().enumerate().rev() {
@@ -111,26 +111,27 @@ impl CellGrid {
         self.cell = Vec::new();
     }
 
-    /// Sorts positions inside a region as [`sort`](Self::sort) does. Returns the grid and the indices in cell order.
+    /// Makes a grid, and sorts positions inside a region into it as [`sort`](Self::sort) does. Returns the grid and the
+    /// indices of the positions in cell order.
     pub fn new(positions: &[Vector3<f64>], region: &Region, edge: f64) -> (Self, Vec<u32>) {
         let (mut grid, mut order) = (Self::default(), Vec::new());
         grid.sort(positions, |x| *x, region, edge, &mut order);
         (grid, order)
     }
 
-    /// Index of the cell that contains a position. Beyond a side that is not periodic, it is the nearest cell, so that
-    /// neighbours remain in neighbouring cells.
+    /// Index of the cell that contains the position `x`. For a position beyond a side that is not periodic, it is the
+    /// nearest cell, so that neighbours remain in neighbouring cells.
     #[inline]
     fn cell_of(&self, x: &Vector3<f64>) -> usize {
         let x = if self.region.is_all() { *x } else { self.region.local(x) };
-        // converts by way of u32, for which processors have an instruction, unlike for usize
+        // converts by way of u32, since processors have an instruction for u32 but not for usize
         let c: [usize; 3] =
             std::array::from_fn(|axis| ((x[axis] * self.per_length[axis]) as u32 as usize).min(self.count[axis] - 1));
         c[0] + self.count[0] * (c[1] + self.count[1] * c[2])
     }
 
-    /// Calls `visit` with ranges of the cell order. Together they contain all items within `radius` [m] of `x`, each
-    /// item once. The flag is true if a range may be nearer through a periodic side.
+    /// Calls `visit` with ranges of the cell order. Together the ranges contain all items within `radius` [m] of `x`,
+    /// each item once. The flag is true if items of the range may be nearer through a periodic side.
     #[inline(always)]
     pub fn for_each_near(&self, x: &Vector3<f64>, radius: f64, mut visit: impl FnMut(Range<usize>, bool)) {
         let x = self.region.local(x);
@@ -156,7 +157,7 @@ impl CellGrid {
         }
     }
 
-    /// Cells between two coordinates [m] along an axis.
+    /// Range of cells between two coordinates [m] along an axis.
     #[inline]
     fn span(&self, axis: usize, from: f64, to: f64) -> AxisCells {
         let n = self.count[axis] as isize;
@@ -171,7 +172,7 @@ impl CellGrid {
         }
     }
 
-    /// Calls `visit` with the items of every cell; `order` contains the items in cell order.
+    /// Calls `visit` with the list of items of every cell; `order` must contain the items in cell order.
     pub fn for_each_cell_of<T: Send>(&self, mut order: &mut [T], visit: impl Fn(&mut [T]) + Sync) {
         let cells: Vec<u32> = self.start.windows(2).map(|ends| ends[1] - ends[0]).collect();
         let piece = |cells: &'_ [u32]| order.split_off_mut(..cells.iter().sum::<u32>() as usize).unwrap_or_default();
@@ -182,20 +183,21 @@ impl CellGrid {
         });
     }
 
-    /// Number of rows of cells along x.
+    /// Number of rows of cells along x, which together form the grid.
     pub fn rows(&self) -> usize {
         self.count[1] * self.count[2]
     }
 
-    /// Calls `visit(own, around, across)` for every non-empty cell of a row. `own` is the range of the cell in the cell
-    /// order. `around` contains the ranges of cells that may contain neighbours; the first begins at the end of `own`.
-    /// Over all rows, each pair of neighbouring cells occurs once. `across` is true if a neighbour may be nearer
+    /// Calls `visit(own, around, across)` for every non-empty cell of a row. `own` is the range of the cell's items in
+    /// the cell order. `around` contains the ranges of items that may be neighbours; the first begins at the end of
+    /// `own`. Over all rows, each pair of neighbouring cells occurs once. `across` is true if a neighbour may be nearer
     /// through a periodic side.
     #[inline(always)]
     pub fn for_each_cell(&self, row: usize, mut visit: impl FnMut(Range<usize>, &mut Around, bool)) {
         let [nx, ny, _] = self.count;
         let (cy, cz) = (row % ny, row / ny);
-        // half of the surrounding rows: the pairs with the other half are found from those rows
+        // only half of the surrounding rows are visited: pairs with the other half are found when those rows are
+        // visited
         let ahead = [(1isize, 0isize), (-1, 1), (0, 1), (1, 1)]
             .map(|(dy, dz)| Some(nx * (self.shifted(1, cy, dy)? + ny * self.shifted(2, cz, dz)?)));
         let base = nx * row;
@@ -230,7 +232,8 @@ impl CellGrid {
         self.periodic[axis] && (at == 0 || at + 1 == self.count[axis])
     }
 
-    /// Coordinate `step` cells further along `axis`; `None` if no cell other than the first is there.
+    /// Coordinate of the cell that is `step` cells further along `axis`. `None` if there is no cell, or if it is the
+    /// cell itself.
     fn shifted(&self, axis: usize, from: usize, step: isize) -> Option<usize> {
         if step == 0 {
             return Some(from);
@@ -246,13 +249,14 @@ impl CellGrid {
         }
     }
 
-    /// Range in the cell order of the cells `first ..= last` of one row.
+    /// Range in the cell order of the items in the cells `first ..= last` of one row.
     fn places(&self, first: usize, last: usize) -> Range<usize> {
         self.start[first] as usize..self.start[last + 1] as usize
     }
 }
 
-/// Largest number of ranges around a cell: one in its row and four in other rows, and as many through a periodic side.
+/// Largest number of ranges around a cell: one in its row and four in other rows, and five more through a periodic
+/// side.
 const RANGES: usize = 10;
 
 /// Ranges of the cell order in which neighbours of a cell are searched.
@@ -269,7 +273,7 @@ impl Around {
         self.count += 1;
     }
 
-    /// Sets the beginning of the first range, to a place after an item of the cell itself.
+    /// Sets the beginning of the first range, which lies after an item of the cell itself.
     #[inline(always)]
     pub fn begin_at(&mut self, first: usize) {
         self.first[0] = first;
@@ -282,9 +286,10 @@ impl Around {
     }
 }
 
-/// The cells between two coordinates along an axis.
+/// Range of cells between two coordinates along an axis.
 struct AxisCells {
-    /// First and last cell; cells beyond a periodic side have numbers below 0 or above the last.
+    /// Numbers of the first and the last cell. For cells beyond a periodic side they are below 0, or above the last
+    /// number.
     first: isize,
     last: isize,
     /// True if the cells cover the whole period of the axis.
@@ -298,7 +303,8 @@ fn below(x: f64) -> isize {
     whole - isize::from(whole as f64 > x)
 }
 
-/// Index among `n` cells of a cell that may be up to one period outside the box; the flag is true if it is outside.
+/// Number, among `n` cells along an axis, of a cell that may be up to one period outside the box. The flag is true if
+/// the cell is outside.
 #[inline]
 fn turned(cell: isize, n: isize) -> (isize, bool) {
     if cell < 0 {
@@ -324,7 +330,7 @@ mod tests {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(2);
         let mut anywhere = || domain.size.map(|length| length * random.random_range(0.0..1.0));
         let mut items: Vec<Vector3<f64>> = (0..5 * CHUNK + 17).map(|_| anywhere()).collect();
-        // first in random order, then in cell order except for two items, each in the other half of the cells
+        // the items are first in random order, then in cell order except for two items in opposite halves of the grid
         for _ in 0..2 {
             let sort = |threads: usize| {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();

@@ -5,11 +5,11 @@
 
 use wide::f32x4;
 
-/// Number of balls that are compared with one ball at the same time. A lane is the place of one number in a vector of
-/// the processor.
+/// Number of balls that are compared with one ball at the same time. A lane is the place of one number in a vector
+/// register of the processor.
 pub const LANES: usize = 8;
 
-/// [m] centres along x, y, z and radii of `LANES` balls.
+/// [m] coordinates x, y, z of the centres, and radii, of `LANES` balls.
 pub type Spots<'a> = [&'a [f32; LANES]; 4];
 
 /// Bit mask in which the bits of the first `count` lanes are set.
@@ -18,7 +18,7 @@ fn first(count: usize) -> usize {
     (1 << count.min(LANES)) - 1
 }
 
-/// Comparison of one ball with several others, one in each lane of a vector.
+/// Comparison of one ball with several others, each of which occupies one lane of a vector.
 pub trait Lanes: Copy {
     /// Vector with one number per lane.
     type Wide: Copy;
@@ -26,13 +26,14 @@ pub trait Lanes: Copy {
     /// Vector that contains `number` in all lanes.
     fn splat(self, number: f32) -> Self::Wide;
 
-    /// Bit mask of those of the first `count` balls that overlap the ball `one` (centre and radius, [m]). The lowest
-    /// bit belongs to the first ball. `period` [m] is the distance between images along each axis. It is used only with
-    /// `ACROSS`, which must be true if the balls may be on different sides of the box.
+    /// Returns a bit mask, in which a bit is set for each of the first `count` balls that overlaps the ball `one`
+    /// (centre and radius, [m]). The lowest bit belongs to the first ball. `period` [m] is the distance between images
+    /// along each axis. It is used only with `ACROSS`, which must be true if the balls may be on different sides of the
+    /// box.
     fn near<const ACROSS: bool>(self, one: &[Self::Wide; 4], others: Spots, count: usize, period: &[f32; 3]) -> usize;
 }
 
-/// Comparison with vectors of four numbers.
+/// Comparison with vectors of four numbers, for every processor.
 #[derive(Clone, Copy)]
 pub struct FourLanes;
 
@@ -74,7 +75,7 @@ impl Lanes for FourLanes {
     }
 }
 
-/// Comparison with vectors of eight numbers.
+/// Comparison with vectors of eight numbers, for processors with AVX2 instructions.
 #[cfg(target_arch = "x86_64")]
 pub mod eight {
     use super::{Lanes, Spots, first};
@@ -125,7 +126,7 @@ mod tests {
     fn eight_at_a_time_find_the_same_as_four() {
         let Some(simd) = pulp::x86::V3::try_new() else { return };
         let eight = eight::Eight(simd);
-        // uses a Kronecker sequence, in which all numbers differ
+        // this Kronecker sequence contains different numbers only
         let number = |k: usize| (0.754_877_7 * k as f32).fract();
         let mut all = 0;
         for k in 0..400 {

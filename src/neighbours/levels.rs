@@ -15,16 +15,17 @@ use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use std::ops::Range;
 
-/// Largest number of levels. Sizes in a level are within a factor of two, except that the last contains all smaller
-/// ones.
+/// Largest number of levels. The sizes in a level are within a factor of two; only the last level contains all smaller
+/// sizes.
 const MOST_LEVELS: usize = 12;
 
-/// Spheres of similar size, sorted into cells. The *reach* of a sphere is its radius, or the radius of a ball that
-/// contains its path. Two spheres are a pair if their centres are nearer than the sum of both reaches and the skin.
+/// Level: spheres of similar size, sorted into cells. The *reach* of a sphere is its radius, or the radius of a ball
+/// that contains its path. Two spheres are a pair if the distance of their centres is less than the sum of both reaches
+/// and the skin.
 #[derive(Clone, Debug, Default)]
 struct SizeLevel {
     grid: CellGrid,
-    /// Indices of the spheres, in cell order.
+    /// Indices of the spheres of the level, in cell order.
     order: Vec<u32>,
     /// Number of spheres in the levels before this one.
     first: usize,
@@ -32,13 +33,13 @@ struct SizeLevel {
     reach: f64,
 }
 
-/// All levels, the largest sizes first.
+/// All levels (grids for ranges of sizes), the largest sizes first.
 #[derive(Clone, Debug, Default)]
 pub struct SizeLevels {
     levels: Vec<SizeLevel>,
 }
 
-/// Sizes of the items to be sorted into cells.
+/// Sizes of the items that are to be sorted into levels and cells.
 pub struct SortedSizes<'a> {
     /// [m] radius of each item, which determines its level.
     pub radius: &'a [f64],
@@ -46,24 +47,25 @@ pub struct SortedSizes<'a> {
     pub range: [f64; 2],
     /// [m] gap between surfaces up to which pairs are searched.
     pub skin: f64,
-    /// Sizes of the spheres on all processes, by which cells are chosen; `None` if this process stores all spheres.
+    /// Sizes of the spheres on all processes that share a run, from which cells are chosen. `None` if this process
+    /// stores all spheres.
     pub everyone: Option<&'a Everyone>,
 }
 
-/// Sizes of the spheres on all processes, by level.
+/// Sizes of the spheres on all processes that share a run, by level.
 #[derive(Clone, Debug)]
 pub struct Everyone {
     /// [m] largest and smallest radius of all spheres.
     pub range: [f64; 2],
-    /// Number of spheres in each level.
+    /// Number of spheres in each level (range of sizes).
     pub count: [i64; MOST_LEVELS],
-    /// [m] largest radius in each level.
+    /// [m] largest radius of the spheres in each level.
     pub largest: [f64; MOST_LEVELS],
 }
 
 impl Everyone {
-    /// Counts the spheres of this process, whose radii are `radius` [m]. `range` [m] is the largest and the smallest
-    /// radius on all processes.
+    /// Counts the spheres of all levels in this process, whose radii are `radius` [m]. `range` [m] contains the largest
+    /// and the smallest radius on all processes.
     pub fn of(radius: &[f64], range: [f64; 2]) -> Self {
         let sizes = SortedSizes { radius, range, skin: 0.0, everyone: None };
         let mut all = Self { range, count: [0; MOST_LEVELS], largest: [0.0; MOST_LEVELS] };
@@ -82,7 +84,7 @@ impl<'a> SortedSizes<'a> {
         Self { radius, range: range(radius), skin, everyone: None }
     }
 
-    /// Number of the level to which a radius [m] belongs.
+    /// Number of the level (range of sizes) to which a radius [m] belongs; 0 is the level of the largest.
     fn level(&self, radius: f64) -> usize {
         let mut least = 0.5 * self.range[0];
         let mut level = 0;
@@ -94,7 +96,7 @@ impl<'a> SortedSizes<'a> {
     }
 }
 
-/// [m] largest and smallest of some radii; 0 for an empty list.
+/// [m] largest and smallest radius of a list; both are 0 for an empty list.
 pub fn range(radius: &[f64]) -> [f64; 2] {
     let widen = |[most, least]: [f64; 2], [a, b]: [f64; 2]| [most.max(a), least.min(b)];
     let none = [0.0, f64::INFINITY];
@@ -103,12 +105,12 @@ pub fn range(radius: &[f64]) -> [f64; 2] {
     [most, least.min(most)]
 }
 
-/// True if radii from the smallest to the largest [m] belong to more than one level.
+/// True if the radii between the largest and the smallest [m] belong to more than one level.
 pub fn is_wide([most, least]: [f64; 2]) -> bool {
     least <= 0.5 * most
 }
 
-/// Number and size of the spheres of each level, from which the cost of a search is estimated.
+/// Number and size of the spheres in each level (range of sizes), from which the cost of a search is estimated.
 #[derive(Clone, Serialize, Deserialize)]
 pub struct Census {
     /// Number of spheres and largest diameter [m] of each level.
@@ -118,8 +120,8 @@ pub struct Census {
 }
 
 impl Census {
-    /// Counts the spheres of each level, on all processes. `range` [m] is the largest and the smallest radius, `volume`
-    /// [m³] that of the box. `None` if all spheres belong to one level.
+    /// Counts the spheres in each level, on all processes. `range` [m] contains the largest and the smallest radius,
+    /// and `volume` [m³] is that of the box. `None` if all spheres belong to one level.
     pub fn of(sample: &Sample, range: [f64; 2], volume: f64) -> Option<Self> {
         if !is_wide(range) {
             return None;
@@ -138,9 +140,9 @@ impl Census {
         Some(Self { levels, volume })
     }
 
-    /// [-] number of pairs per sphere that a search tests if every sphere's reach grows by half of `wider` [m]. For
-    /// each sphere these are the spheres of its level in the 27 cells around it, each pair once, and smaller spheres
-    /// within its reach.
+    /// [-] number of pairs per sphere that a search tests, if the reach of every sphere is increased by half of `wider`
+    /// [m]. Counted are pairs with spheres of the same level in the 27 cells around a sphere, each pair once, and pairs
+    /// with smaller spheres within its reach.
     pub fn looked_at(&self, wider: f64) -> f64 {
         let all: f64 = self.levels.iter().map(|(count, _)| count).sum();
         let mut pairs = 0.0;
@@ -156,8 +158,8 @@ impl Census {
 }
 
 impl SizeLevels {
-    /// Sorts items inside a region into levels and cells. `position` returns the position [m] of an item, and `reach`
-    /// the reach [m] of the item at an index.
+    /// Sorts items inside a region into levels and cells. `position` returns the position [m] of an item. `reach`
+    /// returns the reach [m] of the item at an index, which is the radius of the ball that contains its path.
     pub fn sort<T: Sync>(
         &mut self,
         items: &[T],
@@ -167,7 +169,7 @@ impl SizeLevels {
         region: &Region,
     ) {
         let edge = |reach: f64, count: usize| {
-            // cells with about one particle, if these are larger: empty cells cost time too
+            // cells contain about one particle, if such cells are larger than required: empty cells cost time too
             let spacing = (region.volume() / count.max(1) as f64).cbrt();
             (2.0 * reach + sizes.skin).max(0.8 * spacing)
         };
@@ -204,8 +206,8 @@ impl SizeLevels {
         }
     }
 
-    /// Sorts items inside a region into one level, whatever their sizes. `position` and `reach` are used as in
-    /// [`sort`](Self::sort).
+    /// Sorts items inside a region into a single level, whatever their sizes. `position` and `reach` are functions as
+    /// for [`sort`](Self::sort).
     pub fn sort_alike<T: Sync>(
         &mut self,
         items: &[T],
@@ -217,8 +219,8 @@ impl SizeLevels {
         self.sort(items, &sizes, position, reach, region);
     }
 
-    /// Sorts the items of each cell by `key`. Results that depend on the order of the items then do not depend on the
-    /// order in which the items were stored before.
+    /// Sorts the items of each cell by `key`. Afterwards the order does not depend on the order in which the items were
+    /// stored.
     pub fn sort_cells(&mut self, key: &[u32]) {
         for level in &mut self.levels {
             let SizeLevel { grid, order, .. } = level;
@@ -231,7 +233,7 @@ impl SizeLevels {
         self.levels.iter().map(|level| level.reach).fold(0.0, f64::max)
     }
 
-    /// Indices of all items: the cell orders of all levels, one after the other.
+    /// Indices of all items in the order of levels and cells: the cell orders of all levels, one after the other.
     pub fn order(&self) -> Cow<'_, [u32]> {
         match self.levels.as_slice() {
             [one] => Cow::Borrowed(&one.order),
@@ -239,7 +241,7 @@ impl SizeLevels {
         }
     }
 
-    /// Returns the indices in the order of [`order`](Self::order), and frees their memory; only the grids remain.
+    /// Removes the list of indices in the order of [`order`](Self::order) and returns it; only the grids remain.
     pub fn take_order(&mut self) -> Vec<u32> {
         self.levels.iter_mut().for_each(|level| level.grid.shed());
         match self.levels.as_mut_slice() {
@@ -248,7 +250,7 @@ impl SizeLevels {
         }
     }
 
-    /// Indices of the items at a range of the order of all levels; the range must be within one level.
+    /// Indices of the items in a range of the order of all levels; the range must be within one level.
     #[inline]
     pub fn places(&self, range: Range<usize>) -> &[u32] {
         let of = |level: &SizeLevel| level.first <= range.start && range.start < level.first + level.order.len();
@@ -256,7 +258,7 @@ impl SizeLevels {
         level.map_or(&[], |level| &level.order[range.start - level.first..range.end - level.first])
     }
 
-    /// All rows of cells along x, each as the number of its level and the number of the row in the level.
+    /// Rows of cells of all levels. Each is given by the number of its level, and its number in the level.
     pub fn rows(&self) -> Vec<(usize, usize)> {
         let rows =
             |(k, level): (usize, &SizeLevel)| (0..level.grid.rows()).map(move |row| (k, row)).collect::<Vec<_>>();
@@ -269,21 +271,22 @@ impl SizeLevels {
         (grid, order, *first)
     }
 
-    /// True if levels of smaller spheres follow after `level`.
+    /// True if there are levels of smaller spheres than those of `level`.
     #[inline]
     pub fn has_smaller(&self, level: usize) -> bool {
         level + 1 < self.levels.len()
     }
 
-    /// Calls `visit` with ranges of the order. Together they contain all items of smaller levels that an item at `x`
-    /// may touch, whose `reach` [m] includes the skin. The flag is true if a range may be nearer through a periodic
-    /// side.
+    /// Calls `visit` with ranges of the order of all levels. Together they contain all items of smaller levels that an
+    /// item at `x` may touch. The `reach` [m] of that item includes the skin. The flag is true if items of the range
+    /// may be nearer through a periodic side.
     #[inline(always)]
     pub fn for_each_smaller(&self, level: usize, x: &Vector3<f64>, reach: f64, visit: impl FnMut(Range<usize>, bool)) {
         near(&self.levels[level + 1..], x, reach, visit);
     }
 
-    /// Calls `visit` as [`for_each_smaller`](Self::for_each_smaller) does, but for all levels.
+    /// Calls `visit` with ranges of items near `x` [m], as [`for_each_smaller`](Self::for_each_smaller) does, but of
+    /// all levels.
     #[inline(always)]
     pub fn for_each_near(&self, x: &Vector3<f64>, reach: f64, visit: impl FnMut(Range<usize>, bool)) {
         near(&self.levels, x, reach, visit);

@@ -1,9 +1,9 @@
-//! Neighbour lists: pairs of particles, and particles and walls, that may touch soon.
+//! Neighbour lists: pairs of particles, and particles with walls, that may touch soon.
 //!
 //! A [`NeighbourList`] contains every pair of particles, and every particle and wall, whose gap is below a length
 //! called skin. The list is complete until some particle has moved by half the skin relative to a common frame. The
-//! list adds up this distance: an engine reports how far its particles may move, and the list reports if it must be
-//! rebuilt.
+//! list adds up these distances: after each step the engine adds the distance that its particles may have moved. The
+//! list then shows if it must be rebuilt.
 
 pub mod cells;
 mod lanes;
@@ -40,13 +40,13 @@ pub struct Pair {
 }
 
 impl Pair {
-    /// [m] distance between the centres at which the particles touch.
+    /// [m] distance between the centres of the two particles at touch.
     #[inline(always)]
     pub fn reach(&self, particles: &Particles) -> f64 {
         particles.radius[self.i as usize] + particles.radius[self.j as usize]
     }
 
-    /// True if the distance between the centres is now below `reach` [m].
+    /// True if the distance between the two centres is now below `reach` [m].
     #[inline(always)]
     fn is_within(&self, reach: f64, particles: &Particles, scene: &Scene) -> bool {
         let (a, b) = (&particles.position[self.i as usize], &particles.position[self.j as usize]);
@@ -59,12 +59,13 @@ impl Pair {
 pub struct NearWall {
     /// Index of the particle.
     pub particle: u32,
-    /// The wall, and the number of the contact with it.
+    /// The wall, with the number of the contact between the particle and the wall.
     pub at: AtWall,
 }
 
 impl NearWall {
-    /// [m] present gap between particle and wall; too small a value if the wall is too far away to be searched.
+    /// [m] present gap between particle and wall. If the wall is too far away to be searched, the value is smaller than
+    /// the gap.
     #[inline]
     pub fn gap(&self, particles: &Particles, scene: &Scene) -> f64 {
         let place = self.particle as usize;
@@ -73,23 +74,25 @@ impl NearWall {
     }
 }
 
-/// Candidates for contacts. A *slot* is the number of a candidate: pairs are counted first, then particles and walls.
+/// Neighbour list: candidates for contacts. A *slot* is the number of a candidate: pairs are counted first, then
+/// particles with walls.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct NeighbourList {
-    /// Pairs with a gap below the skin, grouped by `i`.
+    /// Pairs with a gap below the skin, grouped by the first particle `i`.
     pub pairs: Vec<Pair>,
     /// Particles and walls with a gap below the skin.
     pub walls: Vec<NearWall>,
     /// Clock that measures the time spent on building lists.
     #[serde(skip)]
     pub clock: Clock,
-    /// `pairs[first_pair[i] .. first_pair[i + 1]]` are the pairs of particle `i`.
+    /// Ranges of pairs by first particle: `pairs[first_pair[i] .. first_pair[i + 1]]` are the pairs of particle `i`.
     first_pair: Vec<u32>,
-    /// [m] distance between the centres at which two particles touch; `None` if it differs between pairs. If it is
-    /// known, radii need not be read.
+    /// [m] distance between the centres at which two particles touch, if it is equal for all pairs; otherwise `None`.
+    /// With a common value, radii need not be read.
     common_reach: Option<f64>,
     skin: f64,
-    /// [-] number of times that the list can be used before it is rebuilt, at the speeds at which it was built.
+    /// [-] number of times that the list can be used before it is rebuilt, if particles keep the speeds at the time of
+    /// building.
     uses: f64,
     travelled: f64,
     frame: Vector3<f64>,
@@ -98,33 +101,34 @@ pub struct NeighbourList {
 }
 
 impl NeighbourList {
-    /// [m/s] velocity of the frame in which the travel is measured. It is the mean velocity of the particles, without
-    /// components that approach a wall.
+    /// [m/s] velocity of the frame relative to which the distances moved are measured. It is the mean velocity of the
+    /// particles, without components that approach a wall.
     pub fn frame(&self) -> Vector3<f64> {
         self.frame
     }
 
-    /// [m] gap up to which pairs are listed.
+    /// [m] gap (skin) up to which pairs are listed.
     pub fn skin(&self) -> f64 {
         self.skin
     }
 
-    /// [m] distance that particles may have moved relative to the frame since the list was built.
+    /// [m] largest distance that particles may have moved relative to the frame since the list was built.
     pub fn travelled(&self) -> f64 {
         self.travelled
     }
 
     /// [m] gap up to which an inner list should contain pairs; `None` if an inner list does not pay. An inner list is a
-    /// shorter list of pairs, made from this list.
+    /// shorter list of pairs, selected from this list.
     ///
-    /// With a gap s, the inner list contains s/skin of the pairs and lasts for `uses`·s/skin uses. In that time all
-    /// pairs are tested once, and those of the inner list at every use. The cost is least for s = skin/sqrt(uses).
+    /// An inner list for gaps up to s contains a fraction s/skin of the pairs, and lasts for `uses`·s/skin uses. In
+    /// that time all pairs are tested once, and those of the inner list at every use. The cost is least for s =
+    /// skin/sqrt(uses).
     pub fn inner_skin(&self) -> Option<f64> {
-        // fewer uses give no gain; the limit of 400 leaves room for speeds that grow
+        // fewer uses give no gain; at most 400 are assumed, so that speeds may grow
         (self.uses >= 8.0).then(|| self.skin / self.uses.min(400.0).sqrt())
     }
 
-    /// Number of lists built so far.
+    /// Number of times that a list was built so far.
     pub fn builds(&self) -> u64 {
         self.builds
     }
@@ -134,23 +138,23 @@ impl NeighbourList {
         self.building
     }
 
-    /// Number of slots: pairs, and particles with walls.
+    /// Number of slots (candidates): pairs of particles, and particles with walls.
     pub fn slots(&self) -> usize {
         self.pairs.len() + self.walls.len()
     }
 
-    /// True if the list stays complete while every particle moves up to `distance` [m] further relative to the frame.
+    /// True if the list stays complete when every particle moves by up to `distance` [m] more, relative to the frame.
     pub fn allows(&self, distance: f64) -> bool {
         self.builds > 0 && 2.0 * (self.travelled + distance) <= self.skin
     }
 
-    /// [m] distance that every particle may still move relative to the frame while the list stays complete.
+    /// [m] distance that every particle may still move relative to the frame before the list becomes incomplete.
     pub fn room(&self) -> f64 {
         if self.builds > 0 { 0.5 * self.skin - self.travelled } else { 0.0 }
     }
 
-    /// Marks the list as outdated, because other code has moved or reordered the particles. The list must then be
-    /// rebuilt before it is used.
+    /// Marks the list as outdated, after other code has moved or reordered the particles. The list must then be rebuilt
+    /// before its next use.
     pub fn invalidate(&mut self) {
         self.travelled = f64::INFINITY;
     }
@@ -160,15 +164,15 @@ impl NeighbourList {
         self.travelled += distance;
     }
 
-    /// Builds the list for the present positions. The skin is the cheapest one for a list that is used every
-    /// `between_uses` [s]. The list lasts for at least one use at the present speeds. The particles are sorted into
-    /// cell order: the particle now at index `k` was at index `order[k]`, where `order` is the returned list.
+    /// Builds the list for the present positions, with the skin of lowest cost for a list that is used every
+    /// `between_uses` [s]. At the present speeds the list lasts for at least one use. The particles are sorted into
+    /// cell order: the particle now at index `k` was at index `order[k]` before, where `order` is the returned list.
     pub fn build(&mut self, particles: &mut Particles, scene: &Scene, between_uses: f64) -> Vec<u32> {
         self.build_in(&Region::from(&scene.domain), particles, scene, between_uses)
     }
 
-    /// Builds the list as [`build`](Self::build) does, for particles that are all in one region of the box. Only this
-    /// region is divided into cells.
+    /// Builds the list as [`build`](Self::build) does, for particles in one region of the box. Only this region is
+    /// divided into cells.
     pub fn build_in(
         &mut self,
         region: &Region,
@@ -182,8 +186,8 @@ impl NeighbourList {
         self.build_by(region, particles, scene, &plan)
     }
 
-    /// Builds the list for the present positions with settings that all processes of a run share. If the cells cover
-    /// the whole box, the pairs of this process have the order that they would have in a list of all particles.
+    /// Builds the list for the present positions, with settings that are equal on all processes of a run. If the cells
+    /// cover the whole box, the pairs of this process are in the order that they have in a list of all particles.
     pub fn build_by(
         &mut self,
         region: &Region,
@@ -217,13 +221,14 @@ impl NeighbourList {
         order
     }
 
-    /// Copy of the list without pairs and walls. It contains the data that are equal on all processes of a run.
+    /// Returns a copy of the list without pairs and walls. The copy contains the data that are equal on all processes
+    /// of a run.
     pub fn without_pairs(&self) -> Self {
         let (clock, first_pair) = (self.clock.clone(), Vec::new());
         Self { pairs: Vec::new(), walls: Vec::new(), clock, first_pair, ..*self }
     }
 
-    /// Rebuilds the list from the positions at which it was built, but keeps the distance travelled since then.
+    /// Builds the list again from the positions at which it was last built, and keeps the distance moved since then.
     pub fn build_again(&mut self, particles: &mut Particles, scene: &Scene) -> Vec<u32> {
         let (travelled, builds) = (self.travelled, self.builds);
         let plan =
@@ -256,7 +261,7 @@ impl NeighbourList {
             pairs.shrink_to_fit();
             pairs
         };
-        // one group of rows at a time, so that most pairs are stored only once in memory
+        // groups of rows are processed one after the other, so that most pairs are stored only once in memory
         self.pairs.clear();
         for rows in levels.rows().chunks(4 * ROWS * rayon::current_num_threads()) {
             let parts: Vec<Vec<Pair>> = work_sharing::map(rows.chunks(ROWS), find);
@@ -269,7 +274,8 @@ impl NeighbourList {
         self.note_first_pairs(particles.len());
     }
 
-    /// Removes all pairs and walls that involve no chosen particle; `chosen` is indexed by particle.
+    /// Removes all pairs and walls that involve no chosen particle. `chosen` contains true or false for each particle,
+    /// by index.
     pub fn keep_of(&mut self, chosen: &[bool]) {
         let is_chosen = |place: u32| chosen[place as usize];
         self.pairs.retain(|pair| is_chosen(pair.i) || is_chosen(pair.j));
@@ -305,7 +311,7 @@ impl NeighbourList {
         self.walls.dedup_by_key(|near| place(near));
     }
 
-    /// The two bodies at a slot.
+    /// The two bodies of the candidate with the number `slot`.
     #[inline]
     pub fn couple(&self, slot: usize) -> Couple {
         match self.pairs.get(slot) {
@@ -317,7 +323,7 @@ impl NeighbourList {
         }
     }
 
-    /// The slot of two bodies, given in either order; `None` if they are not in the list.
+    /// Number (slot) of the candidate with these two bodies, in either order; `None` if it is not in the list.
     pub fn slot(&self, couple: &Couple) -> Option<usize> {
         match couple.other {
             Other::Particle(j) => self.pair_slot(couple.i, j),
@@ -340,7 +346,7 @@ impl NeighbourList {
             .map(|k| self.pairs.len() + k)
     }
 
-    /// Writes the slots whose bodies now overlap into `slots`, in ascending order.
+    /// Writes into `slots` the slots (numbers of candidates) whose bodies overlap at present, in ascending order.
     pub fn overlapping(&self, particles: &Particles, scene: &Scene, slots: &mut Vec<u32>) {
         slots.clear();
         let all = self.slots();
@@ -356,7 +362,7 @@ impl NeighbourList {
         slots.extend(parts.iter().flatten());
     }
 
-    /// Appends the slots of a range whose bodies now overlap, in ascending order.
+    /// Appends the slots of a range whose bodies overlap at present, in ascending order.
     pub fn overlapping_within(&self, range: Range<usize>, particles: &Particles, scene: &Scene, slots: &mut Vec<u32>) {
         let end = range.end;
         let walls = range.start.max(self.pairs.len());
@@ -381,7 +387,7 @@ impl NeighbourList {
         }
     }
 
-    /// Appends those of the given slots of pairs that now overlap, in the given order.
+    /// Appends those slots of `some`, all of which are pairs, whose particles overlap at present. Their order is kept.
     pub fn overlapping_of(&self, some: &[u32], particles: &Particles, scene: &Scene, slots: &mut Vec<u32>) {
         let some = some.iter().map(|&slot| (slot, &self.pairs[slot as usize]));
         match self.common_reach {
@@ -390,7 +396,7 @@ impl NeighbourList {
         }
     }
 
-    /// Appends the slots of a range in which a particle and a wall now overlap, in ascending order.
+    /// Appends the slots of a range at which a particle and a wall overlap at present, in ascending order.
     pub fn walls_within(&self, range: Range<usize>, particles: &Particles, scene: &Scene, slots: &mut Vec<u32>) {
         let pairs = self.pairs.len();
         let mut apart: Option<Couple> = None;
@@ -409,8 +415,9 @@ impl NeighbourList {
     }
 }
 
-/// Selects some of many items, in their order, without branches. Each item is stored, but the count advances only after
-/// items that are wanted. This costs less than a branch that the processor predicts wrongly.
+/// Selects the wanted ones of many items, in their order, without branches. Each item is stored, but the count
+/// increases only for wanted items, so the others are overwritten. This costs less than a branch that the processor
+/// often predicts wrongly.
 struct Sieve<T> {
     held: [T; 64],
     count: usize,
@@ -422,7 +429,7 @@ impl<T: Copy> Sieve<T> {
         Self { held: [any; 64], count: 0 }
     }
 
-    /// Stores the next item, and keeps the item if it is wanted.
+    /// Stores the next item. If `wanted` is false, the item will be overwritten by the next one.
     #[inline(always)]
     fn offer(&mut self, item: T, wanted: bool, picked: &mut Vec<T>) {
         self.held[self.count] = item;
@@ -432,7 +439,7 @@ impl<T: Copy> Sieve<T> {
         }
     }
 
-    /// Appends the items selected so far to `picked`, and removes them from the sieve.
+    /// Appends the items selected so far to `picked`, and empties the sieve.
     fn empty(&mut self, picked: &mut Vec<T>) {
         picked.extend_from_slice(&self.held[..self.count]);
         self.count = 0;
@@ -454,7 +461,7 @@ fn within<'a>(
     sieve.empty(slots);
 }
 
-/// All pairs of bodies that overlap, by their indices in `particles`.
+/// All couples of bodies that overlap: pairs, and particles with walls. Particles are given by index in `particles`.
 pub fn overlapping(particles: &Particles, scene: &Scene) -> Vec<Couple> {
     let (mut sorted, mut list, mut slots) = (particles.clone(), NeighbourList::default(), Vec::new());
     let order = list.build(&mut sorted, scene, 0.0);
@@ -462,14 +469,14 @@ pub fn overlapping(particles: &Particles, scene: &Scene) -> Vec<Couple> {
     slots.iter().map(|&slot| list.couple(slot as usize).moved(|place| order[place as usize])).collect()
 }
 
-/// Component of a common velocity or acceleration that changes no gap to any wall. It is parallel to all planes, and
-/// zero if a wall is not a plane.
+/// Component of a common velocity or acceleration of all particles that changes no gap to a wall. The component is
+/// parallel to all planes. It is zero if some wall is not a plane.
 pub fn along_walls(scene: &Scene, vector: Vector3<f64>) -> Vector3<f64> {
     let mut normals: Vec<Vector3<f64>> = Vec::new();
     let mut rest = vector;
     for wall in &scene.walls {
         let Some(plane) = wall.geometry.plane() else { return Vector3::zeros() };
-        // Gram-Schmidt: the component of this normal that is perpendicular to the earlier ones
+        // Gram-Schmidt orthogonalisation: the part of this normal that is perpendicular to the earlier normals
         let new = normals.iter().fold(plane.normal, |n, m| n - m * n.dot(m));
         if new.norm() > 1e-9 {
             let new = new.normalize();

@@ -1,5 +1,5 @@
-//! A fast first test for overlap of balls. The balls are stored in cell order and in single precision, and are tested
-//! eight at a time; this rejects most pairs.
+//! A fast test if balls may overlap. The balls are stored in cell order and in single precision, and are tested eight
+//! at a time. The test rejects most pairs, so that few need an exact test.
 
 #[cfg(target_arch = "x86_64")]
 use super::lanes::eight::Eight;
@@ -11,8 +11,7 @@ use crate::work_sharing;
 use nalgebra::Vector3;
 use std::ops::Range;
 
-/// Number of lanes (places in a vector of the processor) from which the indices of overlapping balls are stored at a
-/// time.
+/// Number of lanes (places of one number in a vector of the processor) whose results are stored together.
 const AT_ONCE: usize = 4;
 
 /// A ball, prepared for comparison with several others at the same time.
@@ -23,7 +22,7 @@ struct PackedBall<W> {
     spot: [W; 4],
 }
 
-/// Numbers of the lanes whose bits are set, in ascending order, for every bit mask of four lanes.
+/// Table of the lanes whose bits are set, in ascending order, for every bit mask of four lanes.
 const LANES_OF: [[usize; AT_ONCE]; 1 << AT_ONCE] = {
     let mut all = [[0; AT_ONCE]; 1 << AT_ONCE];
     let mut bits = 0;
@@ -41,19 +40,19 @@ const LANES_OF: [[usize; AT_ONCE]; 1 << AT_ONCE] = {
     all
 };
 
-/// Number of indices that are collected before they are passed to the caller.
+/// Number of indices that are collected before they are passed to the caller in one call.
 const ROOM: usize = 64;
 
-/// Indices of balls that may overlap another ball, selected without branches. Four indices are stored at a time, but
-/// the count advances only by those of balls that overlap. This costs less than a branch that the processor predicts
-/// wrongly.
+/// Collects the indices of balls that may overlap another ball, without branches. Four indices are stored at a time,
+/// but the count increases only by the number of balls that overlap. This costs less than a branch that the processor
+/// often predicts wrongly.
 struct Picked {
     places: [u32; ROOM],
     count: usize,
 }
 
 impl Picked {
-    /// Adds those of four indices whose bits are set.
+    /// Adds those of four indices whose bits in the mask `bits` are set.
     #[inline(always)]
     fn add(&mut self, bits: usize, places: &[u32; AT_ONCE]) {
         let chosen = LANES_OF[bits].map(|lane| places[lane % AT_ONCE]);
@@ -63,7 +62,7 @@ impl Picked {
         self.count += bits.count_ones() as usize;
     }
 
-    /// Passes all collected indices to `visit`, and empties the collection.
+    /// Passes all collected indices to `visit` as neighbours of the ball `one`, and empties the collection.
     #[inline(always)]
     fn hand_over(&mut self, one: u32, visit: &mut impl FnMut(u32, &[u32])) {
         visit(one, self.places.get(..self.count).unwrap_or_default());
@@ -71,31 +70,31 @@ impl Picked {
     }
 }
 
-/// Eight consecutive numbers from index `first` on; `None` if fewer are left.
+/// Eight consecutive numbers of a list, beginning at index `first`; `None` if fewer are left.
 #[inline(always)]
 fn eight_of(numbers: &[f32], first: usize) -> Option<&[f32; LANES]> {
     numbers.get(first..)?.first_chunk()
 }
 
-/// [m] centre and radius of a ball in single precision, relative to the region; the radius is enlarged by `rounding`
-/// [m].
+/// [m] centre and radius of a ball in single precision, with the centre relative to the corner of the region. The
+/// radius is increased by `rounding` [m].
 #[inline(always)]
 fn spot_of((middle, radius): (Vector3<f64>, f64), region: &Region, rounding: f64) -> [f32; 4] {
     let middle = region.local(&middle);
     [middle.x as f32, middle.y as f32, middle.z as f32, (radius + rounding) as f32]
 }
 
-/// Balls in cell order, for fast tests of overlap.
+/// Balls in cell order, stored for fast tests of overlap.
 #[derive(Default)]
 pub struct PackedBalls {
     /// Indices of the balls in the store; the padding at the end has no meaning.
     places: Vec<u32>,
-    /// [m] centres along x, y, z, and radii. They are four lists, so that eight consecutive numbers are loaded at the
-    /// same time; the padding at the end has no meaning.
+    /// [m] centres along x, y, z, and radii, as four lists. In this form eight consecutive numbers are loaded at a
+    /// time. The padding at the end has no meaning.
     spots: [Vec<f32>; 4],
     /// [m] distance between images along each axis; infinite along axes without images.
     period: [f32; 3],
-    /// [m] enlargement of the radii that covers the rounding of coordinates.
+    /// [m] length by which radii are increased, so that rounding of coordinates cannot hide an overlap.
     rounding: f64,
 }
 
@@ -103,7 +102,7 @@ impl PackedBalls {
     /// Stores the balls with the indices `places`, in this order; `ball` returns the centre and the radius [m] of the
     /// ball at an index.
     pub fn fill(&mut self, places: &[u32], ball: impl Fn(usize) -> (Vector3<f64>, f64) + Sync, region: &Region) {
-        // each thread fills a part of the lists, so that its cache contains what the thread needs later
+        // each thread fills a part of the lists, so that this part is in its cache when the thread uses it
         for numbers in &mut self.spots {
             numbers.resize(places.len() + LANES, 0.0);
         }
@@ -111,7 +110,7 @@ impl PackedBalls {
         let periodic = region.periodic();
         self.period =
             std::array::from_fn(|axis| if periodic[axis] { region.size()[axis] as f32 } else { f32::INFINITY });
-        // 8 roundings to single precision: of 2 times 3 coordinates, and of a difference of periods
+        // eight roundings to single precision: two for each of three coordinates, and two for a difference of periods
         let rounding = 8.0 * f64::from(f32::EPSILON) * region.size().amax();
         self.rounding = rounding;
         let [x, y, z, radii] = self.spots.each_mut().map(|numbers| numbers.chunks_mut(CHUNK));
@@ -124,7 +123,7 @@ impl PackedBalls {
         });
     }
 
-    /// The ball at a place of the cell order.
+    /// The ball with the number `number` in the cell order, prepared for comparison.
     #[inline(always)]
     fn one<L: Lanes>(&self, number: usize, lanes: L) -> PackedBall<L::Wide> {
         let [x, y, z, radii] = &self.spots;
@@ -133,11 +132,10 @@ impl PackedBalls {
     }
 
     /// Calls `visit` with the index of each ball of a row of cells, and the indices of balls that may overlap it. `row`
-    /// is the number of a level and that of a row in the level. Each pair occurs once. The pairs of one ball may come
-    /// in several calls, but these follow one another. `smaller` returns the centre and the reach [m] with which a ball
-    /// searches the levels of smaller balls; their cells are made for another reach than the radii. `CROWDED` should be
-    /// true if often one of four balls overlaps another; results do not depend on it. Returns the number of pairs
-    /// tested.
+    /// contains the number of a level (range of sizes), and the number of a row in the level. Each pair occurs once.
+    /// The pairs of one ball may come in several consecutive calls. `smaller` returns the centre and the reach [m] with
+    /// which a ball searches the levels of smaller balls. `CROWDED` should be true if a large part of the tested balls
+    /// overlap; results do not depend on it. Returns the number of pairs tested.
     #[inline(always)]
     pub fn for_each_near<const CROWDED: bool>(
         &self,
@@ -203,7 +201,7 @@ impl PackedBalls {
         checks
     }
 
-    /// Calls `visit` with the indices of balls that may overlap a ball with the given centre and radius [m].
+    /// Calls `visit` with the indices of balls that may overlap a ball, whose centre and radius [m] are given.
     #[inline(always)]
     pub fn for_each_beside(
         &self,
@@ -246,15 +244,15 @@ impl PackedBalls {
         picked.hand_over(one.place, &mut visit);
     }
 
-    /// Eight consecutive balls in cell order, from `number` on.
+    /// Eight consecutive balls in cell order, beginning with the number `number`.
     #[inline(always)]
     fn eight(&self, number: usize) -> Option<Spots<'_>> {
         let [x, y, z, radii] = &self.spots;
         Some([eight_of(x, number)?, eight_of(y, number)?, eight_of(z, number)?, eight_of(radii, number)?])
     }
 
-    /// Collects the balls of a range that may overlap the ball `one`; some of them only nearly overlap it. `across` is
-    /// true if images through periodic sides must be considered.
+    /// Collects the balls of a range of the cell order that may overlap the ball `one`. Some of them only nearly
+    /// overlap. `across` is true if images through periodic sides must be considered.
     #[inline(always)]
     fn pick<const CROWDED: bool, L: Lanes>(
         &self,
@@ -296,7 +294,7 @@ mod tests {
     use rand::{RngExt, SeedableRng};
     use rand_xoshiro::Xoshiro256PlusPlus;
 
-    /// Random balls in a box: the box, centres and radii.
+    /// Makes random balls in a box. Returns the box, the centres and the radii.
     fn balls(count: usize, radii: Range<f64>) -> (Domain, Vec<Vector3<f64>>, Vec<f64>) {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(count as u64);
         let domain = Domain::new(Vector3::new(10.0, 8.0, 9.0), [true, false, true]);
@@ -304,7 +302,7 @@ mod tests {
         (domain, middles, (0..count).map(|_| random.random_range(radii.clone())).collect())
     }
 
-    /// All pairs found, each with the smaller index first, in ascending order.
+    /// All pairs that a search finds, each with the smaller index first, in ascending order.
     fn found<const CROWDED: bool>(
         packed: &mut PackedBalls,
         domain: &Domain,
@@ -328,7 +326,7 @@ mod tests {
 
     #[test]
     fn every_pair_that_overlaps_is_found_once_and_none_that_is_clearly_apart() {
-        // crowded and empty cells, one size and several; the memory has been used for other balls before
+        // covers crowded and empty cells, one size and several; the memory was used for other balls before
         let mut packed = PackedBalls::default();
         for (count, radii) in [(200, 0.3..0.31), (3000, 0.3..0.31), (3000, 0.05..0.6), (20, 1.0..1.3)] {
             let (domain, middles, radii) = balls(count, radii);

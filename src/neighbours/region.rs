@@ -1,4 +1,4 @@
-//! The region of the box that is sorted into cells: the whole box, or a block of it if processes share a run.
+//! The region of the box that is sorted into cells. It is the whole box, or a block of it if processes share a run.
 
 use crate::domain::Domain;
 use nalgebra::Vector3;
@@ -10,9 +10,9 @@ pub struct Region {
     low: Vector3<f64>,
     /// [m] edges of the block.
     size: Vector3<f64>,
-    /// [m] edge of the box along periodic axes that the block does not fill; `None` along other axes.
+    /// [m] period (edge of the box) along each periodic axis that the block does not fill; `None` along other axes.
     period: [Option<f64>; 3],
-    /// True for periodic axes along which the block fills the box.
+    /// True for each periodic axis along which the block fills the box.
     periodic: [bool; 3],
     /// True if the block is the whole box.
     is_all: bool,
@@ -26,8 +26,8 @@ impl From<&Domain> for Region {
 }
 
 impl Region {
-    /// Makes the region within `width` [m] of the block from corner `low` to corner `high` [m], which is inside the
-    /// box.
+    /// Makes the region of all points within `width` [m] of a block inside the box, which is given by its corners `low`
+    /// and `high` [m].
     pub fn around(domain: &Domain, [low, high]: [Vector3<f64>; 2], width: f64) -> Self {
         let mut region = Self::from(domain);
         for axis in 0..3 {
@@ -58,12 +58,12 @@ impl Region {
         self.size.product()
     }
 
-    /// True for axes along which a particle that leaves the block on one side enters it on the other.
+    /// True for each axis along which a particle that leaves the block on one side enters it on the opposite side.
     pub fn periodic(&self) -> [bool; 3] {
         self.periodic
     }
 
-    /// [m] vector from the lowest corner of the block to `x`, for the image of `x` that is nearest to the block.
+    /// [m] vector from the lowest corner of the block to the image of `x` that is nearest to the block.
     #[inline]
     pub fn local(&self, x: &Vector3<f64>) -> Vector3<f64> {
         let mut local = x - self.low;
@@ -85,8 +85,8 @@ impl Region {
         self.is_all
     }
 
-    /// [m] distance of `x` from the nearest side of the block beyond which the box continues. It is infinite for the
-    /// whole box, and negative outside the block.
+    /// [m] distance of the position `x` from the nearest side of the block beyond which the box continues. It is
+    /// infinite for the whole box, and negative if `x` is outside the block.
     pub fn depth(&self, x: &Vector3<f64>, domain: &Domain) -> f64 {
         let local = self.local(x);
         (0..3).fold(f64::INFINITY, |least, axis| {
@@ -111,7 +111,7 @@ mod tests {
         assert_eq!((region.size(), region.periodic()), (Vector3::new(7.0, 3.0, 6.0), [false, false, true]));
         assert_eq!(region.local(&Vector3::new(9.5, 1.0, 5.0)), Vector3::new(0.5, 1.0, 5.0));
         assert_eq!(region.local(&Vector3::new(5.5, 1.0, 0.5)), Vector3::new(6.5, 1.0, 0.5));
-        // beyond each side in turn, up to half of the rest of the box
+        // positions beyond each side in turn, up to half of the rest of the box
         assert_eq!(region.local(&Vector3::new(8.9, 1.0, 0.5)).x.round(), 0.0);
         assert_eq!(region.depth(&Vector3::new(9.5, 1.0, 5.0), &domain), 0.5);
         // at the wall at y = 0 the box ends, so it does not count as a side

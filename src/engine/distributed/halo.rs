@@ -142,7 +142,8 @@ impl Halo {
     }
 
     /// Returns own and borrowed particles at the beginning of a window. The velocities of own particles may have
-    /// changed since the last window, for instance by drag, so they are sent to the processes that borrow them.
+    /// changed since the last window, for instance by drag. Therefore they are sent to the processes that borrow these
+    /// particles.
     pub fn look(&mut self, own: &Particles, domains: &Domains<Contact>) -> Particles {
         let mut seen = std::mem::take(&mut self.seen);
         for (k, &place) in self.own.iter().enumerate() {

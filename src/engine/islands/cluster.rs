@@ -47,8 +47,9 @@ pub struct Member {
     /// Radius [m] that the ball had when particles next to this member were last added to the crowd; 0 if this has not
     /// been done.
     took_in: f64,
-    /// Range of the velocity changes of this particle in the list of all changes. It is known after the island is
-    /// solved by an engine that reports velocity changes. The ball then contains the trajectory after the first change.
+    /// Range of the velocity changes of this particle in the list of all changes. It is `None` before the island is
+    /// solved, and for engines that do not report velocity changes. With it, the ball contains the trajectory after the
+    /// first change.
     turns: Option<Range<usize>>,
 }
 
