@@ -1,26 +1,26 @@
-//! Time at which a sphere touches a wall, computed from nearest points only.
+//! Time at which a sphere touches a wall, computed by steps that use only the nearest point of the wall.
 
 use super::{Flight, Geometry};
 
-/// [-] gap over the radius of the sphere below which the tangent plane replaces the wall.
+/// [-] gap over the radius of the sphere, below which the tangent plane is used in place of the wall.
 ///
-/// The centre of a sphere of radius r stays outside a body that is a union of balls of radius r. On a path of length s
-/// between two positions outside, the centre can be at most s²/(8 r) deep. With this gap the depth is 1e-17 r, which is
-/// below rounding.
+/// Consider the set of points that the centre of a sphere of radius r cannot reach. It is a union of balls of radius r.
+/// On a path of length s between two positions outside of it, the centre can be at most s²/(8 r) inside. With this gap
+/// the depth is 1e-17 r, which is below rounding.
 const CLOSE: f64 = 1e-8;
-/// Number of steps before the search is given up. An approach at an angle a to the surface takes some ln(1/CLOSE)/(2
-/// sin a) steps. So this number of steps is enough for angles down to 1e-3. At smaller angles the normal speed is below
-/// a thousandth of the speed.
+/// Largest number of steps of a search. An approach at an angle a to the surface takes some ln(1/CLOSE)/(2 sin a)
+/// steps, so this number is enough for angles down to 1e-3. At smaller angles the normal speed is below a thousandth of
+/// the speed.
 const STEPS: usize = 10_000;
 
 /// [s] time of touch as [`Geometry::touch_time`] defines it, by conservative advancement (Mirtich 1996, Impulse-based
-/// Dynamic Simulation, section 2.3). A sphere with the gap g advances until it may have covered the distance g in any
-/// direction, because no wall can be nearer. Within a very small gap the tangent plane gives the time of touch.
+/// Dynamic Simulation, section 2.3). In each step the sphere, whose gap is g, advances for the shortest time in which
+/// it can cover the distance g. Within a very small gap the tangent plane gives the time of touch.
 pub(super) fn touch_time<G: Geometry + ?Sized>(shape: &G, flight: &Flight, radius: f64, until: f64) -> Option<f64> {
     within(shape, flight, radius, (until, STEPS)).flatten()
 }
 
-/// Time of touch as [`touch_time`], in at most `steps` steps; the outer `None` means that these were too few to decide.
+/// Time of touch as [`touch_time`], but with at most `steps` steps. The outer `None` means that more steps are needed.
 pub(super) fn within<G: Geometry + ?Sized>(
     shape: &G,
     flight: &Flight,

@@ -3,14 +3,15 @@
 use super::{Flight, Geometry, Nearest};
 use nalgebra::Vector3;
 
-/// Number of steps before the search stops: for grazing flights each step halves the error, and 64 reach rounding.
+/// Largest number of steps of the search. For grazing flights each step halves the error, so 64 steps reach rounding.
 const STEPS: usize = 64;
 
-/// [s] time of touch as [`Geometry::touch_time`] defines it, for a convex body whose nearest points `nearest` returns.
+/// [s] time of touch as [`Geometry::touch_time`] defines it, for a convex body. `nearest` returns the body's nearest
+/// point to a given point.
 ///
 /// The body is behind the tangent plane at its nearest point, so a flight reaches that plane before the body. Each step
-/// goes to the next tangent plane and approaches the touch from before, quadratically unless the flight grazes. A
-/// flight that never reaches one of the planes misses the body.
+/// advances to the next tangent plane and approaches the touch from before. The convergence is quadratic unless the
+/// flight grazes the body. A flight that never reaches one of the planes misses the body.
 pub(super) fn touch_time(
     nearest: impl Fn(&Vector3<f64>) -> Nearest,
     flight: &Flight,

@@ -1,16 +1,17 @@
-//! The surfaces of walls as triangles, for pictures.
+//! Surfaces of walls as triangles, for pictures.
 
 use super::RoundAxis;
 use nalgebra::{Vector2, Vector3};
 use std::f64::consts::TAU;
 
-/// Number of sides with which round bodies are drawn.
+/// Number of flat sides with which round bodies are drawn.
 const SIDES: u32 = 64;
 
 /// Surface as triangles: corner points [m], and three indices of corners for each triangle.
 pub type Drawing = (Vec<Vector3<f64>>, Vec<[u32; 3]>);
 
-/// Surface made by turning a line about the axis. Its points [m] are (distance from the axis, coordinate along it).
+/// Surface made by rotating a line about an axis. The points of the line [m] are (distance from the axis, coordinate
+/// along the axis).
 pub(super) fn turned(axle: &RoundAxis, outline: &[Vector2<f64>]) -> Drawing {
     let (mut corners, mut triangles) = (Vec::new(), Vec::new());
     for point in outline {
@@ -27,7 +28,7 @@ pub(super) fn turned(axle: &RoundAxis, outline: &[Vector2<f64>]) -> Drawing {
         for side in 0..SIDES {
             let next = (side + 1) % SIDES;
             let [low, high] = [ring as u32 * SIDES, (ring as u32 + 1) * SIDES];
-            // a ring of points on the axis is one point
+            // all corners of a ring on the axis coincide, so the ring is a single point
             if ends[0].x > 0.0 {
                 triangles.push([low + side, low + next, high + next]);
             }

@@ -1,6 +1,6 @@
 //! Hollow bodies with particles inside: a box, a sphere, a closed cylinder or cone, an endless pipe. Each side is a
 //! separate contact, so a sphere in a corner has one contact for each side that it touches. A round side has a second
-//! contact, opposite to the nearest point, for spheres as wide as the body.
+//! contact, opposite to the nearest point, for spheres that are as wide as the body.
 
 use super::drawing::turned;
 use super::round::{Bowl, Frustum, OppositeBowl, OppositeTube, RoundAxis, Tube};
@@ -10,7 +10,7 @@ use serde::Serialize;
 use std::f64::consts::PI;
 use std::fmt;
 
-/// One side of a hollow body, seen from inside.
+/// One side of a hollow body, whose normal points inwards to the particles.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 enum InnerSide {
@@ -62,7 +62,7 @@ pub enum Cavity {
     },
 }
 
-/// A convex hollow body; particles are inside.
+/// A convex hollow body with the particles inside.
 #[derive(Clone, PartialEq, Serialize)]
 pub struct Hollow {
     room: Cavity,
@@ -70,7 +70,7 @@ pub struct Hollow {
 }
 
 impl Hollow {
-    /// Makes a hollow body of the shape `room`.
+    /// Makes a hollow body of the shape `room`, with its sides.
     pub fn new(room: Cavity) -> Self {
         let end = |center: Vector3<f64>, axis: usize, offset: f64| {
             let along = Vector3::from_fn(|k, _| if k == axis { 1.0 } else { 0.0 });
@@ -107,7 +107,7 @@ impl Hollow {
         &self.room
     }
 
-    /// [m] corners of the box around the body, infinite along a pipe.
+    /// [m] lowest and highest corner of the box around the body; infinite along the axis of a pipe.
     pub fn corners(&self) -> [Vector3<f64>; 2] {
         let round = |axle: &RoundAxis, radius: f64, half_height: f64| {
             (axle.center, Vector3::from_fn(|axis, _| if axis == axle.axis { half_height } else { radius }))

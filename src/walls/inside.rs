@@ -1,11 +1,12 @@
-//! Tests if a point is inside a shell that is open at its ends, or inside a sheet of triangles.
+//! Tests whether a point is inside an open wall: a round shell that is open at its ends, or a sheet of triangles.
 
 use super::{Frustum, Mesh};
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 
 impl Frustum {
-    /// True if a point [m] is between the two ends, and nearer to the axis than the shell is there.
+    /// True if a point [m] is between the two ends of the shell, and nearer to the axis than the shell is at that
+    /// height.
     pub(super) fn surrounds(&self, point: &Vector3<f64>) -> bool {
         let from = point - self.axle.center;
         let along = from[self.axle.axis];

@@ -1,8 +1,8 @@
-//! Walls: all bodies other than spheres that stop a sphere.
+//! Walls: all bodies other than spheres with which spheres collide.
 //!
-//! For any point, a wall returns its nearest point as a signed distance and a normal. The gap to a sphere is that
-//! distance minus the radius. For soft spheres a negative gap is an overlap. For hard spheres the engine computes the
-//! time at which the gap becomes zero during a flight.
+//! For any point, a wall returns its nearest point as a signed distance and a normal. The gap of a sphere is the
+//! distance of its centre minus its radius. For soft spheres a negative gap is an overlap. For hard spheres the engine
+//! computes the time at which the gap becomes zero during a flight.
 //!
 //! To add a shape, write one file with `impl Geometry`, then add a `mod` line, a variant of [`WallGeometry`] and an arm
 //! of [`WallGeometry::law`].
@@ -35,7 +35,7 @@ use nalgebra::Vector3;
 use serde::Serialize;
 use std::sync::Arc;
 
-/// The nearest point of a wall to a given point.
+/// Nearest point of a wall to a given point, described by distance and normal.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Nearest {
     /// [m] signed distance from the surface to the given point: positive on the particles' side.
@@ -45,7 +45,7 @@ pub struct Nearest {
 }
 
 impl Nearest {
-    /// The plane that touches the wall at the nearest point; `point` [m] is the given point.
+    /// Plane that is tangent to the wall at its nearest point to `point` [m].
     fn tangent(&self, point: &Vector3<f64>) -> Plane {
         Plane { point: point - self.normal * self.distance, normal: self.normal }
     }
@@ -54,134 +54,135 @@ impl Nearest {
 /// A predicted touch of a sphere and a wall.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Touch {
-    /// [s] time of the touch.
+    /// [s] time of the touch, from the beginning of the flight.
     pub time: f64,
-    /// Number of the part of the surface that is touched; 0 if the surface has no parts. Its meaning depends on the
-    /// shape.
+    /// Number of the surface feature that is touched, such as a triangle; 0 if the surface is not divided. The meaning
+    /// of the number depends on the shape.
     pub place: u32,
 }
 
 impl Touch {
-    /// A touch at `time` [s] of a surface without parts.
+    /// A touch at `time` [s] of a surface that is not divided into features.
     pub fn at(time: f64) -> Self {
         Self { time, place: 0 }
     }
 }
 
-/// The shape of a wall. Only [`nearest`](Self::nearest) is required. A shape with a faster way to the time of touch
-/// also implements [`touch_time`](Self::touch_time). A shape that a case can name also returns its bounds, its inside
-/// and a drawing.
+/// The shape of a wall. Only [`nearest`](Self::nearest) is required. A shape with a faster method for the time of touch
+/// also implements [`touch_time`](Self::touch_time). A shape that a case can contain also returns its bounds, its
+/// inside and a drawing.
 pub trait Geometry: std::fmt::Debug + Send + Sync {
     /// The nearest point of the surface to `point` [m].
     fn nearest(&self, point: &Vector3<f64>) -> Nearest;
 
-    /// [s] first time in `(0, until]` at which the gap of a sphere of `radius` [m] closes during the flight x(t) =
-    /// position + velocity t + gravity t²/2 (SI units). The time is 0 if the sphere overlaps the wall and approaches
-    /// already; `None` if the gap does not close. The default is conservative advancement, which requires only the
-    /// nearest point.
+    /// [s] first time in `(0, until]` at which the gap of a sphere of `radius` [m] becomes zero. The flight of the
+    /// centre is x(t) = position + velocity t + gravity t²/2 (SI units). The time is 0 if the sphere overlaps the wall
+    /// and approaches already. `None` if the sphere does not touch. The default method is conservative advancement,
+    /// which requires only the nearest point.
     fn touch_time(&self, flight: &Flight, radius: f64, until: f64) -> Option<f64> {
         advancement::touch_time(self, flight, radius, until)
     }
 
-    /// Largest number of simultaneous contacts with one sphere; a sphere in a corner has several. Contacts are numbered
-    /// from 0.
+    /// Largest number of simultaneous contacts of the wall with one sphere. A sphere in a corner has several. Contacts
+    /// are numbered from 0.
     fn contacts(&self) -> u32 {
         1
     }
 
-    /// The nearest point of contact `which` to the centre `point` [m] of a sphere of `radius` [m].
+    /// The nearest point for contact number `which`, to the centre `point` [m] of a sphere of `radius` [m].
     fn contact(&self, which: u32, point: &Vector3<f64>, radius: f64) -> Nearest {
         let _ = (which, radius);
         self.nearest(point)
     }
 
-    /// True if the normal of contact `which` is constant.
+    /// True if the normal of contact number `which` is constant.
     fn is_flat_at(&self, which: u32) -> bool {
         let _ = which;
         false
     }
 
-    /// [-] largest jump |n - n'| of the unit normal of a contact, from n to n', while a sphere slides along the wall; 0
-    /// if the normal turns continuously.
+    /// [-] largest jump |n - n'| of a contact's unit normal, from n to n', while a sphere slides along the wall. It is
+    /// 0 if the normal turns continuously.
     fn seam(&self) -> f64 {
         0.0
     }
 
-    /// First touch at contact `which` alone, with the time as in [`touch_time`](Self::touch_time) and the part that is
-    /// touched.
+    /// First touch for contact number `which`. Its time is defined as in [`touch_time`](Self::touch_time), and it names
+    /// the surface feature that is touched.
     fn first_touch(&self, which: u32, flight: &Flight, radius: f64, until: f64) -> Option<Touch> {
         let _ = which;
         self.touch_time(flight, radius, until).map(Touch::at)
     }
 
-    /// Nearest point as in [`contact`](Self::contact), but at the instant of a touch and on the part `place`, which
-    /// [`first_touch`](Self::first_touch) returned.
+    /// Nearest point of a contact, as [`contact`](Self::contact), but at the instant of a touch. `place` is the number
+    /// of the surface feature, which [`first_touch`](Self::first_touch) has returned.
     fn struck(&self, which: u32, place: u32, point: &Vector3<f64>, radius: f64) -> Nearest {
         let _ = place;
         self.contact(which, point, radius)
     }
 
-    /// True if contact `which` may begin for a sphere of `radius` [m] while its centre moves less than half of `skin`
-    /// [m] from `point` [m].
+    /// True if contact number `which` may begin for a sphere of `radius` [m] while its centre moves by less than half
+    /// of `skin` [m] from `point` [m].
     fn may_touch(&self, which: u32, point: &Vector3<f64>, radius: f64, skin: f64) -> bool {
         self.contact(which, point, radius).distance - radius < skin
     }
 
-    /// True if a sphere whose centre has passed the surface may have a positive gap again. This is so for a thin sheet,
-    /// and for a surface that is searched only nearby.
+    /// True if the gap may become positive again after the centre of a sphere has passed through the surface. This is
+    /// so for a thin sheet, and for a surface that is searched only near the sphere.
     fn is_thin(&self) -> bool {
         false
     }
 
-    /// True if the surface may be within `distance` [m] of `point` [m], or if the point is behind the surface. The
-    /// function is called for all particles, so it should be fast.
+    /// True if the surface may be within `distance` [m] of `point` [m], or if the point is behind the surface. The test
+    /// should be fast, because it is done for all particles.
     fn is_within(&self, point: &Vector3<f64>, distance: f64) -> bool {
         self.nearest(point).distance <= distance
     }
 
     /// True if `point` [m] is certainly on the particles' side and farther than `distance` [m] from the surface. The
-    /// answer must not require the nearest point.
+    /// test must not compute the nearest point.
     fn is_clear(&self, point: &Vector3<f64>, distance: f64) -> bool {
         let _ = (point, distance);
         false
     }
 
-    /// True if the contacts are numbered by distance, the nearest first.
+    /// True if the contacts are numbered in the order of distance, the nearest first.
     fn is_nearest_first(&self) -> bool {
         false
     }
 
-    /// True if the surface can move along itself with the velocity [m/s] while the shape stays in position. The
-    /// velocity must be perpendicular to all normals.
+    /// True if the surface can move along itself with `velocity` [m/s], as a conveyor belt does. For this the velocity
+    /// must be perpendicular to all normals.
     fn slides(&self, velocity: &Vector3<f64>) -> bool {
         let _ = velocity;
         false
     }
 
-    /// [m] corners of a box around the body; `None` for endless shapes, and for vessels, which contain all particles.
+    /// [m] lowest and highest corner of a box around the body; `None` for endless shapes, and for vessels, which
+    /// contain all particles.
     fn bounds(&self) -> Option<[Vector3<f64>; 2]> {
         None
     }
 
-    /// [m] corners of a box around the wall, also around a vessel; `None` for an endless wall.
+    /// [m] lowest and highest corner of a box around the wall, also for a vessel; `None` for an endless wall.
     fn extent(&self) -> Option<[Vector3<f64>; 2]> {
         self.bounds()
     }
 
-    /// [m] corners of a box that contains all particles, infinite in directions without a limit. Only vessels and flat
-    /// walls perpendicular to an axis have one.
+    /// [m] lowest and highest corner of a box that contains all particles; infinite in directions without a limit.
+    /// `None` except for vessels and for flat walls perpendicular to an axis.
     fn room_corners(&self) -> Option<[Vector3<f64>; 2]> {
         None
     }
 
-    /// True if the wall is a vessel that encloses all particles along axis 0, 1 or 2.
+    /// True if the wall is a vessel that limits the positions of all particles along the axis `axis` (0, 1 or 2).
     fn holds_along(&self, axis: usize) -> bool {
         let _ = axis;
         false
     }
 
-    /// [m³] volume of a vessel that contains all particles, in a domain with edges `size` [m]; `None` if the wall is no
-    /// vessel.
+    /// [m³] volume inside a vessel, which contains all particles; `None` if the wall is no vessel. `size` [m] contains
+    /// the edges of the domain, for vessels as long as the domain.
     fn vessel_volume(&self, size: &Vector3<f64>) -> Option<f64> {
         let _ = size;
         None
@@ -192,7 +193,7 @@ pub trait Geometry: std::fmt::Debug + Send + Sync {
         false
     }
 
-    /// True if `point` [m] is inside the wall. The inside of an open surface ends at its rim.
+    /// True if `point` [m] is inside the wall; the inside of an open surface ends at its rim.
     fn encloses(&self, point: &Vector3<f64>) -> bool {
         let _ = point;
         false
@@ -203,15 +204,15 @@ pub trait Geometry: std::fmt::Debug + Send + Sync {
         "shape of the caller's".into()
     }
 
-    /// Surface of the wall as triangles. An endless pipe is drawn as long as the box, whose edges are `size` [m]. Empty
-    /// for planes, which are drawn separately as far as the edges of the box.
+    /// Surface of the wall as triangles, for pictures. An endless pipe is drawn as long as the box, whose edges are
+    /// `size` [m]. The result is empty for planes, which are drawn separately as far as the edges of the box.
     fn drawing(&self, size: &Vector3<f64>) -> Drawing {
         let _ = size;
         Drawing::default()
     }
 }
 
-/// Motion of a sphere's centre without contact, in uniform gravity: a parabola.
+/// Flight of a sphere's centre without contact, in uniform gravity: a parabola.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Flight {
     /// [m] position of the centre at time 0.
@@ -233,17 +234,17 @@ impl Flight {
         self.velocity + self.gravity * t
     }
 
-    /// This flight, with time counted from `t` [s] on.
+    /// Returns this flight with times counted from `t` [s] on.
     pub fn from(&self, t: f64) -> Self {
         Self { position: self.position_at(t), velocity: self.velocity_at(t), gravity: self.gravity }
     }
 }
 
-/// Shape of a wall: one that a case can name, or one of the calling program.
+/// Shape of a wall: one that a case can contain, or one that the calling program defines.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum WallGeometry {
-    /// A half-space, with times of touch in closed form.
+    /// A half-space, for which times of touch are computed in closed form.
     Plane(Plane),
     /// A solid convex body inside the domain, with nearest points from the library parry.
     Obstacle(Obstacle),
@@ -251,17 +252,17 @@ pub enum WallGeometry {
     Frustum(Frustum),
     /// A hollow body with the particles inside.
     Hollow(Hollow),
-    /// A surface of triangles.
+    /// A surface made of triangles.
     Mesh(Arc<Mesh>),
-    /// A body with its images across periodic sides. A simulation replaces every body in a periodic box by one.
+    /// A body with its images across periodic sides. In a periodic box, a simulation uses this form for every body.
     Repeated(Arc<Repeated>),
-    /// A shape that the calling program defines; a case cannot name it.
+    /// A shape that the calling program defines; a case cannot contain it.
     #[serde(skip)]
     Other(Arc<dyn Geometry>),
 }
 
 impl WallGeometry {
-    /// The nearest point of the surface to `point` [m]. For planes, the most frequent walls, the call is direct.
+    /// The nearest point of the surface to `point` [m]. For planes, the most frequent walls, a virtual call is avoided.
     #[inline]
     pub fn nearest(&self, point: &Vector3<f64>) -> Nearest {
         self.plane().map_or_else(|| self.law().nearest(point), |plane| plane.nearest(point))
@@ -285,41 +286,42 @@ impl WallGeometry {
         if self.is_flat() { 1 } else { self.law().contacts() }
     }
 
-    /// The nearest point of contact `which` to the centre `point` [m] of a sphere of `radius` [m].
+    /// The nearest point for contact number `which`, to the centre `point` [m] of a sphere of `radius` [m].
     #[inline]
     pub fn contact(&self, which: u32, point: &Vector3<f64>, radius: f64) -> Nearest {
         self.plane().map_or_else(|| self.law().contact(which, point, radius), |plane| plane.nearest(point))
     }
 
-    /// True if the normal of contact `which` is constant.
+    /// True if the normal of contact number `which` is constant.
     #[inline]
     pub fn is_flat_at(&self, which: u32) -> bool {
         self.is_flat() || self.law().is_flat_at(which)
     }
 
-    /// [-] largest jump of the normal, as [`Geometry::seam`].
+    /// [-] largest jump of a contact's normal, as [`Geometry::seam`].
     pub fn seam(&self) -> f64 {
         if self.is_flat() { 0.0 } else { self.law().seam() }
     }
 
-    /// First touch at contact `which`, as [`Geometry::first_touch`].
+    /// First touch for contact number `which`, as [`Geometry::first_touch`].
     #[inline]
     pub fn first_touch(&self, which: u32, flight: &Flight, radius: f64, until: f64) -> Option<Touch> {
         self.law().first_touch(which, flight, radius, until)
     }
 
-    /// Nearest point at a touch, as [`Geometry::struck`]. For planes the call is direct.
+    /// Nearest point at the instant of a touch, as [`Geometry::struck`]. For planes a virtual call is avoided.
     #[inline]
     pub fn struck(&self, which: u32, place: u32, point: &Vector3<f64>, radius: f64) -> Nearest {
         self.plane().map_or_else(|| self.law().struck(which, place, point, radius), |plane| plane.nearest(point))
     }
 
-    /// True if contact `which` may begin, as [`Geometry::may_touch`].
+    /// True if contact number `which` may begin, as [`Geometry::may_touch`].
     pub fn may_touch(&self, which: u32, point: &Vector3<f64>, radius: f64, skin: f64) -> bool {
         self.law().may_touch(which, point, radius, skin)
     }
 
-    /// True if the surface may be within `distance` [m], as [`Geometry::is_within`]. For planes the call is direct.
+    /// True if the surface may be within `distance` [m] of a point, as [`Geometry::is_within`]. For planes a virtual
+    /// call is avoided.
     #[inline]
     pub fn is_within(&self, point: &Vector3<f64>, distance: f64) -> bool {
         self.plane()
@@ -342,7 +344,8 @@ impl WallGeometry {
 }
 
 impl WallGeometry {
-    /// [m] corners of boxes around the body and its nearest images; empty if the shape has no bounds.
+    /// [m] lowest and highest corner of a box around the body, and of boxes around its nearest images. Empty if the
+    /// shape has no bounds.
     pub fn boxes(&self) -> Vec<[Vector3<f64>; 2]> {
         match self {
             Self::Repeated(body) => body.boxes(),
@@ -350,26 +353,27 @@ impl WallGeometry {
         }
     }
 
-    /// True if the centre of a sphere passes through a thin surface on the straight line from `from` to `to` [m]. False
-    /// for surfaces that are not thin.
+    /// True if the centre of a sphere passes through a thin surface on the straight line from `from` to `to` [m]. The
+    /// result is false for surfaces that are not thin.
     pub fn is_passed(&self, from: &Vector3<f64>, to: &Vector3<f64>, radius: f64) -> bool {
-        /// [-] distance over the radius: a centre that comes nearer than this has passed through the surface.
+        /// [-] distance of the centre from the surface over the radius; at smaller distances the centre has passed
+        /// through the surface.
         const TOUCH: f64 = 1e-6;
         let flight = Flight { position: *from, velocity: to - from, gravity: Vector3::zeros() };
         self.law().is_thin() && self.law().touch_time(&flight, TOUCH * radius, 1.0).is_some()
     }
 }
 
-/// A wall: a shape at rest, and the response of its surface to an impact.
+/// A wall: a shape at a fixed position, and the properties of its surface.
 #[derive(Clone, Debug, Serialize)]
 pub struct Wall {
     /// Shape and position of the wall.
     pub geometry: WallGeometry,
-    /// Restitution and friction of the wall against every particle.
+    /// Restitution and friction between the wall and every particle.
     pub surface: Surface,
-    /// Elasticity of the wall; with `None` that of the contact law is used.
+    /// Elasticity of the wall; `None` for the elasticity of the contact law.
     pub elasticity: Option<Elasticity>,
-    /// [m/s] velocity of the surface along itself, as of a conveyor belt: the shape stays in position.
+    /// [m/s] velocity of the surface along itself, as of a conveyor belt; the shape does not move.
     #[serde(skip_serializing_if = "is_still")]
     pub velocity: Vector3<f64>,
 }
@@ -385,9 +389,9 @@ fn is_still(velocity: &Vector3<f64>) -> bool {
     *velocity == Vector3::zeros()
 }
 
-/// True if [`first_touch`] may find a time for two spheres in straight flight. They must approach each other, and their
-/// smallest distance must be less than `reach` [m]. `apart` [m] and `velocity` [m/s] are relative. The test has no
-/// branches, so that a processor can test several pairs at the same time.
+/// True if [`first_touch`] may find a time for two spheres in straight flight. The spheres must approach each other,
+/// and their smallest distance must be less than `reach` [m]. `apart` [m] and `velocity` [m/s] are relative position
+/// and velocity. The test has no branches, so that a processor can test several pairs at the same time.
 #[inline(always)]
 pub fn may_touch(apart: &Vector3<f64>, velocity: &Vector3<f64>, reach: f64) -> bool {
     let closing = -apart.dot(velocity);
@@ -396,9 +400,9 @@ pub fn may_touch(apart: &Vector3<f64>, velocity: &Vector3<f64>, reach: f64) -> b
 }
 
 /// [s] time at which two spheres in straight flight first touch: the smaller root of |r + u t| = reach. The separation
-/// r [m] is `apart`, the relative velocity u [m/s] is `velocity`. Spheres that overlap (by rounding) and approach touch
-/// at time 0; spheres that separate do not touch. `speeds` [m/s] is the sum of both speeds: an approach slower than its
-/// rounding is ignored.
+/// r [m] is `apart`, and the relative velocity u [m/s] is `velocity`. The time is 0 for spheres that overlap (by
+/// rounding) and approach. `None` for spheres that separate or miss each other. `speeds` [m/s] is the sum of both
+/// speeds: an approach slower than its rounding is ignored.
 #[inline]
 pub fn first_touch(apart: &Vector3<f64>, velocity: &Vector3<f64>, reach: f64, speeds: f64) -> Option<f64> {
     let closing = -apart.dot(velocity);

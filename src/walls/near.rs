@@ -4,16 +4,17 @@ use super::mesh::Tree;
 use super::{Nearest, Wall};
 use nalgebra::Vector3;
 
-/// Number of boxes from which a tree of boxes is used; with fewer boxes each wall is tested in turn.
+/// Number of boxes from which a tree of boxes is used. If there are fewer boxes, every wall is tested.
 const MANY: usize = 8;
 
-/// The walls of a scene, with a tree of the boxes around them. With the tree, hundreds of bodies, such as the pins of a
-/// board, need not be tested one by one.
+/// Search structure for the walls of a scene: a tree of the boxes around them. With the tree, few of hundreds of
+/// bodies, such as the pins of a board, need to be tested.
 #[derive(Clone, Default)]
 pub struct NearWalls {
-    /// Indices of the walls that are always tested: planes, vessels, and all walls if the scene has few.
+    /// Indices of the walls that are not in the tree and are always tested: planes, vessels, and all walls if they are
+    /// few.
     always: Vec<u32>,
-    /// For each box in the tree, the index of the wall in the box.
+    /// Index of the wall in each box of the tree.
     boxed: Vec<u32>,
     tree: Option<Tree>,
 }
@@ -38,8 +39,8 @@ impl NearWalls {
         Self { always, boxed, tree: Some(Tree::of_boxes(boxes.into_iter())) }
     }
 
-    /// Calls `visit` with the index of every wall whose surface may be within `reach` [m] of a point [m], and of some
-    /// other walls. A body with images may be visited more than once.
+    /// Calls `visit` with the index of every wall whose surface may be within `reach` [m] of a point [m]. Some other
+    /// walls are visited too. A body with images may be visited more than once.
     #[inline]
     pub fn for_each(&self, point: &Vector3<f64>, reach: f64, mut visit: impl FnMut(u32)) {
         self.always.iter().copied().for_each(&mut visit);
@@ -48,8 +49,8 @@ impl NearWalls {
         }
     }
 
-    /// Writes into `found` the indices of the walls whose surface may be within `reach` [m] of a point [m], and of some
-    /// other walls, in ascending order.
+    /// Writes into `found`, in ascending order, the indices of the walls whose surface may be within `reach` [m] of a
+    /// point [m]. The list may contain some other walls.
     pub fn list(&self, point: &Vector3<f64>, reach: f64, found: &mut Vec<u32>) {
         found.clear();
         self.for_each(point, reach, |wall| found.push(wall));
@@ -59,8 +60,8 @@ impl NearWalls {
         }
     }
 
-    /// Calls `visit` with the index and the nearest point of every wall that a sphere may touch or be behind, and of
-    /// some others. The sphere has its centre at `point` [m] and the radius `radius` [m].
+    /// Calls `visit` with the index and the nearest point of every wall that a sphere touches or is behind. Some other
+    /// walls are visited too. The sphere has its centre at `point` [m] and the radius `radius` [m].
     pub fn for_each_nearest(
         &self,
         walls: &[Wall],
@@ -70,7 +71,7 @@ impl NearWalls {
     ) {
         let mut ask = |wall: u32| {
             let shape = &walls[wall as usize].geometry;
-            // computing the nearest point of a plane is as fast as the test
+            // for a plane, the nearest point is computed as fast as the test
             if shape.is_flat() || !shape.law().is_clear(point, radius) {
                 visit(wall, shape.nearest(point));
             }
@@ -84,13 +85,13 @@ impl NearWalls {
         found.into_iter().for_each(&mut ask);
     }
 
-    /// True if there is no tree: all walls are then always tested, in their order.
+    /// True if there is no tree, so that all walls are tested in their order.
     #[inline]
     pub fn are_few(&self) -> bool {
         self.tree.is_none()
     }
 
-    /// Approximate number of tests for one point, where searching the tree counts as one.
+    /// Approximate number of tests for one point. A search in the tree counts as one test.
     pub fn asked(&self) -> usize {
         self.always.len() + usize::from(self.tree.is_some())
     }

@@ -4,7 +4,8 @@ use super::{Flight, Geometry, Nearest};
 use nalgebra::Vector3;
 use serde::Serialize;
 
-/// [-] component of a unit vector, or of a velocity over its magnitude, below which the component counts as rounding.
+/// [-] ratio below which a component counts as rounding: a component of a unit vector, or of a velocity over its
+/// magnitude.
 const ROUNDING: f64 = 1e-9;
 
 /// A half-space: all points x with (x - point)·normal < 0 belong to the wall.
@@ -59,13 +60,13 @@ impl Geometry for Plane {
     }
 }
 
-/// True if a velocity [m/s] is perpendicular to a normal, up to rounding.
+/// True if a velocity [m/s] is perpendicular to a unit normal, up to rounding.
 pub(super) fn is_along(velocity: &Vector3<f64>, normal: &Vector3<f64>) -> bool {
     velocity.dot(normal).abs() <= ROUNDING * velocity.norm()
 }
 
-/// [s] first t > 0 at which g0 + v t + a t²/2 falls through zero. A negative g0 counts as zero, since the caller has
-/// excluded approaching spheres with a closed gap.
+/// [s] first time t > 0 at which g0 + v t + a t²/2 falls through zero. A negative g0 counts as zero, since the caller
+/// has excluded spheres that overlap and approach.
 fn first_closing(gap: f64, speed: f64, acceleration: f64) -> Option<f64> {
     let gap = gap.max(0.0);
     let discriminant = speed * speed - 2.0 * acceleration * gap;
@@ -74,10 +75,10 @@ fn first_closing(gap: f64, speed: f64, acceleration: f64) -> Option<f64> {
     }
     let root = discriminant.sqrt();
     let t = if speed < 0.0 {
-        // approaching: the nearer root, in a form without cancellation
+        // the sphere approaches: the nearer root, in a form without cancellation
         2.0 * gap / (root - speed)
     } else if acceleration < 0.0 {
-        // moving away from the wall and falling back: the later root
+        // the sphere moves away from the wall and falls back: the later root
         (speed + root) / -acceleration
     } else {
         return None;

@@ -1,9 +1,9 @@
 //! Times at which a polynomial in time rises to zero.
 
 /// First time t in `(0, until]` at which c_0 + c_1 t + c_2 t² + ... rises to zero from below; the coefficients begin
-/// with c_0. If the polynomial is not below zero at the beginning, the result is 0 if c_1 exceeds `resolution`, the
-/// accuracy of c_1. Otherwise the result is the time at which the polynomial has fallen and risen to its first value
-/// again.
+/// with c_0. If the polynomial is not below zero at the beginning, it is at a touch. Then the result is 0 if c_1
+/// exceeds `resolution`, the accuracy of c_1. Otherwise the result is the time at which the polynomial has fallen and
+/// risen to its first value again.
 pub(super) fn way_out(coefficients: &[f64; 5], resolution: f64, until: f64) -> Option<f64> {
     let [at, rate, rest @ ..] = *coefficients;
     if at < 0.0 {
@@ -16,13 +16,13 @@ pub(super) fn way_out(coefficients: &[f64; 5], resolution: f64, until: f64) -> O
     first_rise(&[rate.min(-resolution), second, third, fourth], until)
 }
 
-/// First time in `(0, until]` at which a polynomial that begins below zero rises to zero.
+/// First time in `(0, until]` at which a polynomial that is negative at the beginning rises to zero.
 fn first_rise(coefficients: &[f64], until: f64) -> Option<f64> {
     rises(coefficients, until).next()
 }
 
-/// All times in `(0, until]` at which a polynomial rises to zero from below, in ascending order. The polynomial may
-/// begin at zero and fall.
+/// All times in `(0, until]` at which a polynomial rises to zero from below, in ascending order. The polynomial may be
+/// zero at the beginning if it then falls.
 pub(super) fn rises(coefficients: &[f64], until: f64) -> impl Iterator<Item = f64> {
     let until = until.min(farthest(coefficients));
     let mut from = 0.0;
@@ -35,8 +35,8 @@ pub(super) fn rises(coefficients: &[f64], until: f64) -> impl Iterator<Item = f6
     })
 }
 
-/// All times in `(0, until)` at which a polynomial changes sign, in ascending order. They are searched between the sign
-/// changes of its derivative, between which there is at most one.
+/// All times in `(0, until)` at which a polynomial changes sign, in ascending order. Between two successive sign
+/// changes of the derivative there is at most one.
 fn crossings(coefficients: &[f64], until: f64) -> Vec<f64> {
     if coefficients.len() < 2 {
         return Vec::new();
@@ -51,8 +51,8 @@ fn crossings(coefficients: &[f64], until: f64) -> Vec<f64> {
     found
 }
 
-/// Bisects an interval at whose ends a polynomial has different signs, until no number lies between the ends. Returns
-/// the later end.
+/// Bisects an interval at whose ends a polynomial has different signs, until no floating-point number lies between the
+/// ends. Returns the later end.
 fn bisect(coefficients: &[f64], [mut from, mut to]: [f64; 2]) -> f64 {
     let below = value(coefficients, from) < 0.0 || value(coefficients, to) > 0.0;
     loop {
@@ -73,7 +73,7 @@ fn derivative(coefficients: &[f64]) -> Vec<f64> {
     (1u32..).zip(coefficients.iter().skip(1)).map(|(power, c)| f64::from(power) * c).collect()
 }
 
-/// Upper limit of the roots of a polynomial (Cauchy's bound).
+/// Upper limit of the magnitude of all roots of a polynomial (Cauchy's bound).
 fn farthest(coefficients: &[f64]) -> f64 {
     let Some(last) = coefficients.iter().rposition(|c| *c != 0.0) else { return 0.0 };
     1.0 + coefficients[..last].iter().map(|c| (c / coefficients[last]).abs()).fold(0.0, f64::max)

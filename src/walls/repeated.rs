@@ -5,32 +5,32 @@ use crate::domain::Domain;
 use nalgebra::Vector3;
 use serde::Serialize;
 
-/// Largest number of images beyond each side for which a flight is tested; a longer flight meets farther images in the
-/// next window.
+/// Largest number of images beyond each side for which a flight is tested. A longer flight meets farther images in the
+/// next window (the time between two exchanges of momentum with the gas).
 const FARTHEST: f64 = 2.0;
 
-/// A body inside a periodic domain, which is present in every image of the domain. Particles may leave the box during a
-/// window (the time between two exchanges with the gas). They are moved back into the box only at the end of the
+/// A body in a periodic domain together with its images. Particles may leave the box during a window (the time between
+/// two exchanges of momentum with the gas), and meet images there. They are moved back into the box at the end of the
 /// window.
 #[derive(Clone, Debug, Serialize)]
 pub struct Repeated {
     shape: WallGeometry,
-    /// [m] corners of the box around the body.
+    /// [m] lowest and highest corner of the box around the body.
     around: [Vector3<f64>; 2],
-    /// [m] edges of the domain along its periodic axes; `None` for other axes.
+    /// [m] edge of the domain along each periodic axis; `None` for other axes.
     periods: [Option<f64>; 3],
 }
 
 impl Repeated {
-    /// Makes a shape with its images in a domain. Returns the shape unchanged if the domain is not periodic, or if the
-    /// shape has no bounds.
+    /// Makes a shape that consists of a body and its images. Returns the shape unchanged if the domain is not periodic,
+    /// or if the shape has no bounds.
     pub fn of(shape: WallGeometry, domain: &Domain) -> WallGeometry {
         let Some(around) = shape.law().bounds().filter(|_| domain.periodic.contains(&true)) else { return shape };
         let periods = std::array::from_fn(|axis| domain.periodic[axis].then_some(domain.size[axis]));
         WallGeometry::Repeated(std::sync::Arc::new(Self { shape, around, periods }))
     }
 
-    /// Copies of the walls, in which bodies are replaced by bodies with images.
+    /// Copies the walls, with images added to all bodies.
     pub fn all(walls: &[Wall], domain: &Domain) -> Vec<Wall> {
         let repeated = |wall: &Wall| Wall { geometry: Self::of(wall.geometry.clone(), domain), ..wall.clone() };
         walls.iter().map(repeated).collect()
@@ -41,20 +41,20 @@ impl Repeated {
         &self.shape
     }
 
-    /// Number of the image that is nearest to a coordinate [m] along an axis, in periods from the body.
+    /// Number of the image that is nearest to a coordinate [m] along an axis; the body itself has the number 0.
     fn image(&self, axis: usize, place: f64) -> f64 {
         let center = 0.5 * (self.around[0][axis] + self.around[1][axis]);
         self.periods[axis].map_or(0.0, |period| ((place - center) / period).round())
     }
 
-    /// [m] the point, shifted so that the nearest image of the body becomes the body.
+    /// [m] image of the point that is as near to the body as the point is to the nearest image of the body.
     pub(super) fn near(&self, point: &Vector3<f64>) -> Vector3<f64> {
         Vector3::from_fn(|axis, _| {
             point[axis] - self.periods[axis].map_or(0.0, |period| period * self.image(axis, point[axis]))
         })
     }
 
-    /// [m] corners of the boxes around the body and around its neighbouring images.
+    /// [m] lowest and highest corner of a box around the body, and of boxes around its neighbouring images.
     pub fn boxes(&self) -> Vec<[Vector3<f64>; 2]> {
         let range = |axis: usize| if self.periods[axis].is_some() { -1..=1 } else { 0..=0 };
         let mut boxes = Vec::new();
@@ -69,13 +69,13 @@ impl Repeated {
         boxes
     }
 
-    /// [m] vector from the body to an image, which is given by numbers of periods.
+    /// [m] vector from the body to an image, which is given by its numbers along the axes.
     fn shift(&self, image: [f64; 3]) -> Vector3<f64> {
         Vector3::from_fn(|axis, _| self.periods[axis].map_or(0.0, |period| period * image[axis]))
     }
 
-    /// True if a condition holds for the point [m] relative to some image. Tested are the images that are nearest to
-    /// some point within `reach` [m] of the given point.
+    /// True if a condition holds for the point [m] relative to some image. Only those images are tested that are
+    /// nearest to some point within `reach` [m] of the given point.
     fn any_near(&self, point: &Vector3<f64>, reach: f64, is_true: impl Fn(&Vector3<f64>) -> bool) -> bool {
         let range = |axis: usize| {
             let here = self.image(axis, point[axis]);
@@ -94,15 +94,15 @@ impl Repeated {
         false
     }
 
-    /// Calls `visit` with the flight relative to every image that it may come near until the time `until` [s].
+    /// Calls `visit` with the flight relative to every image that the flight may approach until the time `until` [s].
     fn for_each_image(&self, flight: &Flight, until: f64, mut visit: impl FnMut(&Flight)) {
         let range = |axis: usize| {
             let first = self.image(axis, flight.position[axis]);
             let (v, g) = (flight.velocity[axis], flight.gravity[axis]);
-            // the coordinate is farthest where the flight turns back, or at the end
+            // the coordinate is extreme where the flight turns back, or at the end
             let turn = if g != 0.0 { (-v / g).clamp(0.0, until) } else { 0.0 };
             let ends = [turn, until].map(|t| {
-                // avoids zero times infinity, which is NaN
+                // avoids the product of zero and infinity, which is NaN
                 let part = |rate: f64, t: f64| if rate == 0.0 { 0.0 } else { rate * t };
                 let way = part(v, t) + part(0.5 * g, t * t);
                 if way.is_nan() { first } else { self.image(axis, flight.position[axis] + way) }

@@ -6,11 +6,11 @@ use super::{Drawing, Flight, Geometry, Nearest, Touch, convex, polynomial, shell
 use nalgebra::{Vector2, Vector3};
 use serde::Serialize;
 
-/// [-] distance over the radius that is returned for a side which a sphere cannot touch; it must exceed 1.
+/// [-] distance over the radius that is returned for a side that a sphere cannot touch; it must exceed 1 (no contact).
 const OUT_OF_SIGHT: f64 = 1.25;
 
-/// A line along x, y or z, about which a wall is round. Relative to it, points are given by two coordinates, the
-/// distance from the axis and the coordinate along the axis: the point in the half-plane.
+/// A line along x, y or z, about which a wall is round. Points are described in a half-plane that begins at this axis.
+/// Their two coordinates are the distance from the axis, and the coordinate along the axis.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct RoundAxis {
     /// [m] a point of the axis.
@@ -20,7 +20,7 @@ pub struct RoundAxis {
 }
 
 impl RoundAxis {
-    /// [m] a point in the half-plane: distance from the axis, and coordinate along the axis.
+    /// [m] coordinates of a point in the half-plane: distance from the axis, and coordinate along the axis.
     fn seen(&self, point: &Vector3<f64>) -> Vector2<f64> {
         let from = point - self.center;
         Vector2::new(self.across(&from).norm(), from[self.axis])
@@ -34,7 +34,7 @@ impl RoundAxis {
     }
 
     /// Turns a direction in the half-plane into a direction in space at `point` [m]. For a point on the axis itself,
-    /// any outward direction is correct.
+    /// any direction outwards is correct.
     fn in_space(&self, direction: &Vector2<f64>, point: &Vector3<f64>) -> Vector3<f64> {
         let any = Vector3::from_fn(|k, _| if k == (self.axis + 1) % 3 { 1.0 } else { 0.0 });
         let mut vector = self.across(&(point - self.center)).try_normalize(0.0).unwrap_or(any) * direction.x;
@@ -43,8 +43,8 @@ impl RoundAxis {
     }
 }
 
-/// The inner side of an endless pipe or cone. Particles are at distances below r + s z from the axis, with z along the
-/// axis.
+/// The inner side of an endless pipe or cone. Particles are at distances below r + s z from the axis, where z is the
+/// coordinate along the axis.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Tube {
     /// Axis of the pipe or cone.
@@ -63,10 +63,11 @@ impl Geometry for Tube {
         Nearest { distance, normal: self.axle.in_space(&(Vector2::new(-1.0, self.slope) / length), point) }
     }
 
-    /// Let ρ be the distance of the sphere's centre from the axis: ρ(t) = |p + q t + α t²/2|. The sphere touches the
-    /// wall when ρ = a + b t + c t²/2. The time of touch is the first root of a polynomial. If the flight is straight
-    /// (for pipes: straight across the axis), its degree is two, otherwise four. The bounces of a sphere that slides
-    /// down a cone become ever smaller, and conservative advancement would need too many steps.
+    /// Computes the time of touch as the first root of a polynomial. Let ρ(t) = |p + q t + α t²/2| be the distance of
+    /// the sphere's centre from the axis. The sphere touches the wall when ρ = a + b t + c t²/2. If the flight is
+    /// straight (for pipes: straight in the plane perpendicular to the axis), the degree is two, otherwise four.
+    /// Conservative advancement would need too many steps for a sphere that slides down a cone, since its bounces
+    /// become ever smaller.
     fn touch_time(&self, flight: &Flight, radius: f64, until: f64) -> Option<f64> {
         let curved = if self.slope == 0.0 { self.axle.across(&flight.gravity) } else { flight.gravity };
         let from = flight.position - self.axle.center;
@@ -93,8 +94,8 @@ impl Geometry for Tube {
 }
 
 /// The side of a pipe or cone opposite to the nearest point. A sphere as wide as the pipe touches both sides at once.
-/// The two contacts together push the sphere towards the axis, in proportion to its distance from the axis. The nearest
-/// point alone would throw the sphere from side to side.
+/// The two contacts together push the sphere towards the axis, in proportion to the distance of its centre from the
+/// axis. With a contact at the nearest point alone, the sphere would be thrown from side to side.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct OppositeTube(pub Tube);
 
@@ -106,13 +107,14 @@ impl Geometry for OppositeTube {
         Nearest { distance, normal: axle.in_space(&(Vector2::new(1.0, slope) / length), point) }
     }
 
-    /// Returns `None`: a sphere reaches the near side first. Only a sphere on the axis reaches both sides at once.
+    /// Returns `None`, because a sphere reaches the near side first. Only a sphere whose centre is on the axis reaches
+    /// both sides at once.
     fn touch_time(&self, _flight: &Flight, _radius: f64, _until: f64) -> Option<f64> {
         None
     }
 }
 
-/// The inner side of a hollow sphere, touched by particles inside.
+/// The inner side of a hollow sphere, with particles inside.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Bowl {
     /// [m] centre of the sphere.
@@ -125,14 +127,14 @@ impl Geometry for Bowl {
     fn nearest(&self, point: &Vector3<f64>) -> Nearest {
         let from = point - self.center;
         let distance = from.norm();
-        // at the centre all directions are equally short
+        // at the centre all directions to the surface are equally short
         let normal = if distance > 0.0 { from / -distance } else { Vector3::y() };
         Nearest { distance: self.radius - distance, normal }
     }
 
-    /// The centre of the particle is at the distance |p + q t + g t²/2| from that of the bowl. A touch occurs at the
-    /// radius of the bowl minus that of the particle. The time is the first root of a polynomial, of degree two without
-    /// gravity and of degree four with it.
+    /// Computes the time of touch as the first root of a polynomial. The centre of the particle is at the distance |p +
+    /// q t + g t²/2| from the centre of the bowl. A touch occurs when this distance is the radius of the bowl minus
+    /// that of the particle. The degree is two without gravity, and four with gravity.
     fn touch_time(&self, flight: &Flight, radius: f64, until: f64) -> Option<f64> {
         let (p, q, g) = (flight.position - self.center, flight.velocity, flight.gravity);
         let reach = self.radius - radius;
@@ -151,7 +153,8 @@ impl Geometry for Bowl {
     }
 }
 
-/// The point of a hollow sphere opposite to the nearest point, for the reason given at [`OppositeTube`].
+/// The point of a hollow sphere opposite to the nearest point. It is a contact for the reason given at
+/// [`OppositeTube`].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct OppositeBowl(pub Bowl);
 
@@ -161,16 +164,16 @@ impl Geometry for OppositeBowl {
         Nearest { distance: 2.0 * self.0.radius - distance, normal: -normal }
     }
 
-    /// Returns `None`, for the reason given at [`OppositeTube`].
+    /// Returns `None`, because a particle reaches the near side first.
     fn touch_time(&self, _flight: &Flight, _radius: f64, _until: f64) -> Option<f64> {
         None
     }
 }
 
-/// [s] first t >= 0 at which a t² + 2 b t + c becomes positive; it is negative while a centre is free. At a touch (c =
-/// 0 up to rounding) the time is 0 if b exceeds `resolution`. If b is below `-resolution`, the centre moves to the
-/// other side, and the time is that of its touch there. A sphere that slides along the wall touches as soon as its
-/// approach exceeds the resolution.
+/// [s] first time t >= 0 at which a t² + 2 b t + c becomes positive. The expression is negative while the centre of a
+/// sphere is inside the limits. At a touch (c = 0 up to rounding) the time is 0 if b exceeds `resolution`. If b is
+/// below `-resolution`, the centre moves to the other side, and the time is that of the touch there. A sphere that
+/// slides along the wall touches as soon as its approach exceeds the resolution.
 fn first_way_out(a: f64, b: f64, c: f64, resolution: f64) -> Option<f64> {
     if c >= 0.0 {
         return if b > resolution {
@@ -196,7 +199,7 @@ fn first_way_out(a: f64, b: f64, c: f64, resolution: f64) -> Option<f64> {
 /// both sides.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Frustum {
-    /// Axis of the body, whose centre is half-way between the ends.
+    /// Axis of the body; its centre is half-way between the two ends.
     pub axle: RoundAxis,
     /// [m] radii at the lower and at the upper end.
     pub radii: [f64; 2],
@@ -207,7 +210,8 @@ pub struct Frustum {
 }
 
 impl Frustum {
-    /// [m] outline in the half-plane, from the lower end of the axis to the upper; for a shell only the side.
+    /// [m] points of the outline in the half-plane, from the lower end of the axis to the upper end. For a shell it is
+    /// only the side.
     pub fn outline(&self) -> Vec<Vector2<f64>> {
         let side = [Vector2::new(self.radii[0], -self.half_height), Vector2::new(self.radii[1], self.half_height)];
         if self.solid {
@@ -217,14 +221,15 @@ impl Frustum {
         }
     }
 
-    /// [-] outward unit normal of the side, in the half-plane.
+    /// [-] outward unit normal of the side, as a vector in the half-plane.
     pub(super) fn out(&self) -> Vector2<f64> {
         let side = Vector2::new(self.radii[1] - self.radii[0], 2.0 * self.half_height);
         Vector2::new(side.y, -side.x) / side.norm()
     }
 
-    /// [m] signed distances from the lower end, the side and the upper end, with their outward normals. For a point
-    /// inside, the largest (all are negative) belongs to the nearest of the three.
+    /// [m] signed distances of a point from the lower end, the side and the upper end, with the outward normals of the
+    /// three. For a point inside the body all distances are negative, and the largest belongs to the nearest of the
+    /// three.
     fn depths(&self, seen: &Vector2<f64>) -> [(f64, Vector2<f64>); 3] {
         let out = self.out();
         [
@@ -234,8 +239,8 @@ impl Frustum {
         ]
     }
 
-    /// The nearest point of the outline to a point in the half-plane, either of the near side (`out` = 1) or of the
-    /// opposite side (`out` = -1). In the opposite half-plane the distance from the axis is negative.
+    /// Nearest point of the outline to a point in the half-plane. With `out` = 1 the near side is searched. With `out`
+    /// = -1 the opposite side is searched: `seen` then has the negative distance from the axis.
     fn nearest_of_side(&self, seen: &Vector2<f64>, out: f64, point: &Vector3<f64>) -> Nearest {
         let outline = self.outline();
         let ways = outline.windows(2).map(|ends| {
@@ -249,7 +254,7 @@ impl Frustum {
         });
         let way = ways.reduce(|a, b| if b.norm_squared() < a.norm_squared() { b } else { a }).unwrap_or(*seen);
         let distance = way.norm();
-        // for a point on the surface: outwards for a body, inwards for a shell
+        // normal for a point on the surface: outwards for a body, inwards for a shell
         let rest = if self.solid { self.out() } else { -self.out() };
         let normal = if distance > 0.0 { way / distance } else { rest };
         Nearest { distance, normal: self.axle.in_space(&Vector2::new(out * normal.x, normal.y), point) }
@@ -266,13 +271,13 @@ impl Geometry for Frustum {
         self.nearest_of_side(&seen, 1.0, point)
     }
 
-    /// One for a body, two for a shell: the near side and the side opposite to it.
+    /// One contact for a body, two for a shell: the near side and the opposite side.
     fn contacts(&self) -> u32 {
         if self.solid { 1 } else { 2 }
     }
 
-    /// For a shell, the opposite side counts only for a sphere inside the shell or above its rim. Outside, the near
-    /// side hides it.
+    /// For a shell, the opposite side is a contact only for a sphere inside the shell or above its rim. For a sphere
+    /// outside, the near side hides the opposite one.
     fn contact(&self, which: u32, point: &Vector3<f64>, radius: f64) -> Nearest {
         let near = self.nearest(point);
         if which == 0 {

@@ -1,8 +1,8 @@
 //! Solid convex bodies inside the domain, with nearest points from the library parry.
 //!
-//! parry computes the nearest point accurately at any scale. Times of touch are computed in this program, because those
-//! of parry have absolute tolerances that fail at the size of a particle. The double-precision build of parry is used,
-//! since overlaps of 1e-6 radii would be lost in single precision.
+//! parry computes the nearest point accurately at any scale. Times of touch are computed in this program, because parry
+//! computes them with absolute tolerances that are too large for particles. The double-precision build of parry is
+//! used, since overlaps of 1e-6 radii would be lost in single precision.
 
 use super::{Drawing, Flight, Geometry, Nearest, convex};
 use nalgebra::Vector3;
@@ -16,7 +16,7 @@ use std::fmt;
 #[derive(Clone, Serialize)]
 pub struct Obstacle {
     center: Vector3<f64>,
-    /// Axis of the domain, 0, 1 or 2, along which the y axis of the shape lies.
+    /// Axis of the domain, 0, 1 or 2, to which the y axis of the shape is parallel.
     axis: usize,
     shape: RoundBody,
 }
@@ -24,26 +24,26 @@ pub struct Obstacle {
 #[derive(Clone, Serialize)]
 #[serde(rename_all = "snake_case")]
 enum RoundBody {
-    /// Sphere with a radius [m].
+    /// A sphere with this radius [m].
     Sphere(f64),
-    /// Box with half the lengths of its edges [m].
+    /// A box with these half lengths of its edges [m].
     Cuboid(Vector3<f64>),
-    /// Cylinder with a radius [m] and half the height [m].
+    /// A cylinder with its radius [m] and half its height [m].
     Cylinder { radius: f64, half_height: f64 },
 }
 
 impl Obstacle {
-    /// Makes a sphere; lengths in m.
+    /// Makes a sphere with a centre [m] and a radius [m].
     pub fn sphere(center: Vector3<f64>, radius: f64) -> Self {
         Self { center, axis: 1, shape: RoundBody::Sphere(radius) }
     }
 
-    /// Makes a box with edges along the axes; lengths in m.
+    /// Makes a box with edges along the axes, with a centre [m] and half the lengths of its edges [m].
     pub fn cuboid(center: Vector3<f64>, half_extents: Vector3<f64>) -> Self {
         Self { center, axis: 1, shape: RoundBody::Cuboid(half_extents) }
     }
 
-    /// Makes a cylinder along axis 0, 1 or 2 (x, y, z); lengths in m.
+    /// Makes a cylinder along axis 0, 1 or 2 (x, y, z), with a centre [m], a radius [m] and half its height [m].
     pub fn cylinder(center: Vector3<f64>, axis: usize, radius: f64, half_height: f64) -> Self {
         Self { center, axis: axis.min(2), shape: RoundBody::Cylinder { radius, half_height } }
     }
@@ -75,7 +75,8 @@ impl Obstacle {
         (corners.into_iter().map(|corner| self.center + self.turn(&from_parry(corner))).collect(), triangles)
     }
 
-    /// Exchanges the y component and that of the body's axis. Applied twice, the function returns the original vector.
+    /// Exchanges the y component of a vector and the component along the body's axis. A second call restores the
+    /// vector.
     fn turn(&self, vector: &Vector3<f64>) -> Vector3<f64> {
         let mut turned = *vector;
         turned.swap((1, 0), (self.axis, 0));
@@ -87,7 +88,7 @@ impl Geometry for Obstacle {
     fn nearest(&self, point: &Vector3<f64>) -> Nearest {
         let local = to_parry(&self.turn(&(point - self.center)));
         let projection = match &self.shape {
-            // parry divides by the distance to the centre; from the centre all directions are equally short
+            // parry divides by the distance to the centre; from the centre itself all directions are equally short
             RoundBody::Sphere(radius) if local.length_squared() == 0.0 => {
                 return Nearest { distance: -radius, normal: Vector3::y() };
             }
@@ -100,7 +101,7 @@ impl Geometry for Obstacle {
         let out = self.turn(&from_parry(local - projection.point));
         let length = out.norm();
         let sign = if projection.is_inside { -1.0 } else { 1.0 };
-        // for a point on the surface, the direction from the centre is used
+        // for a point on the surface, the direction from the centre of the body is used
         let normal = if length > 0.0 {
             out * (sign / length)
         } else {

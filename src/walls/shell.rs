@@ -1,17 +1,17 @@
 //! Time at which a sphere touches a thin round shell.
 //!
-//! Spheres slide along a shell on either side with ever smaller and slower bounces. Every flight between two bounces is
-//! then nearly along the shell. Conservative advancement takes steps of the length of the gap, and would need too many
-//! of them. In these cases the touch is found as the root of a polynomial.
+//! Spheres slide along a shell on either side with ever smaller and slower bounces. Each flight between two bounces is
+//! then nearly along the shell. Conservative advancement takes steps as long as the gap, and would need too many.
+//! Therefore the time of touch is then computed as the root of a polynomial.
 
 use super::{Flight, Frustum, Geometry, Nearest, advancement, polynomial};
 use nalgebra::{Vector2, Vector3};
 
-/// Number of steps of conservative advancement, which is tried first because it is faster if a flight is not along the
+/// Number of steps of conservative advancement. It is tried first, because it is faster if a flight is not along the
 /// shell.
 const STEPS: usize = 100;
-/// [-] largest error of the distance at a root that counts as a touch, over the sum of the sphere's radius and its
-/// distance from the centre of the shell.
+/// [-] largest error of the distance at a root that counts as a touch. It is relative to the radius of the sphere plus
+/// the distance of the sphere from the centre of the shell.
 const NEAR: f64 = 1e-9;
 
 /// [s] time of touch as [`Geometry::touch_time`] defines it, for a thin shell.
@@ -20,7 +20,7 @@ pub(super) fn touch_time(shell: &Frustum, flight: &Flight, radius: f64, until: f
         .unwrap_or_else(|| first_root(shell, flight, radius, until))
 }
 
-/// [s] first root at which the sphere touches the shell; `None` if there is none.
+/// [s] first root of the polynomials at which the sphere touches the shell; `None` if there is none.
 fn first_root(shell: &Frustum, flight: &Flight, radius: f64, until: f64) -> Option<f64> {
     let course = FlightAcrossShell::new(shell, flight);
     let length = course.from.norm() + radius;
@@ -33,11 +33,11 @@ fn first_root(shell: &Frustum, flight: &Flight, radius: f64, until: f64) -> Opti
         let Nearest { distance, normal } = shell.nearest(&flight.position_at(root));
         let velocity = flight.velocity_at(root);
         let (gap, rate) = (distance - radius, velocity.dot(&normal));
-        // excludes roots beyond the rims, where only the polynomial continues, and spheres that move away
+        // excludes roots beyond the rims, at which only the polynomial continues, and spheres that move away
         if gap.abs() > NEAR * length || rate > NEAR * velocity.norm() {
             return None;
         }
-        // the polynomial of a rim has degree eight: one Newton step removes the rounding of its root
+        // the polynomial of a rim has degree eight, so one Newton step is needed to remove the rounding of its root
         let step = if rate < -NEAR * velocity.norm() { gap / rate } else { 0.0 };
         let better = (root - step).clamp(0.0, until);
         let closer = (shell.nearest(&flight.position_at(better)).distance - radius).abs() < gap.abs();
@@ -45,14 +45,15 @@ fn first_root(shell: &Frustum, flight: &Flight, radius: f64, until: f64) -> Opti
     })
 }
 
-/// The flight of a sphere's centre relative to a shell, in coordinates of the shell's axis.
+/// Flight of a sphere's centre relative to a shell, described by the distance from the shell's axis and the coordinate
+/// along it.
 struct FlightAcrossShell {
     from: Vector3<f64>,
     /// [m², m²/s, ...] coefficients of the squared distance from the axis as a polynomial in time.
     out: [f64; 5],
     /// [m, m/s, ...] coefficients of the coordinate along the axis as a polynomial in time.
     along: [f64; 3],
-    /// [m/s] speed at the beginning.
+    /// [m/s] speed of the centre at the beginning.
     speed: f64,
 }
 
@@ -66,9 +67,10 @@ impl FlightAcrossShell {
         Self { from, out, along, speed: flight.velocity.norm() }
     }
 
-    /// [s] times at which the centre reaches the side of the shell, moved outwards by `aside` [m]; inwards if `aside`
-    /// is negative. Then the distance ρ from the axis falls or rises to (c + aside - n_z z)/n_ρ. Here c is the distance
-    /// of the side from the centre of the shell, and n its normal.
+    /// [s] times at which the centre reaches the side of the shell, shifted outwards by `aside` [m] (inwards if `aside`
+    /// is negative). At these times the distance ρ from the axis falls or rises to (c + aside - n_z z)/n_ρ. Here c is
+    /// the distance of the side from the centre of the shell, n its outward normal, and z the coordinate along the
+    /// axis.
     fn side(&self, shell: &Frustum, aside: f64, until: f64) -> Vec<f64> {
         let out: Vector2<f64> = shell.out();
         let offset = shell.outline().last().map_or(0.0, |end| end.dot(&out)) + aside;
@@ -82,9 +84,9 @@ impl FlightAcrossShell {
         self.rises(&way, size, until)
     }
 
-    /// [s] times at which the centre comes within r = `radius` [m] of a circle about the axis. The circle has the
-    /// radius R and a coordinate along the axis. With d² = ρ² + z², z counted from the circle, 4 R² ρ² then rises to
-    /// (d² + R² - r²)². For R = 0 the circle is a point.
+    /// [s] times at which the centre comes within r = `radius` [m] of a rim, a circle about the axis. The circle is
+    /// given by its radius R [m] and its coordinate along the axis [m]. With d² = ρ² + z², where z is counted from the
+    /// circle, 4 R² ρ² then rises to (d² + R² - r²)². For R = 0 the circle is a point.
     fn rim(&self, (rim, at): (f64, f64), radius: f64, until: f64) -> Vec<f64> {
         let along = [self.along[0] - at, self.along[1], self.along[2]];
         let mut apart = self.out.to_vec();
@@ -97,13 +99,14 @@ impl FlightAcrossShell {
         apart[0] += rim * rim - radius * radius;
         let mut way: Vec<f64> = times(&apart, &apart).iter().map(|c| -c).collect();
         self.out.iter().zip(&mut way).for_each(|(out, way)| *way += 4.0 * rim * rim * out);
-        // division by the square of the radius makes it the square of a length, as for the side
+        // division by 4 R² gives the polynomial the unit of a squared length, as for the side
         way.iter_mut().for_each(|way| *way /= 4.0 * rim * rim);
         self.rises(&way, rim + self.out[0].sqrt() + along[0].abs(), until)
     }
 
-    /// [s] all times at which a polynomial rises to zero. The values of the polynomial are squared lengths, of about
-    /// `size`² [m²]. A polynomial that is zero at the beginning, up to rounding, is treated as slightly negative.
+    /// [s] all times at which a polynomial rises to zero. The values of the polynomial are squared lengths, and their
+    /// size is about `size`² [m²]. A polynomial that is zero at the beginning, up to rounding, is treated as slightly
+    /// negative.
     fn rises(&self, way: &[f64], size: f64, until: f64) -> Vec<f64> {
         let mut way = way.to_vec();
         let resolution = 16.0 * f64::EPSILON * size * self.speed;
@@ -120,7 +123,7 @@ impl FlightAcrossShell {
     }
 }
 
-/// The product of two polynomials, as coefficients.
+/// Product of two polynomials, given by their coefficients.
 fn times(a: &[f64], b: &[f64]) -> Vec<f64> {
     let mut product = vec![0.0; a.len() + b.len() - 1];
     for (i, a) in a.iter().enumerate() {

@@ -1,4 +1,5 @@
-//! A coarse grid around a mesh. It gives lower limits of the distance to the surface, which suffice for most particles.
+//! A coarse grid around a mesh. It gives lower limits of the distance to the surface. For most particles the limit
+//! shows that they do not touch the mesh.
 
 use nalgebra::Vector3;
 use std::collections::VecDeque;
@@ -6,17 +7,18 @@ use std::collections::VecDeque;
 /// Number of cells along the longest edge of the box around the mesh.
 const CELLS: f64 = 64.0;
 
-/// Distance of every cell, in cells, from the nearest cell that the bounding box of a triangle overlaps.
+/// Distance of every cell of a grid, in numbers of cells, from the nearest cell that the bounding box of a triangle
+/// overlaps.
 #[derive(Clone)]
 pub struct Clearance {
-    /// [m] corners of the box around the mesh.
+    /// [m] lowest and highest corner of the box around the mesh.
     low: Vector3<f64>,
     high: Vector3<f64>,
     /// [m] edge length of the cells.
     cell: f64,
     count: [usize; 3],
     away: Vec<u8>,
-    /// True for the cells in which particles may be; cells that a triangle may overlap are false.
+    /// True for each cell all of whose points particles may reach; false for cells that a triangle may overlap.
     is_free: Vec<bool>,
     /// True if particles may be outside the box around the mesh.
     is_free_beyond: bool,
@@ -48,7 +50,7 @@ impl Clearance {
         grid
     }
 
-    /// Computes the distances of all cells, from near to far.
+    /// Computes the distances of all cells by spreading them from the cells in `queue` outwards.
     fn spread(&mut self, mut queue: VecDeque<[usize; 3]>) {
         while let Some(cell) = queue.pop_front() {
             let next = self.away[self.index(cell)].saturating_add(1);
@@ -63,7 +65,7 @@ impl Clearance {
         }
     }
 
-    /// Finds the cells in which particles may be. `is_free` returns true for a point [m] off the surface where
+    /// Determines in which cells particles may be. `is_free` must return true for a point [m] off the surface where
     /// particles may be. It is called once for each connected group of cells. `beyond` is true if particles may be
     /// outside the box.
     pub fn find_free(&mut self, beyond: bool, is_free: impl Fn(&Vector3<f64>) -> bool) {
@@ -121,9 +123,9 @@ impl Clearance {
         [index % nx, index / nx % ny, index / (nx * ny)]
     }
 
-    /// Cell that contains a point [m], or the cell nearest to it.
+    /// Indices of the cell that contains a point [m], or of the cell nearest to the point.
     fn cell_of(&self, point: &Vector3<f64>) -> [usize; 3] {
-        // a negative number converts to 0
+        // a negative coordinate is converted to index 0
         std::array::from_fn(|axis| (((point[axis] - self.low[axis]) / self.cell) as usize).min(self.count[axis] - 1))
     }
 
@@ -134,12 +136,13 @@ impl Clearance {
         if outside > 0.0 {
             return outside;
         }
-        // point and surface may be at those sides of their cells that face each other
+        // point and surface may be at the two sides of their cells that face each other
         let away = f64::from(self.away[self.index(self.cell_of(point))]);
         (away - 1.0 - 1e-9).max(0.0) * self.cell
     }
 
-    /// True if particles may be at a point [m]; false also near the surface, where the grid is too coarse to decide.
+    /// True if particles may be at a point [m]. The result is also false near the surface, where the grid is too coarse
+    /// to decide.
     pub fn is_free(&self, point: &Vector3<f64>) -> bool {
         if (self.low - point).sup(&(point - self.high)).max() > 0.0 {
             return self.is_free_beyond;
@@ -147,7 +150,7 @@ impl Clearance {
         self.is_free[self.index(self.cell_of(point))]
     }
 
-    /// [m] corners of the box around the mesh.
+    /// [m] lowest and highest corner of the box around the mesh.
     pub fn bounds(&self) -> [Vector3<f64>; 2] {
         [self.low, self.high]
     }

@@ -1,4 +1,4 @@
-//! Walls of triangles: their nearest points, their contacts with a sphere, and the times of touch.
+//! Walls made of triangles: their nearest points, their contacts with a sphere, and the times of touch.
 //!
 //! A sphere may have a contact at each point of the surface that is nearer to its centre than all neighbouring points:
 //! inside a triangle, on an edge or at a corner. If several such points lie in nearly one direction from the centre,
@@ -30,20 +30,21 @@ use surface::TriangleSurface;
 pub(super) use tree::Tree;
 use tree::{TriangleFeature, on_triangle};
 
-/// [-] cosine of 20 degrees, the smallest angle between the directions of two contacts of one sphere. This value is a
-/// choice of this program: in fine meshes the seams of a round surface are flatter, and corners of vessels are sharper.
+/// [-] cosine of 20 degrees, the smallest angle between the directions of two contacts of one sphere. The value was
+/// chosen for this program: seams of round surfaces in fine meshes are flatter, and corners of vessels are sharper.
 const APART: f64 = 0.939_692_620_785_908_4;
-/// [-] cosine of 10 degrees: a mesh whose normals all differ by less from their mean has only one contact.
+/// [-] cosine of 10 degrees: if all normals near a sphere differ by less from one of them, the sphere has only one
+/// contact.
 const HALF_APART: f64 = 0.984_807_753_012_208;
-/// Largest number of contacts of one sphere: three points hold it at rest.
+/// Largest number of contacts of one sphere with a mesh: three contacts hold a sphere at rest.
 const MOST: u32 = 3;
-/// [-] distance from the centre within which contacts are searched, over the radius. It exceeds 1, because gaps near
-/// zero must be exact for the times at which a contact begins or ends.
+/// [-] distance from the centre within which contacts are searched, over the radius of the sphere. It exceeds 1,
+/// because small positive gaps must be exact, for the times at which a contact begins or ends.
 const REACH: f64 = 1.25;
-/// [-] length over the distance or over another length: smaller fractions count as rounding.
+/// [-] ratio of two lengths that counts as rounding: smaller lengths are treated as zero.
 const ROUNDING: f64 = 1e-9;
 
-/// A wall of triangles.
+/// A wall made of triangles.
 #[derive(Clone)]
 pub struct Mesh {
     name: String,
@@ -52,11 +53,11 @@ pub struct Mesh {
     surface: TriangleSurface,
     tree: Tree,
     clearance: Clearance,
-    /// Number of triangles of the surface itself. The triangles after them are copies beyond periodic sides.
+    /// Number of triangles of the surface itself. They are followed by copies of triangles beyond periodic sides.
     own: usize,
-    /// True for the axes along which the surface continues without end.
+    /// True for each axis along which the surface continues without end through periodic sides.
     spans: [bool; 3],
-    /// [m] corners of the box around the triangles of the surface itself.
+    /// [m] lowest and highest corner of the box around the triangles of the surface itself.
     bounds: [Vector3<f64>; 2],
 }
 
@@ -67,7 +68,7 @@ struct TrianglePoint {
     distance: f64,
     /// [-] unit vector from the surface to the given point.
     direction: Vector3<f64>,
-    /// True if the given point is behind a closed surface.
+    /// True if the given point is behind the triangle of a closed surface.
     behind: bool,
     face: u32,
     place: TriangleFeature,
@@ -81,9 +82,9 @@ impl TrianglePoint {
 }
 
 impl Mesh {
-    /// Makes a wall of triangles, given by their corners [m]; `name` is its name in results. Without `sides` a closed
-    /// surface is a solid body, and an open one a thin sheet with particles on both sides. Also returns the defects of
-    /// the triangles that were found and corrected.
+    /// Makes a wall of triangles, given by their corners [m]; `name` is its name in results. With `None` for `sides`, a
+    /// closed surface is a solid body, and an open one a thin sheet with particles on both sides. Also returns the
+    /// defects of the triangles that were found, most of which are corrected.
     ///
     /// # Errors
     /// If the triangles do not form a wall of this type.
@@ -95,7 +96,8 @@ impl Mesh {
         let flat = sum
             .try_normalize(0.0)
             .is_some_and(|mean| surface.faces.iter().all(|face| face.normal.dot(&mean) > HALF_APART));
-        // a sphere between two flat sheets has a contact on either side, so only one connected sheet has one contact
+        // a sphere between two flat sheets has a contact on either side, so a single contact requires that the surface
+        // is connected
         let contacts = if flat && surface.is_one_part() { 1 } else { MOST };
         let (name, own, bounds) = (name.to_owned(), surface.faces.len(), clearance.bounds());
         let mut mesh = Self { name, sides, contacts, surface, tree, clearance, own, spans: [false; 3], bounds };
@@ -105,8 +107,9 @@ impl Mesh {
         Ok((mesh, findings))
     }
 
-    /// Makes a sheet that continues through periodic sides, with the copies that continue it there. A surface that does
-    /// not continue is made as by [`new`](Self::new). The findings are those of the surface itself.
+    /// Makes a sheet that continues through periodic sides, together with the copies of triangles beyond these sides.
+    /// For a surface that does not continue, the result is that of [`new`](Self::new). The findings are those of the
+    /// surface itself.
     ///
     /// # Errors
     /// If the triangles do not form a wall of this type.
@@ -136,7 +139,7 @@ impl Mesh {
         self.sides
     }
 
-    /// [m] corners of the smallest box around the surface.
+    /// [m] lowest and highest corner of the smallest box around the surface.
     pub fn bounds(&self) -> [Vector3<f64>; 2] {
         self.bounds
     }
@@ -154,24 +157,25 @@ impl Mesh {
         (0..self.surface.faces.len()).map(|face| self.surface.corners(face))
     }
 
-    /// Unit normal of each triangle.
+    /// Unit normal of each triangle, towards the particles.
     pub fn normals(&self) -> impl Iterator<Item = &Vector3<f64>> {
         self.surface.faces.iter().map(|face| &face.normal)
     }
 
-    /// Points [m], and three point indices for each triangle of the surface itself.
+    /// Corner points [m], and three point indices for each triangle of the surface itself.
     pub fn triangles(&self) -> (&[Vector3<f64>], impl ExactSizeIterator<Item = [u32; 3]> + '_) {
         (&self.surface.points, self.surface.faces[..self.own].iter().map(|face| face.corners))
     }
 
-    /// The point of triangle `number` that is nearest to `point` [m].
+    /// The point of the triangle with index `number` that is nearest to `point` [m].
     fn spot(&self, number: u32, point: &Vector3<f64>) -> TrianglePoint {
         let face = &self.surface.faces[number as usize];
         let corners = self.surface.corners(number as usize);
         let (nearest, place) = on_triangle(&corners, point);
         let (away, out) = match place {
             TriangleFeature::Face => {
-                // uses the plane of the triangle, so that all triangles of a flat floor give identical bits
+                // the height is computed from the plane of the triangle, so that all triangles of a flat floor give
+                // identical bits
                 let height = face.normal.dot(&(point - corners[0]));
                 (height.abs(), if height < 0.0 { -face.normal } else { face.normal })
             }
@@ -190,8 +194,8 @@ impl Mesh {
         TrianglePoint { distance: away, direction: out, behind, face: number, place }
     }
 
-    /// True if the point is a local minimum of the distance: all of the surface next to it is farther from the centre
-    /// of the sphere.
+    /// True if the distance from the sphere's centre has a local minimum at this point: all neighbouring points of the
+    /// surface are farther from the centre.
     fn is_least(&self, spot: &TrianglePoint) -> bool {
         let (surface, face) = (&self.surface, &self.surface.faces[spot.face as usize]);
         match spot.place {
@@ -209,8 +213,8 @@ impl Mesh {
         }
     }
 
-    /// The nearest point of the surface within `reach` [m]; if several are equally near, the one with the lowest
-    /// triangle index.
+    /// The point of the surface nearest to `point` [m], if it is within `reach` [m]. If several triangles are equally
+    /// near, the one with the lowest index is used.
     fn first(&self, point: &Vector3<f64>, reach: f64) -> Option<TrianglePoint> {
         let first: Cell<Option<TrianglePoint>> = Cell::new(None);
         let least = || first.get().map_or(reach, |first| first.distance);
@@ -227,22 +231,22 @@ impl Mesh {
                     first.set(Some(earlier.unwrap_or(spot)));
                 }
             }
-            // increased by rounding, so that equally near triangles are tested too
+            // the limit is increased by rounding, so that equally near triangles are tested too
             least() * (1.0 + ROUNDING)
         });
         first.get()
     }
 
-    /// True if all of the surface within `reach` [m] has nearly one normal, so that there is at most one contact. If
-    /// the nearest point is on an edge or a corner of a closed surface, its direction lies between the normals of the
-    /// triangles that meet there. All of these triangles are within reach.
+    /// True if the surface within `reach` [m] has nearly one normal, so that there is at most one contact. If the
+    /// nearest point is on an edge or a corner of a closed surface, its direction lies between the normals of the
+    /// adjacent triangles. All of these triangles are within reach.
     fn is_smooth(&self, point: &Vector3<f64>, reach: f64) -> bool {
         let mut normals = self.tree.within(point, reach).map(|face| &self.surface.faces[face as usize].normal);
         let first = normals.next();
         self.sides != Sides::Both && first.is_none_or(|first| normals.all(|normal| normal.dot(first) > HALF_APART))
     }
 
-    /// All contacts within `reach` [m], the nearest first.
+    /// All contacts of a sphere with the centre `point` [m] within `reach` [m], the nearest first.
     fn all(&self, point: &Vector3<f64>, reach: f64) -> Vec<TrianglePoint> {
         let spots = self.tree.within(point, reach).map(|face| self.spot(face, point));
         let mut spots: Vec<TrianglePoint> =
@@ -250,8 +254,8 @@ impl Mesh {
         spots.sort_unstable_by(|a, b| a.distance.total_cmp(&b.distance).then(a.face.cmp(&b.face)));
         let mut kept: Vec<TrianglePoint> = Vec::new();
         for spot in spots {
-            // a surface seen from behind is the other side of a plate, unless the centre of the sphere itself has
-            // passed that surface
+            // a surface seen from behind is the other side of a plate, unless the centre of the sphere has passed
+            // through that surface
             let other_side = spot.behind && !kept.is_empty();
             if !other_side && kept.iter().all(|other| other.direction.dot(&spot.direction) <= APART) {
                 kept.push(spot);
@@ -277,13 +281,13 @@ impl Geometry for Mesh {
         self.contacts
     }
 
-    /// Largest jump of the normal between two triangles that are one contact: |n - n'|² = 2 - 2 n·n'.
+    /// Largest jump of the normal between two triangles that form one contact: |n - n'|² = 2 - 2 n·n'.
     fn seam(&self) -> f64 {
         (2.0 - 2.0 * APART).sqrt()
     }
 
-    /// Nearest point of a contact. Without a contact within `REACH` radii, the distance is `REACH` radii and the normal
-    /// zero.
+    /// Nearest point of contact number `which`. If there is no such contact within `REACH` radii, the returned distance
+    /// is `REACH` radii and the normal is zero.
     fn contact(&self, which: u32, point: &Vector3<f64>, radius: f64) -> Nearest {
         let reach = REACH * radius;
         let found = if self.clearance.least(point) > reach {
@@ -298,7 +302,8 @@ impl Geometry for Mesh {
         found.map_or(Nearest { distance: reach, normal: Vector3::zeros() }, |spot| spot.nearest())
     }
 
-    /// First touch with any part of the surface, returned for contact 0 only.
+    /// First touch with any part of the surface. It is returned for contact 0 only, so that it is not found several
+    /// times.
     fn first_touch(&self, which: u32, flight: &Flight, radius: f64, until: f64) -> Option<Touch> {
         if which == 0 { self.sweep(flight, radius, until) } else { None }
     }
@@ -387,7 +392,7 @@ impl fmt::Debug for Mesh {
     }
 }
 
-/// Writes an identification of the mesh, by which scenes are compared. It is never read back.
+/// Writes data that identify the mesh, by which scenes are compared. The mesh is never read from these data.
 impl Serialize for Mesh {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut hasher = FxHasher::default();

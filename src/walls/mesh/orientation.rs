@@ -1,11 +1,11 @@
-//! Orientation of neighbouring triangles, which are made to face the same way.
+//! Orientation of neighbouring triangles, which are flipped until they face the same way.
 
 use super::surface::{Edges, Findings, count};
 
-/// Flips triangles until neighbours face the same way.
+/// Flips triangles until all neighbours face the same way.
 pub(super) fn face_alike(triangles: &mut [([u32; 3], usize)], edges: &Edges, findings: &mut Findings) {
-    // neighbours of each triangle; true if one of the two must be flipped, because both run along their edge in one
-    // sense
+    // neighbours of each triangle, and a flag that is true if one of the two must be flipped: both list the corners of
+    // their common edge in one order
     let mut beside: Vec<Vec<(u32, bool)>> = vec![Vec::new(); triangles.len()];
     for there in edges.values() {
         if let [(a, of_a), (b, of_b)] = there[..] {
@@ -50,7 +50,8 @@ pub(super) fn face_alike(triangles: &mut [([u32; 3], usize)], edges: &Edges, fin
     }
 }
 
-/// Flips the smaller number of a part's triangles: the orientation of the majority counts as correct.
+/// Flips either the marked triangles of a part or all others, whichever are fewer. So the orientation of the majority
+/// is kept.
 fn keep_most(turn: &mut [Option<bool>], part: &[usize]) {
     let turned = part.iter().filter(|k| turn[**k] == Some(true)).count();
     if 2 * turned > part.len() {

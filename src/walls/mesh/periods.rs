@@ -1,43 +1,43 @@
 //! Surfaces that continue through periodic sides: floors, corrugated walls, pipes of one period.
 //!
-//! A surface is endless if its open edges lie on two planes one period apart and match there. Copies of the triangles
-//! near these planes, shifted by one period, then continue the surface. Corners on the planes get identical
-//! coordinates, so that no seam is left.
+//! A surface is endless along an axis if its open edges lie on two planes one period apart and match on them. Copies of
+//! the triangles near these planes, shifted by one period, then continue the surface. Matching corners on the two
+//! planes get identical coordinates, so that no seam is left.
 
 use nalgebra::Vector3;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 /// List of triangles, each by its corners [m].
 type TriangleList = Vec<[Vector3<f64>; 3]>;
-/// An edge, by its two corners [m].
+/// An edge of a triangle, by its two corners [m].
 type Edge = [Vector3<f64>; 2];
 
-/// [-] distance over the period: corners that are closer than this count as equal. A file in single precision has an
-/// accuracy of 6e-8 of its largest number.
+/// [-] distance over the period: two corners that are closer count as equal. In a file in single precision, the error
+/// is 6e-8 of the largest number.
 const SAME: f64 = 1e-6;
 
-/// The error for open edges of a surface that reach both periodic sides but do not match there.
+/// Error: a surface reaches both periodic sides of an axis, but its open edges do not match.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mismatch {
     /// Axis perpendicular to the sides: 0, 1, 2 for x, y, z.
     pub axis: usize,
-    /// [m] largest distance between a corner on one side and the edges on the other side, shifted by one period.
+    /// [m] largest distance between a corner on one side and the edges on the other side, after a shift by one period.
     pub step: f64,
 }
 
-/// A surface together with the copies that continue it beyond periodic sides.
+/// A surface together with the copies of triangles that continue it beyond periodic sides.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Continued {
-    /// Triangles, by their corners [m]; those of the surface itself come first.
+    /// Triangles of surface and copies, by their corners [m]; those of the surface itself come first.
     pub heap: TriangleList,
-    /// True for the axes along which the surface continues without end.
+    /// True for each axis along which the surface continues without end.
     pub spans: [bool; 3],
     /// Number of open edges of the surface itself that meet other edges at periodic sides.
     pub joined: usize,
 }
 
-/// Continues a surface through the periodic sides at which its open edges match. `periods` [m] are the edges of the
-/// domain along periodic axes. Copies reach `margin` [m] beyond the sides, but at most one period.
+/// Continues a surface through the periodic sides at which its open edges match. `periods` [m] contains the edge of the
+/// domain along each periodic axis. Copies of triangles extend `margin` [m] beyond the sides, but at most one period.
 ///
 /// # Errors
 /// If the open edges on two sides do not match.
@@ -55,26 +55,26 @@ pub fn continued(heap: &[[Vector3<f64>; 3]], periods: [Option<f64>; 3], margin: 
     Ok(all)
 }
 
-/// Open edges of a surface on two planes one period apart.
+/// Open edges of a surface, which lie on two planes one period apart.
 struct OpenEnds {
     axis: usize,
     /// [m] length of the period.
     period: f64,
-    /// [m] coordinate of the lower plane along the axis.
+    /// [m] coordinate of the lower plane along the axis; the upper plane is one period above.
     low: f64,
-    /// Open edges [m] on the lower plane and on the upper plane.
+    /// Open edges (corners in m) on the lower plane [m] and on the upper plane [m].
     edges: [Vec<Edge>; 2],
 }
 
-/// Bits of the coordinates of a point, as a key.
+/// Bits of the coordinates of a point [m], used as a key of a table.
 fn bits(point: &Vector3<f64>) -> [u64; 3] {
     // adding 0 turns -0 into 0, which is the same coordinate
     [point.x, point.y, point.z].map(|value| (value + 0.0).to_bits())
 }
 
 impl OpenEnds {
-    /// Finds the open ends along an axis; `None` if the surface is not one period long, or has no open edges at one of
-    /// its ends.
+    /// Finds the open edges at the two ends of a surface along an axis. `None` if the surface is not one period long,
+    /// or has no open edges at one of its ends.
     fn of(heap: &[[Vector3<f64>; 3]], axis: usize, period: f64) -> Option<Self> {
         let places = || heap.iter().flatten().map(|corner| corner[axis]);
         let (low, high) = (places().fold(f64::INFINITY, f64::min), places().fold(f64::NEG_INFINITY, f64::max));
@@ -91,8 +91,8 @@ impl OpenEnds {
         edges.iter().all(|edges| !edges.is_empty()).then_some(Self { axis, period, low, edges })
     }
 
-    /// For each corner on the upper plane, the equal corner on the lower plane. Corners without an equal one lie on an
-    /// edge of the other plane.
+    /// Table from corners on the upper plane to equal corners on the lower plane. A corner without an equal one must
+    /// lie on an edge of the other plane.
     fn matched(&self) -> Result<FxHashMap<[u64; 3], Vector3<f64>>, Mismatch> {
         let shift = Vector3::from_fn(|k, _| if k == self.axis { self.period } else { 0.0 });
         let upper: Vec<Edge> = self.edges[1].iter().map(|edge| edge.map(|corner| corner - shift)).collect();
@@ -118,7 +118,7 @@ impl OpenEnds {
     }
 }
 
-/// An edge as a key that is equal for both of its triangles.
+/// Key of an edge that does not depend on the order of its two corners, so that it is equal for both of its triangles.
 fn key(edge: &Edge) -> [[u64; 3]; 2] {
     let mut key = edge.map(|corner| bits(&corner));
     key.sort_unstable();
@@ -140,7 +140,7 @@ fn open_edges(heap: &[[Vector3<f64>; 3]]) -> Vec<Edge> {
     open.into_iter().map(|(_, (_, edge))| edge).collect()
 }
 
-/// [m] largest distance of a corner of `edges` from the nearest of the `others`.
+/// [m] largest distance of any corner of `edges` from the nearest of the edges `others`.
 fn farthest(edges: &[Edge], others: &[Edge]) -> f64 {
     let corners: FxHashSet<[u64; 3]> = others.iter().flatten().map(bits).collect();
     let alone = edges.iter().flatten().filter(|corner| !corners.contains(&bits(corner)));
@@ -155,8 +155,8 @@ fn farthest(edges: &[Edge], others: &[Edge]) -> f64 {
     alone.map(distance).fold(0.0, f64::max)
 }
 
-/// Adds shifted copies of the triangles within `margin` [m] of the two planes. Corners on the upper plane get exactly
-/// the coordinates of the equal corners on the lower plane, plus one period.
+/// Adds shifted copies of the triangles within `margin` [m] of the two planes. A corner on the upper plane gets the
+/// coordinates of the equal corner on the lower plane, plus exactly one period.
 fn continue_along(heap: &mut TriangleList, sides: &OpenEnds, same: &FxHashMap<[u64; 3], Vector3<f64>>, margin: f64) {
     let (axis, period) = (sides.axis, sides.period);
     let shifted = |corner: &Vector3<f64>| {
@@ -197,7 +197,8 @@ fn continue_along(heap: &mut TriangleList, sides: &OpenEnds, same: &FxHashMap<[u
 mod tests {
     use super::*;
 
-    /// A floor of 4 by 4 squares of two triangles over 8 by 6 m; `height` returns its height at each corner.
+    /// Makes a floor of 4 by 4 squares, each of two triangles, over 8 by 6 m; `height` returns the height [m] at a
+    /// corner.
     fn floor(height: impl Fn(f64, f64) -> f64) -> TriangleList {
         let at = |i: u32, k: u32| {
             let (x, z) = (2.0 * f64::from(i), 1.5 * f64::from(k));
@@ -233,7 +234,7 @@ mod tests {
         assert!(step.axis == 0 && (step.step - 0.08).abs() < 1e-12, "{step:?}");
         let found = continued(&tilted, [None, None, Some(6.0)], 2.0).unwrap();
         assert_eq!(found.spans, [false, false, true]);
-        // the surface is shorter than the period
+        // this surface is shorter than the period
         let found = continued(&tilted, [Some(9.0), None, None], 2.0).unwrap();
         assert_eq!((found.spans, found.heap.len()), ([false; 3], tilted.len()));
     }

@@ -8,15 +8,15 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
-/// [-] height over the longest edge below which a triangle counts as degenerate, since its normal would be determined
-/// by rounding. The rounding of a file in single precision is 6e-8.
+/// [-] height of a triangle over its longest edge, below which the triangle counts as degenerate, since rounding would
+/// determine its normal. The rounding of a file in single precision is 6e-8.
 const THINNEST: f64 = 1e-9;
-/// [-] depth of a neighbour's far corner below a triangle, over the longest edge. At larger depths a sphere can touch
-/// their common edge without touching the triangles. Flatter edges need no test, because triangles count as larger by
-/// [`COVER`](super::sweep::COVER).
+/// [-] depth of a neighbour's far corner below the plane of a triangle, over the longest edge. At larger depths a
+/// sphere can touch the common edge of both without touching their faces, so the edge is tested. Flatter edges need no
+/// test, because triangles count as larger by [`COVER`](super::sweep::COVER).
 const SHARP: f64 = 1e-12;
 
-/// Side of the surface on which particles are.
+/// Side of the surface on which the particles are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Sides {
@@ -37,15 +37,15 @@ pub struct Findings {
     pub degenerate: (usize, usize),
     /// Triangles with the corners of an earlier one, which are removed: their number, and the number of the first.
     pub duplicate: (usize, usize),
-    /// Triangles that faced the other way than their neighbours, which are flipped: their number, and the number of the
+    /// Triangles that faced the other way than their neighbours, and are flipped: their number, and the number of the
     /// first.
     pub turned: (usize, usize),
-    /// True if a closed part that is inside no other part, or inside an even number of parts, faced inwards and was
-    /// flipped.
+    /// True if a closed part that should face outwards faced inwards, and was flipped. Such a part is inside no other
+    /// part, or inside an even number of parts.
     pub inside_out: bool,
-    /// Closed parts inside others.
+    /// Closed parts of the surface that are inside others.
     pub nested: Nested,
-    /// Number of edges with only one triangle, at which the surface is open.
+    /// Number of edges that belong to only one triangle; the surface is open at these edges.
     pub open_edges: usize,
     /// Number of edges with more than two triangles.
     pub crowded_edges: usize,
@@ -54,7 +54,7 @@ pub struct Findings {
 }
 
 impl Findings {
-    /// True if the surface has an inside and an outside.
+    /// True if the surface is closed, so that it has an inside and an outside.
     pub fn is_closed(&self) -> bool {
         self.open_edges + self.crowded_edges + self.twisted_edges == 0
     }
@@ -68,15 +68,15 @@ pub enum Fault {
     NotFinite {
         /// Number of triangles with such corners.
         count: usize,
-        /// Number of triangles given.
+        /// Number of triangles in the list.
         given: usize,
-        /// Number of the first triangle with such a corner.
+        /// Number of the first triangle with such a corner, counted from 1.
         first: usize,
     },
-    /// No triangle has an area.
+    /// All triangles are degenerate, so there is no surface.
     #[error("it has no triangles with an area ({given} were given)")]
     Empty {
-        /// Number of triangles given.
+        /// Number of triangles in the list.
         given: usize,
     },
     /// The surface is not closed, so it has no inside.
@@ -87,29 +87,29 @@ pub enum Fault {
     NotClosed(Findings),
 }
 
-/// One triangle, with data on its neighbours.
+/// One triangle of a surface, with data on its neighbours.
 #[derive(Clone, Debug)]
 pub struct Face {
     /// Indices of the corners, counter-clockwise seen from the particles.
     pub corners: [u32; 3],
     /// [-] unit normal, towards the particles; for a sheet, towards one of its sides.
     pub normal: Vector3<f64>,
-    /// [-] for each edge, the unit vector in the plane of the triangle, perpendicular to the edge, that points into the
-    /// triangle.
+    /// [-] inward unit vector of each edge. The vector is in the plane of the triangle and perpendicular to the edge.
     pub inward: [Vector3<f64>; 3],
-    /// For each edge, a range of indices in [`TriangleSurface::ways`]. The unit vectors there point across the edge
+    /// Ranges of indices in [`TriangleSurface::ways`], one per edge. The unit vectors in a range point across the edge
     /// into the neighbouring triangles.
     pub beyond: [Range<u32>; 3],
     /// [-] pseudo-normal of each edge: the sum of the normals of the triangles that meet at the edge.
     pub at_edge: [Vector3<f64>; 3],
-    /// Edges (bits 0 to 2) and corners (bits 3 to 5) for which this triangle is tested. A sphere can touch them without
-    /// touching the inside of a triangle, and no earlier triangle tests them.
+    /// Bit mask of the edges (bits 0 to 2) and corners (bits 3 to 5) that are tested for touch together with this
+    /// triangle. A sphere can touch them without touching the face of a triangle, and no earlier triangle is
+    /// responsible for them.
     pub own: u8,
-    /// [m] length of the longest edge.
+    /// [m] length of the longest edge of the triangle.
     pub longest: f64,
 }
 
-/// Triangles with data on their neighbours.
+/// A surface of triangles with data on their neighbours.
 #[derive(Clone, Debug)]
 pub struct TriangleSurface {
     /// [m] corner points of the triangles.
@@ -121,22 +121,23 @@ pub struct TriangleSurface {
     /// [-] pseudo-normal of each point: the sum of the normals of the triangles that meet at the point, weighted by
     /// their angles.
     pub at_point: Vec<Vector3<f64>>,
-    /// Index ranges of the neighbouring points of point p: `beside[from_point[p] .. from_point[p + 1]]`.
+    /// Ranges of indices in `beside`: the neighbouring points of point p are `beside[from_point[p] .. from_point[p +
+    /// 1]]`.
     pub from_point: Vec<u32>,
-    /// Neighbouring points of all points, see [`from_point`](Self::from_point).
+    /// Neighbouring points of all points, grouped by point as described at [`from_point`](Self::from_point).
     pub beside: Vec<u32>,
 }
 
 /// Triangles as three point indices, each with the triangle's number in the file.
 pub(super) type Numbered = Vec<([u32; 3], usize)>;
 
-/// Triangles at each edge. The key is the two points of the edge in ascending order. The value lists the index of each
-/// triangle, and the number of the edge in it.
+/// Table of the triangles at each edge. The key contains the two point indices of the edge in ascending order. The
+/// value lists the index of each triangle, and the number of the edge in that triangle.
 pub(super) type Edges = FxHashMap<[u32; 2], Vec<(u32, usize)>>;
 
 impl TriangleSurface {
-    /// Makes a surface of triangles given by their corners [m]. Without `sides` a closed surface is a solid body, and
-    /// an open one a thin sheet.
+    /// Makes a surface of triangles, given by their corners [m]. With `None` for `sides`, a closed surface is a solid
+    /// body, and an open one a thin sheet.
     ///
     /// # Errors
     /// If the triangles do not form a surface, or if `sides` requires an inside and the surface has none.
@@ -165,7 +166,7 @@ impl TriangleSurface {
         Ok((Self::connect(points, &corners, sides), sides, findings))
     }
 
-    /// Computes the data of every triangle, edge and corner that the engines need.
+    /// Computes the data of every triangle, edge and corner that are required to find contacts.
     fn connect(points: Vec<Vector3<f64>>, corners: &[[u32; 3]], sides: Sides) -> Self {
         let mut faces: Vec<Face> = corners.iter().map(|corners| plain(&points, *corners)).collect();
         let numbered: Numbered = corners.iter().map(|corners| (*corners, 0)).collect();
@@ -200,7 +201,7 @@ impl TriangleSurface {
         Self { points, faces, ways, at_point, from_point, beside }
     }
 
-    /// True if all points are connected by edges.
+    /// True if the surface is connected: all points are connected by edges.
     pub fn is_one_part(&self) -> bool {
         let mut seen = vec![false; self.points.len()];
         let mut waiting = vec![0];
@@ -214,7 +215,7 @@ impl TriangleSurface {
         seen.into_iter().all(|seen| seen)
     }
 
-    /// [m] corners of the triangle at the index `face`.
+    /// [m] corners of the triangle with the index `face`.
     #[inline]
     pub fn corners(&self, face: usize) -> [Vector3<f64>; 3] {
         self.faces[face].corners.map(|corner| self.points[corner as usize])
@@ -230,13 +231,13 @@ fn refuse_not_finite(heap: &[[Vector3<f64>; 3]]) -> Result<(), Fault> {
     }
 }
 
-/// Counts one defect, and stores the number of its triangle if it is the first.
+/// Adds one to the number of a defect, and stores the number of the triangle if the defect is the first.
 pub(super) fn count(found: &mut (usize, usize), number: usize) {
     *found = (found.0 + 1, if found.0 == 0 { number } else { found.1 });
 }
 
-/// Merges equal points. Returns the points, and the triangles as point indices with their numbers. Degenerate and
-/// duplicate triangles are removed.
+/// Merges equal corners of triangles. Returns the points, and the triangles as point indices with their numbers.
+/// Degenerate and duplicate triangles are removed and counted.
 fn weld(heap: &[[Vector3<f64>; 3]], findings: &mut Findings) -> (Vec<Vector3<f64>>, Numbered) {
     let (mut points, mut triangles) = (Vec::new(), Vec::new());
     let mut known: FxHashMap<[u64; 3], u32> = FxHashMap::default();
@@ -267,7 +268,7 @@ fn weld(heap: &[[Vector3<f64>; 3]], findings: &mut Findings) -> (Vec<Vector3<f64
     (points, triangles)
 }
 
-/// The two points of an edge in ascending order.
+/// The two point indices of an edge in ascending order.
 fn key(corners: &[u32; 3], edge: usize) -> [u32; 2] {
     let (a, b) = (corners[edge], corners[(edge + 1) % 3]);
     [a.min(b), a.max(b)]
@@ -283,7 +284,7 @@ fn edges(triangles: &[([u32; 3], usize)]) -> Edges {
     edges
 }
 
-/// A triangle before the data on its neighbours are computed.
+/// Makes a triangle without data on its neighbours.
 fn plain(points: &[Vector3<f64>], corners: [u32; 3]) -> Face {
     let at = corners.map(|corner| points[corner as usize]);
     let normal = (at[1] - at[0]).cross(&(at[2] - at[0])).normalize();
@@ -299,8 +300,8 @@ fn plain(points: &[Vector3<f64>], corners: [u32; 3]) -> Face {
     }
 }
 
-/// True if a sphere can touch an edge without touching the inside of one of its triangles. False where the surface is
-/// flat or, seen from the particles, concave.
+/// True if a sphere can touch an edge without touching the face of one of its triangles. The result is false where the
+/// surface is flat or, seen from the particles, concave.
 fn is_sharp(points: &[Vector3<f64>], faces: &[Face], there: &[(u32, usize)], sides: Sides) -> bool {
     let [(a, of_a), (b, of_b)] = there[..] else { return true };
     let (face, other) = (&faces[a as usize], &faces[b as usize]);
@@ -313,7 +314,7 @@ fn is_sharp(points: &[Vector3<f64>], faces: &[Face], there: &[(u32, usize)], sid
     }
 }
 
-/// Pseudo-normals of the points, and the neighbouring points of each as in [`TriangleSurface`].
+/// Computes the pseudo-normals of all points, and the lists of neighbouring points in the form of [`TriangleSurface`].
 fn around_points(points: &[Vector3<f64>], faces: &[Face]) -> (Vec<Vector3<f64>>, Vec<u32>, Vec<u32>) {
     let mut normals = vec![Vector3::zeros(); points.len()];
     let mut beside: Vec<Vec<u32>> = vec![Vec::new(); points.len()];

@@ -1,10 +1,9 @@
-//! Time at which a flying sphere touches a surface of triangles. Faces are treated as planes, edges as cylinders and
-//! corners as spheres.
+//! Time at which a flying sphere touches a surface of triangles. The centre of the sphere then reaches a plane above a
+//! face, a cylinder about an edge, or a sphere about a corner.
 //!
-//! Planes above the triangles, cylinders about the edges and spheres about the corners bound the positions of the
-//! centre of a sphere. For each triangle its face is tested, and those edges and corners that it handles. Where the
-//! surface is flat or concave, edges need no test: the faces there count as slightly larger, so that no crack is left
-//! between them.
+//! The planes, cylinders and spheres bound the positions that the centre can reach. For each triangle its face is
+//! tested, with those edges and corners for which the triangle is responsible. Where the surface is flat or concave,
+//! edges need no test: the faces there count as slightly larger, so that no crack is left between them.
 
 use super::surface::{Face, Sides};
 use super::tree::TriangleFeature;
@@ -12,12 +11,12 @@ use super::{Mesh, Nearest};
 use crate::walls::{Flight, Touch, convex, first_touch};
 use nalgebra::Vector3;
 
-/// [-] width by which a triangle is enlarged at each edge, over its longest edge.
+/// [-] width by which a triangle is enlarged at each edge, divided by its longest edge.
 pub(super) const COVER: f64 = 1e-10;
-/// [-] overlap over the radius that counts as rounding of a touch.
+/// [-] overlap over the radius, below which the overlap counts as rounding of a touch.
 const TOUCHING: f64 = 1e-9;
 
-/// A face, edge or corner of a triangle, encoded as one number.
+/// Number that encodes a face, an edge or a corner of a triangle.
 fn numbered(face: u32, place: TriangleFeature) -> u32 {
     face * 8
         + match place {
@@ -28,8 +27,8 @@ fn numbered(face: u32, place: TriangleFeature) -> u32 {
 }
 
 impl Mesh {
-    /// First touch of a sphere of `radius` [m] within `until` [s], with the number of the face, edge or corner that is
-    /// touched.
+    /// First touch of a sphere of `radius` [m] within the time `until` [s], with the number of the face, edge or corner
+    /// that is touched.
     pub(super) fn sweep(&self, flight: &Flight, radius: f64, until: f64) -> Option<Touch> {
         let end = flight.position_at(until);
         // largest distance between the path of a falling sphere and the straight line between its ends
@@ -44,7 +43,8 @@ impl Mesh {
             let least = first.map_or(until, |touch| touch.time);
             self.touches(face, flight, radius, least, |time, place| {
                 let place = numbered(face, place);
-                // touches at equal times are ordered by their numbers, so that runs are repeatable
+                // the earlier of two touches, and at equal times the one with the lower number, so that runs are
+                // repeatable
                 if first.is_none_or(|touch| (time, place) < (touch.time, touch.place)) {
                     first = Some(Touch { time, place });
                 }
@@ -53,7 +53,8 @@ impl Mesh {
         first
     }
 
-    /// Distance and normal of `point` [m] from the face, edge or corner with a number from [`numbered`].
+    /// Distance [m] and normal of `point` [m] relative to a face, edge or corner, which is given by its number from
+    /// [`numbered`].
     pub(super) fn at(&self, number: u32, point: &Vector3<f64>) -> Nearest {
         let face = &self.surface.faces[number as usize / 8];
         let corner = |k: u32| self.surface.points[face.corners[k as usize % 3] as usize];
@@ -74,7 +75,7 @@ impl Mesh {
         Nearest { distance, normal: if distance > 0.0 { out / distance } else { face.normal } }
     }
 
-    /// Calls `visit` with the time and the feature of each touch of one triangle up to `until` [s].
+    /// Calls `visit` with the time [s] and the touched feature for each touch of one triangle up to `until` [s].
     fn touches(
         &self,
         number: u32,
@@ -102,7 +103,7 @@ impl Mesh {
                     visit(time, end.map_or(TriangleFeature::Edge(k), |end| TriangleFeature::Corner((k + end) % 3)));
                 }
             }
-            // with gravity, the test of an edge includes its end points
+            // with gravity, the test of an edge includes its end points, so corners are not tested separately
             if !falls && face.own & 8 << k != 0 {
                 let apart = flight.position - corners[k];
                 let time = first_touch(&apart, &flight.velocity, radius, flight.velocity.norm());
@@ -114,7 +115,7 @@ impl Mesh {
     }
 }
 
-/// [s] time at which a sphere on the side of `normal` reaches the plane of a triangle from above; `None` if it misses
+/// [s] time at which a sphere touches the face of a triangle from the side of the normal; `None` if the sphere misses
 /// the triangle.
 fn on_face(
     normal: &Vector3<f64>,
@@ -141,7 +142,8 @@ fn on_face(
     covers(way_down(gap, speed, fall)?)
 }
 
-/// [s] time t > 0 at which gap + speed t + fall t²/2 changes from positive to negative; there is at most one.
+/// [s] first time t > 0 at which gap + speed t + fall t²/2 falls from positive to negative values; `None` if there is
+/// no such time.
 fn way_down(gap: f64, speed: f64, fall: f64) -> Option<f64> {
     let discriminant = speed * speed - 2.0 * fall * gap;
     if discriminant < 0.0 {
@@ -158,7 +160,7 @@ fn way_down(gap: f64, speed: f64, fall: f64) -> Option<f64> {
     }
 }
 
-/// True if the projection of a point lies in the slightly enlarged triangle.
+/// True if the projection of a point [m] onto the plane of a triangle lies in the slightly enlarged triangle.
 fn is_above(face: &Face, corners: &[Vector3<f64>; 3], point: &Vector3<f64>) -> bool {
     let least = -COVER * face.longest;
     face.inward.iter().zip(corners).all(|(inward, corner)| inward.dot(&(point - corner)) >= least)

@@ -1,5 +1,4 @@
-//! A tree of boxes around the triangles of a mesh, and the nearest point of one triangle, both through the library
-//! parry.
+//! A tree of boxes around the triangles of a mesh, and the nearest point of one triangle, both with the library parry.
 
 use nalgebra::Vector3;
 use parry3d_f64::bounding_volume::Aabb;
@@ -8,17 +7,17 @@ use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy, BvhNode};
 use parry3d_f64::query::PointQueryWithLocation;
 use parry3d_f64::shape::{Triangle, TrianglePointLocation};
 
-/// [-] relative error of a squared distance by which a box may seem farther than its triangle.
+/// [-] relative rounding error of a squared distance, by which a box may appear farther away than its triangle.
 const ROUNDING: f64 = 1e-12;
 
-/// Feature of a triangle on which a point lies.
+/// Feature (face, edge or corner) of a triangle on which a point lies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TriangleFeature {
     /// The inside of the triangle.
     Face,
-    /// An edge, from the corner with this number to the next.
+    /// The edge from the corner with this number (0 to 2) to the next corner.
     Edge(usize),
-    /// The corner with this number.
+    /// The corner with this number (0 to 2).
     Corner(usize),
 }
 
@@ -39,27 +38,27 @@ impl Tree {
         Self(Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes))
     }
 
-    /// Calls `visit` with every triangle whose box is within `reach` [m] of a point [m] along each axis.
+    /// Calls `visit` with the index of every triangle whose box is within `reach` [m] of a point [m] along each axis.
     pub fn for_each_near(&self, point: &Vector3<f64>, reach: f64, mut visit: impl FnMut(u32)) {
         let half = ParryVector::splat(reach);
         let around = Aabb::new(to_parry(point) - half, to_parry(point) + half);
         self.0.intersect_aabb(&around).for_each(&mut visit);
     }
 
-    /// Triangles whose box is within `reach` [m] of a point [m], up to rounding.
+    /// Indices of the triangles whose box is within `reach` [m] of a point [m], up to rounding.
     pub fn within(&self, point: &Vector3<f64>, reach: f64) -> impl Iterator<Item = u32> + '_ {
         let (point, square) = (to_parry(point), reach * reach * (1.0 + ROUNDING));
         self.0.leaves(move |node| square_distance(node, point) <= square)
     }
 
-    /// True if some box is within `reach` [m] of a point [m].
+    /// True if any box is within `reach` [m] of a point [m].
     pub fn is_near(&self, point: &Vector3<f64>, reach: f64) -> bool {
         let point = to_parry(point);
         self.0.leaves(|node| square_distance(node, point) <= reach * reach).next().is_some()
     }
 
-    /// Calls `visit` with every triangle whose box, enlarged by `reach` [m] on all sides, meets the straight line
-    /// from `from` to `to` [m].
+    /// Calls `visit` with the index of every triangle whose box, enlarged by `reach` [m] on all sides, intersects the
+    /// straight line from `from` to `to` [m].
     pub fn for_each_along(&self, from: &Vector3<f64>, to: &Vector3<f64>, reach: f64, visit: impl FnMut(u32)) {
         let (from, way) = (to_parry(from), to_parry(&(to - from)));
         let inverse = ParryVector::new(1.0 / way.x, 1.0 / way.y, 1.0 / way.z);
@@ -82,9 +81,9 @@ impl Tree {
         self.0.leaves(meets).for_each(visit);
     }
 
-    /// The triangle for which `distance` [m] is smallest, and this distance; `None` if it is not below `reach` [m]. The
-    /// function `distance` must return the distance of a triangle from the point [m]. It is not called for triangles
-    /// whose box is farther than the smallest distance so far.
+    /// Finds the triangle nearest to a point [m], and its distance [m]; `None` if no distance is below `reach` [m]. The
+    /// function `distance` must return the distance of a triangle from the point. It is not called for triangles whose
+    /// box is farther away than the smallest distance so far.
     pub fn closest(&self, point: &Vector3<f64>, reach: f64, distance: impl Fn(u32) -> f64) -> Option<(u32, f64)> {
         let point = to_parry(point);
         self.0.find_best(
@@ -102,7 +101,7 @@ pub fn on_triangle(corners: &[Vector3<f64>; 3], point: &Vector3<f64>) -> (Vector
     let nearest = Vector3::new(projection.point.x, projection.point.y, projection.point.z);
     let place = match location {
         TrianglePointLocation::OnVertex(corner) => TriangleFeature::Corner(corner as usize),
-        // parry numbers the edges as this program does: ab, bc, ca
+        // parry numbers the edges in the order of this program: ab, bc, ca
         TrianglePointLocation::OnEdge(edge, _) => TriangleFeature::Edge(edge as usize),
         TrianglePointLocation::OnFace(..) | TrianglePointLocation::OnSolid => TriangleFeature::Face,
     };
