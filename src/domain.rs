@@ -18,7 +18,8 @@ pub struct Domain {
     /// is nearer.
     #[serde(skip)]
     pub(crate) half: Vector3<f64>,
-    /// [m²] square of the shortest half edge: if a particle is within this distance, no image of it is nearer.
+    /// [m²] square of the shortest half edge: if a particle is within this distance of another, none of its images is
+    /// nearer.
     #[serde(skip)]
     direct: f64,
 }

@@ -38,7 +38,7 @@ impl std::fmt::Display for Partner {
 /// The second body of a couple: the body that a particle may meet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Other {
-    /// Another particle, by index in the store.
+    /// Another particle, by its index in the store.
     Particle(u32),
     /// One of the contacts that a wall may have with a sphere.
     Wall(AtWall),

@@ -35,9 +35,9 @@ fn undamped(spring: &Spring) -> f64 {
     (0.8 * spring.stiffness / spring.effective_mass).sqrt() // 4/5, Antypov and Elliott
 }
 
-/// Time [s], overlap [m] and rate of w = δ^(5/4), per unit of the oscillator's time, along an impact at a normal speed
-/// [m/s]. The points are the ends of `POINTS` intervals of the oscillator's phase. Intervals are short at both ends,
-/// because time is singular there as a function of the phase.
+/// Time [s], overlap [m] and rate of the overlap [m/s] along an impact at a normal speed [m/s]. The rate equals dw/ds.
+/// The points are the ends of `POINTS` intervals of the oscillator's phase. Intervals are short at both ends, because
+/// time is singular there as a function of the phase.
 fn path(spring: &Spring, speed: f64) -> Vec<[f64; 3]> {
     let ratio = damping_ratio(spring.restitution);
     let damped = undamped(spring) * (1.0 - ratio * ratio).sqrt();

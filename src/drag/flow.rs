@@ -9,15 +9,15 @@
 /// Number of midpoint sequences, which have 2, 4, ..., 12 substeps. Extrapolation from six sequences is of twelfth
 /// order in the step.
 const SEQUENCES: usize = 6;
-/// [-] error allowed in one step, as a share of |L| at the end of the step. It is ten times smaller than the promised
-/// 1e-12, because the errors of several steps add up.
+/// [-] error allowed in one step, divided by |L| at the end of the step. It is ten times smaller than the documented
+/// accuracy of 1e-12, because the errors of several steps add up.
 const TOLERANCE: f64 = 1e-13;
-/// [-] shortest step, as a share of the time integrated so far. A shorter step would be lost in rounding. Where the
-/// response time jumps, steps become this short, and the error is the jump times this share.
+/// [-] shortest step, divided by the time integrated so far. A shorter step would be lost in rounding. Where the
+/// response time jumps, steps become this short, and the error is the jump times this ratio.
 const SHORTEST: f64 = 8.0 * f64::EPSILON;
 
-/// [-] solution L after `duration` [s] of dL/dt = `rate`(L) [1/s] from L = 0, with a relative error of 1e-12. Returns
-/// not-a-number if `rate` does.
+/// [-] solution L after `duration` [s] of dL/dt = `rate`(L), with L = 0 at the start and the rate in 1/s. The relative
+/// error is 1e-12. Returns not-a-number if `rate` does.
 pub(super) fn integrate(rate: &dyn Fn(f64) -> f64, duration: f64) -> f64 {
     let (mut time, mut log) = (0.0, 0.0);
     let mut step = duration.min(1.0 / rate(0.0).abs());
@@ -36,17 +36,17 @@ pub(super) fn integrate(rate: &dyn Fn(f64) -> f64, duration: f64) -> f64 {
             time = if last { duration } else { time + step };
         }
         // the error of a step is proportional to its length to the power 2 SEQUENCES - 1; the factor 0.9 makes it
-        // unlikely that the next step has to be repeated
+        // unlikely that the next step must be repeated
         let factor = 0.9 * (allowed / error).powf(1.0 / (2 * SEQUENCES - 1) as f64);
-        // an error of 0 gives the largest factor, 4; so does 0/0, which occurs if L does not change at all
+        // an error of 0 gives the largest factor, 4; so does 0/0, which occurs if L does not change
         step *= if factor.is_nan() { 4.0 } else { factor.clamp(0.1, 4.0) };
     }
     log
 }
 
-/// [-] change of L in one step from `start`, and its error: the difference from the extrapolation without the last
-/// sequence. The entries of the last row alone do not measure the error safely: where the law jumps they may agree by
-/// chance.
+/// [-] change of L in one step from `start`, and the error of this change. The error is the difference from the
+/// extrapolation without the last sequence. The last row of the scheme alone does not give a safe error, because its
+/// entries may agree by chance where the law jumps.
 fn extrapolate(rate: &dyn Fn(f64) -> f64, start: f64, step: f64) -> (f64, f64) {
     let first = rate(start);
     // one row of the scheme of Aitken and Neville, which extrapolates in the square of the substep
@@ -65,10 +65,10 @@ fn extrapolate(rate: &dyn Fn(f64) -> f64, start: f64, step: f64) -> (f64, f64) {
     (best, (best - before).abs())
 }
 
-/// [-] change of L over `step` [s] by `substeps` midpoint steps, of which the last two are averaged (Gragg).
+/// [-] change of L over `step` [s] by `substeps` steps of the midpoint rule. The last two values are averaged (Gragg).
 fn midpoint(rate: &dyn Fn(f64) -> f64, (start, first): (f64, f64), step: f64, substeps: usize) -> f64 {
     let h = step / substeps as f64;
-    // values are relative to the start, so that a short step keeps its digits
+    // all values are relative to the start, so that a short step keeps its digits
     let (mut before, mut now) = (0.0, h * first);
     for _ in 1..substeps {
         let next = before + 2.0 * h * rate(start + now);

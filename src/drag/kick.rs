@@ -1,25 +1,25 @@
 //! Drag kick of many particles: the change of the slip velocity in a given time, tabulated over the slip speed.
 //!
 //! The slip velocity is the velocity of a particle relative to the gas. For one sphere and one duration, its relative
-//! change depends on the slip speed w alone. This change is `ratio - 1`, with `ratio` the slip speed after over before.
-//! Evaluating the law costs a power and three exponentials per particle; the table costs a polynomial. The table is
-//! made of pieces. The index of a piece is the leading bits of w² as a floating-point number, exponent first. So every
-//! octave of w² has an equal number of pieces: the table resolves w^0.687 near rest as well as in fast flow. No root
-//! and no logarithm is needed.
+//! change depends on the slip speed w alone. The change is `ratio - 1`, where `ratio` is the slip speed after the kick
+//! divided by that before. Evaluating the law costs a power and three exponentials per particle; with the table, a
+//! polynomial suffices. The table is made of pieces. The index of a piece consists of the leading bits of w² as a
+//! floating-point number, beginning with the exponent. So every octave of w² has an equal number of pieces, and the
+//! table resolves w^0.687 near rest as well as in fast flow. No root and no logarithm is needed.
 
 use super::{Drag, Sphere};
 use nalgebra::{SMatrix, SVector};
 
-/// Number of leading bits of the fraction of w² that choose the piece: 16 pieces per octave of w².
+/// Number of leading bits of the fraction of w² that determine the piece: 16 pieces per octave of w².
 const PIECE_BITS: u32 = 4;
-/// Number of remaining bits of w², which give the position within the piece.
+/// Number of remaining bits of w², which determine the position within the piece.
 const REST_BITS: u32 = f64::MANTISSA_DIGITS - 1 - PIECE_BITS;
-/// [m²/s²] lower end of the table in w², a power of 2: w from 1e-6 m/s.
+/// [m²/s²] lower end of the table in w², a power of 2. It corresponds to w = 1e-6 m/s.
 const LOWEST: f64 = 1.0 / (1_u64 << 40) as f64;
-/// [m²/s²] upper end of the table in w², a power of 2: w to 64 m/s.
+/// [m²/s²] upper end of the table in w², a power of 2. It corresponds to w = 64 m/s.
 const HIGHEST: f64 = 4096.0;
-/// [-] relative error of a piece above which the law itself is evaluated instead. A smooth law gives at most 2e-10; a
-/// piece in which a law switches between two formulas gives about 1e-3.
+/// [-] relative error of a piece above which the law itself is evaluated. For a smooth law the error is at most 2e-10.
+/// In a piece in which a law switches between two formulas, it is about 1e-3.
 const TOLERANCE: f64 = 5e-10;
 
 /// Number of coefficients of the polynomial of a piece.
@@ -30,8 +30,8 @@ const NODES: [f64; TERMS] = [0.0, 0.146_446_609_406_726_24, 0.5, 0.853_553_390_5
 /// Positions in a piece at which the interpolation error is largest, and is checked.
 const CHECKS: [f64; TERMS - 1] = [0.05, 0.32, 0.68, 0.95];
 
-/// Coefficients [-] of the polynomial of a piece, constant term first. The variable is the position within the piece, 0
-/// to 1. All coefficients are not-a-number in a piece in which the law switches between two formulas.
+/// Coefficients [-] of the polynomial of a piece, constant term first. The variable is the position within the piece,
+/// from 0 to 1. All coefficients are not-a-number if the law switches between two formulas within the piece.
 type Piece = [f64; TERMS];
 
 /// Change of the slip velocity by drag alone, over a given time, for spheres of each species.
@@ -40,12 +40,12 @@ pub struct Kick {
     law: Drag,
     duration: f64,
     species: Vec<SpeciesTable>,
-    /// [m] diameter of the `sphere` of each species whose particles differ in size, and `None` for other species. Empty
-    /// if no species has particles of different sizes.
+    /// [m] diameter of the sphere in `SpeciesTable` of each species whose particles differ in size; `None` for other
+    /// species. The list is empty if no species has particles of different sizes.
     spread: Vec<Option<f64>>,
 }
 
-/// Sphere of one species, and the table made for it. The table is empty if the law is to be evaluated directly.
+/// Sphere of one species, and the table made for it. An empty table means that the law itself is evaluated.
 #[derive(Clone, Debug)]
 struct SpeciesTable {
     sphere: Sphere,
@@ -53,27 +53,28 @@ struct SpeciesTable {
 }
 
 impl Kick {
-    /// A kick over `duration` [s] that evaluates the law itself: for few particles, or as the reference.
+    /// Makes a kick over `duration` [s] that evaluates the law itself. It is used for few particles, or as the
+    /// reference.
     pub fn exact(law: &Drag, spheres: &[Sphere], duration: f64) -> Self {
         let species = spheres.iter().map(|&sphere| SpeciesTable { sphere, pieces: Vec::new() }).collect();
         Self { law: law.clone(), duration, species, spread: Vec::new() }
     }
 
-    /// Adds the sizes of species whose particles differ in diameter. For each such species `diameters` holds the
-    /// diameter [m] of its `Sphere`. A table holds for one size only, so for particles of these species the law itself
-    /// is evaluated.
+    /// Adds the sizes of species whose particles differ in diameter. For each such species `diameters` contains the
+    /// diameter [m] of its `Sphere`. A table is valid for one size only, so the law itself is evaluated for particles
+    /// of these species.
     pub fn with_sizes(mut self, diameters: Vec<Option<f64>>) -> Self {
         self.spread = diameters;
         self
     }
 
-    /// True if the change depends on the sizes of particles, not on their species alone.
+    /// True if the change depends on the size of each particle, not on its species alone.
     pub fn asks_sizes(&self) -> bool {
         self.spread.iter().any(Option::is_some)
     }
 
-    /// A kick by a table of the law, accurate to 5e-10 of the change. Making the table takes as long as evaluating the
-    /// law for about 10⁴ particles.
+    /// Makes a kick with a table of the law, accurate to 5e-10 of the change. Making the table takes as long as
+    /// evaluating the law for about 10⁴ particles.
     pub fn tabulated(law: &Drag, spheres: &[Sphere], duration: f64) -> Self {
         let mut kick = Self::exact(law, spheres, duration);
         // a Vandermonde matrix of distinct nodes is invertible
@@ -98,14 +99,14 @@ impl Kick {
         self.duration
     }
 
-    /// [-] change of the slip velocity over the slip velocity, in [-1, 0]; `square` [m²/s²] is the square of the slip
-    /// speed.
+    /// [-] change of the slip velocity divided by the slip velocity, in [-1, 0]. `square` [m²/s²] is the square of the
+    /// slip speed.
     #[inline]
     pub fn change(&self, species: u16, square: f64) -> f64 {
         let species = &self.species[species as usize];
         let place = leading(square).wrapping_sub(leading(LOWEST));
         if let Some(piece) = species.pieces.get(place as usize) {
-            // the remaining bits of the fraction, as the fraction of a number in [1, 2)
+            // the remaining bits of the fraction become the fraction of a number in [1, 2)
             let rest = (square.to_bits() << PIECE_BITS) & ((1 << (f64::MANTISSA_DIGITS - 1)) - 1);
             let change = value(piece, f64::from_bits(rest | 1.0_f64.to_bits()) - 1.0);
             if !change.is_nan() {
@@ -115,8 +116,8 @@ impl Kick {
         self.by_law(species, square)
     }
 
-    /// [-] change of the slip velocity over the slip velocity for a sphere of `radius` [m]. It serves species whose
-    /// particles differ in size; for other species it equals [`change`](Self::change).
+    /// [-] change of the slip velocity divided by the slip velocity, for a sphere of `radius` [m]. The function is
+    /// needed for species whose particles differ in size; for other species the result equals [`change`](Self::change).
     #[inline]
     pub fn change_of(&self, species: u16, radius: f64, square: f64) -> f64 {
         match self.spread.get(usize::from(species)) {
@@ -128,14 +129,14 @@ impl Kick {
         }
     }
 
-    /// [-] change of the slip velocity over the slip velocity by the law itself, without the table.
+    /// [-] change of the slip velocity divided by the slip velocity, computed by the law itself without the table.
     #[cold]
     fn by_law(&self, species: &SpeciesTable, square: f64) -> f64 {
         self.law.law().change(&species.sphere, square.sqrt(), self.duration)
     }
 }
 
-/// Exponent and leading bits of the fraction of `square`: the number that determines the piece.
+/// Exponent and leading bits of the fraction of `square` as an integer, which determines the piece.
 #[inline]
 fn leading(square: f64) -> u64 {
     square.to_bits() >> REST_BITS
@@ -155,7 +156,7 @@ mod tests {
 
     const LAW: Drag = Drag::SchillerNaumann(SchillerNaumann);
 
-    /// The paper's spheres of 406 um and 1.5 mm in air.
+    /// The paper's spheres of 406 µm and 1.5 mm in air.
     const SPHERES: [Sphere; 2] = [
         Sphere { stokes_time: 0.520_687_601, reynolds_per_speed: 406e-6 / 1.515e-5 },
         Sphere { stokes_time: 7.066_266_793, reynolds_per_speed: 1.5e-3 / 1.515e-5 },
@@ -172,7 +173,7 @@ mod tests {
                     .collect();
                 let switch = leading((1000.0 / sphere.reynolds_per_speed).powi(2));
                 assert!(left.contains(&switch), "{duration} s: the jump at Re = 1000 was not seen");
-                // in a long kick, particles from further above the switch cross it too
+                // in a long kick, particles from a wider range above the switch cross it too
                 assert!(left.len() <= 3, "{duration} s: {} pieces", left.len());
                 assert_eq!(species.pieces.len(), 52 * 16);
             }

@@ -1,10 +1,10 @@
 //! Drag: the force with which the gas pushes a sphere.
 //!
-//! Between two collisions drag is the only force that changes a particle's velocity relative to the gas. The gas
-//! velocity is kept constant for the length of one kick. The slip velocity then keeps its direction. Its magnitude w
-//! [m/s] obeys one scalar equation, dw/dt = -w/τ(w), with τ the response time [s]. The exact solution is stable for any
-//! length of the kick, and two half-kicks in a row equal one whole kick. A law gives this solution in closed form where
-//! it has one; otherwise the equation is integrated numerically to 1e-12.
+//! Between two collisions drag is the only force that changes a particle's velocity relative to the gas. During one
+//! kick the gas velocity is taken as constant. The slip velocity then keeps its direction. Its magnitude w [m/s] obeys
+//! one scalar equation, dw/dt = -w/τ(w), with τ the response time [s]. The exact solution is stable for any length of
+//! the kick, and two successive half-kicks equal one whole kick. A law with a closed form of the solution returns it;
+//! otherwise the equation is integrated numerically to 1e-12.
 //!
 //! To add a law, write one file with `impl DragLaw`. Then add a `mod` line, a variant of [`Drag`] and an arm of `law`.
 
@@ -31,15 +31,15 @@ pub struct Sphere {
 }
 
 impl Sphere {
-    /// A sphere of equal material in the same gas, `ratio` [-] times as large: τ ∝ d², Re ∝ d.
+    /// Returns a sphere of equal material in the same gas that is `ratio` [-] times as large: τ ∝ d², Re ∝ d.
     #[inline]
     pub fn scaled(&self, ratio: f64) -> Self {
         Self { stokes_time: self.stokes_time * ratio * ratio, reynolds_per_speed: self.reynolds_per_speed * ratio }
     }
 }
 
-/// A drag law for a sphere. An implementation must give name, parameters and response time; all else is computed from
-/// these by default.
+/// A drag law for a sphere. An implementation must define name, parameters and response time. By default all other
+/// quantities are computed from these.
 ///
 /// ```
 /// use diptych::drag::{DragLaw, Sphere, Stokes};
@@ -67,14 +67,15 @@ impl Sphere {
 /// assert!((left - Stokes.decay(&sphere, 3.0, 0.2)).abs() < 1e-12);
 /// ```
 pub trait DragLaw: std::fmt::Debug + Send + Sync {
-    /// Name by which a case chooses the law and by which results call it.
+    /// Name of the law in cases and in results.
     fn name(&self) -> &'static str;
 
-    /// Names and values [SI] of all parameters of the law; empty if it has none. Laws are compared, and runs are
-    /// recognised, by name and parameters. So parameters that differ between two laws of one name must all be listed.
+    /// Names and values [SI] of all parameters of the law; empty if there are none. Laws are compared, and stored runs
+    /// are recognised, by name and parameters. So all parameters must be listed in which two laws of one name may
+    /// differ.
     fn parameters(&self) -> Vec<(&'static str, f64)>;
 
-    /// [s] response time τ(w) = slip speed / deceleration at slip speed `slip` >= 0 [m/s]; > 0.
+    /// [s] response time τ(w) > 0: slip speed over deceleration, at slip speed `slip` >= 0 [m/s].
     fn response_time(&self, sphere: &Sphere, slip: f64) -> f64;
 
     /// Title of the law for use in a sentence.
@@ -82,24 +83,26 @@ pub trait DragLaw: std::fmt::Debug + Send + Sync {
         format!("drag law {}", self.name())
     }
 
-    /// [-] slip Reynolds number from which the user is warned that the law is far outside its fitted range, with the
-    /// text of the warning; `None` if no such number is known.
+    /// [-] slip Reynolds number above which a warning is given, because the law is far outside its fitted range; also
+    /// the text of the warning. `None` if no such number is known.
     fn far(&self) -> Option<(f64, &'static str)> {
         None
     }
 
-    /// [-] ln of the ratio of slip speeds after and before `duration` [s] of drag alone, with the gas velocity
-    /// constant. It is the exact solution of dw/dt = -w/τ(w) from slip speed `slip` >= 0 [m/s], hence -∫dt/τ; <= 0.
+    /// [-] natural logarithm of the ratio of slip speeds, after over before `duration` [s] of drag alone; <= 0. The gas
+    /// velocity is constant, and `slip` >= 0 [m/s] is the initial slip speed w. The logarithm is -∫dt/τ, the exact
+    /// solution of dw/dt = -w/τ(w).
     ///
     /// The logarithm is returned because a kick needs 1 - ratio, for which the ratio itself is not precise enough. A
-    /// law with a closed form overrides this method; by default the equation is integrated to 1e-12 of the result.
+    /// law with a closed form overrides this method. By default the equation is integrated to a relative error of
+    /// 1e-12.
     fn log_decay(&self, sphere: &Sphere, slip: f64, duration: f64) -> f64 {
         flow::integrate(&|log| -1.0 / self.response_time(sphere, slip * log.exp()), duration)
     }
 
-    /// [s] relaxation time τ_l(w) = 1/(d(w/τ)/dw) with which a small change of the slip speed about `slip` >= 0 [m/s]
-    /// decays. The default uses central differences of fourth order over a thousandth of the slip, accurate to 1e-10
-    /// where the law is smooth.
+    /// [s] relaxation time τ_l(w) = 1/(d(w/τ)/dw), with which a small change of the slip speed decays, at slip speed w
+    /// = `slip` >= 0 [m/s]. The default method uses central differences of fourth order over a thousandth of the slip.
+    /// It is accurate to 1e-10 where the law is smooth.
     fn relaxation_time(&self, sphere: &Sphere, slip: f64) -> f64 {
         if slip == 0.0 {
             return self.response_time(sphere, slip);
@@ -115,21 +118,21 @@ pub trait DragLaw: std::fmt::Debug + Send + Sync {
         self.log_decay(sphere, slip, duration).exp()
     }
 
-    /// [-] change of the slip velocity in `duration` [s] over the slip velocity: ratio - 1 to full precision, in [-1,
-    /// 0].
+    /// [-] change of the slip velocity in `duration` [s] divided by the slip velocity. It is ratio - 1 to full
+    /// precision, and lies in [-1, 0].
     fn change(&self, sphere: &Sphere, slip: f64, duration: f64) -> f64 {
         self.log_decay(sphere, slip, duration).exp_m1()
     }
 }
 
-/// The drag law of a gas: one that a case can name, or one that the calling program provides.
+/// The drag law of a gas: one that a case can contain, or one that the calling program defines.
 #[derive(Clone, Debug)]
 pub enum Drag {
     /// The law of Schiller and Naumann (1935), which the paper uses.
     SchillerNaumann(SchillerNaumann),
     /// Stokes drag of creeping flow, whose solution is known in closed form.
     Stokes(Stokes),
-    /// A law that the calling program provides; a case cannot name it.
+    /// A law that the calling program defines; a case cannot contain it.
     Other(Arc<dyn DragLaw>),
 }
 
@@ -146,7 +149,7 @@ impl Drag {
 }
 
 impl PartialEq for Drag {
-    /// Laws with equal names and equal parameters are equal.
+    /// Compares two laws by their names and parameters.
     fn eq(&self, other: &Self) -> bool {
         let (one, other) = (self.law(), other.law());
         one.name() == other.name() && one.parameters() == other.parameters()
@@ -154,7 +157,7 @@ impl PartialEq for Drag {
 }
 
 impl Serialize for Drag {
-    /// Writes a drag law as its name; a law with parameters is written as a table, as in a case.
+    /// Serializes a drag law as its name. A law with parameters is serialized as a table, as in a case.
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let (name, parameters) = (self.law().name(), self.law().parameters());
         if parameters.is_empty() {

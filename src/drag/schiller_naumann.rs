@@ -13,25 +13,26 @@ const PLATEAU: f64 = 0.44;
 /// [-] product C_D Re of Stokes drag.
 const STOKES: f64 = 24.0;
 
-/// [-] slip Reynolds number from which the user is warned: ten times the upper end of the formula.
+/// [-] slip Reynolds number above which a warning is given: ten times the upper end of the formula.
 const FAR: f64 = 10.0 * SWITCH;
 
-/// Drag law of Schiller and Naumann (1935): C_D = 24/Re (1 + 0.15 Re^0.687) up to Re = 1000, 0.44 above. The paper's
-/// Eq. 2 names the correlation; its constants are those of the literature.
+/// Drag law of Schiller and Naumann (1935): C_D = 24/Re (1 + 0.15 Re^0.687) up to Re = 1000, and C_D = 0.44 above. Eq.
+/// 2 of the paper refers to this correlation; the constants are those of the literature.
 ///
-/// At the switch, Re = 1000, C_D jumps by 0.4 % (0.4383 below). The law is valid for a single rigid sphere in steady
-/// motion at Re < 2e5. It leaves out neighbours, lift, added mass and history force.
+/// At Re = 1000 C_D jumps by 0.4 % (from 0.4383 to 0.44). The law is valid for a single rigid sphere in steady motion
+/// at Re < 2e5. It neglects neighbours, lift, added mass and history force.
 ///
-/// With s = 0.15 Re^p, p = 0.687 and τ_S the Stokes time, two equations apply. Up to Re = 1000, dw/dt = -(1 + s)
-/// w/τ_S is a Bernoulli equation, linear in w^-p. Above, dw/dt = -C_D Re/24 w/τ_S with C_D = 0.44 is linear in 1/w.
-/// Both are solved in closed form. If the sphere starts above Re = 1000 and ends below, the two solutions follow each
-/// other.
+/// With s = 0.15 Re^p, p = 0.687 and τ_S the Stokes response time, two equations apply. Up to Re = 1000, dw/dt = -(1 +
+/// s) w/τ_S is a Bernoulli equation, linear in w^-p. Above, dw/dt = -C_D Re/24 w/τ_S with C_D = 0.44 is linear in 1/w.
+/// Both are solved in closed form. If the sphere starts above Re = 1000 and ends below, the second solution is followed
+/// by the first.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SchillerNaumann;
 
 impl SchillerNaumann {
-    /// Logarithm of the ratio for Re <= 1000: w/w0 = [1 + (1 + s) (e^a - 1)]^(-1/p), a = p t/τ_S. It is computed as
-    /// -t/τ_S - ln[1 + s (1 - e^-a)]/p, which neither overflows for a long time nor loses digits for a short one.
+    /// Logarithm of the ratio w/w0 of slip speeds for Re <= 1000. The ratio is w/w0 = [1 + (1 + s) (e^a - 1)]^(-1/p)
+    /// with a = p t/τ_S. The logarithm is computed as -t/τ_S - ln[1 + s (1 - e^-a)]/p, which neither overflows for a
+    /// long time nor loses digits for a short one.
     fn log_decay_below(stokes_time: f64, reynolds: f64, duration: f64) -> f64 {
         let time = duration / stokes_time;
         let correction = FACTOR * reynolds.powf(EXPONENT);
@@ -63,7 +64,7 @@ impl DragLaw for SchillerNaumann {
         if reynolds <= SWITCH {
             return Self::log_decay_below(sphere.stokes_time, reynolds, duration);
         }
-        // Above the switch d(1/Re)/dt is constant: Re falls by the factor 1 + growth.
+        // Above Re = 1000, d(1/Re)/dt is constant: Re is divided by 1 + growth.
         let rate = PLATEAU * reynolds / (STOKES * sphere.stokes_time);
         let growth = rate * duration;
         let to_switch = (reynolds - SWITCH) / SWITCH;
@@ -84,7 +85,7 @@ impl DragLaw for SchillerNaumann {
 
     fn relaxation_time(&self, sphere: &Sphere, slip: f64) -> f64 {
         let reynolds = sphere.reynolds_per_speed * slip;
-        // deceleration: (w + 0.15 Re^p w)/τ_S below the switch, proportional to w² above
+        // the deceleration is (w + 0.15 Re^p w)/τ_S up to Re = 1000, and proportional to w² above
         let slope = if reynolds <= SWITCH {
             1.0 + (1.0 + EXPONENT) * FACTOR * reynolds.powf(EXPONENT)
         } else {
@@ -103,7 +104,7 @@ mod tests {
     /// The paper's spheres of 1.5 mm in air: Re = 1000 at 10.1 m/s.
     const LARGE: Sphere = Sphere { stokes_time: 7.066_266_793, reynolds_per_speed: 1.5e-3 / 1.515e-5 };
 
-    /// Slip after `duration` by the classical fourth-order Runge-Kutta method on dw/dt = -w/τ(w).
+    /// Slip speed [m/s] after `duration` [s], by the classical fourth-order Runge-Kutta method for dw/dt = -w/τ(w).
     fn integrate(slip: f64, duration: f64, steps: usize) -> f64 {
         let rate = |w: f64| -w / LAW.response_time(&LARGE, w);
         let h = duration / steps as f64;
@@ -118,7 +119,7 @@ mod tests {
 
     #[test]
     fn two_kicks_are_one_kick() {
-        // The sphere of 18 m/s starts above the switch; the times put the joint before, at and after it.
+        // A sphere at 18 m/s starts above Re = 1000; it crosses Re = 1000 after, at or before the times used here.
         for slip in [0.0, 1e-6, 0.3, 10.0, 10.1, 12.0, 18.0, 400.0] {
             for (first, second) in [(1e-6, 1e-6), (1e-4, 0.3), (0.5, 0.5), (3.0, 0.01), (20.0, 40.0)] {
                 let half = LAW.decay(&LARGE, slip, first);
@@ -131,7 +132,7 @@ mod tests {
 
     #[test]
     fn flow_solves_the_equation() {
-        // Each case stays on one side of the switch: Runge-Kutta is of fourth order only where the law is smooth.
+        // Each case stays on one side of Re = 1000: Runge-Kutta is of fourth order only where the law is smooth.
         for (slip, duration) in [(0.01, 2.0), (2.0, 1.0), (10.0, 3.0), (18.0, 0.1), (40.0, 0.05)] {
             let exact = slip * LAW.decay(&LARGE, slip, duration);
             let numeric = integrate(slip, duration, 4000);
@@ -145,7 +146,7 @@ mod tests {
         for slip in [0.01, 1.0, 5.56, 10.0, 10.2, 40.0] {
             let step = 1e-5 * slip;
             let slope = (deceleration(slip + step) - deceleration(slip - step)) / (2.0 * step);
-            // central differences: rounding 1e-16/1e-5, curvature (1e-5)²
+            // error of central differences: rounding 1e-16/1e-5, curvature (1e-5)²
             assert!((LAW.relaxation_time(&LARGE, slip) * slope - 1.0).abs() < 1e-9, "slip {slip}");
         }
     }
@@ -154,7 +155,7 @@ mod tests {
     fn flow_crosses_the_switch() {
         let exact = 18.0 * LAW.decay(&LARGE, 18.0, 2.0);
         assert!(exact * LARGE.reynolds_per_speed < SWITCH, "the test must cross");
-        // One step straddles a jump of 0.4 % in the force: its share of the error is 0.004 h w/τ.
+        // One step contains a jump of 0.4 % in the force: its contribution to the error is 0.004 h w/τ.
         let numeric = integrate(18.0, 2.0, 200_000);
         assert!((exact / numeric - 1.0).abs() < 1e-7, "{exact} {numeric}");
     }
@@ -184,7 +185,7 @@ mod tests {
         let slip = SWITCH / LARGE.reynolds_per_speed;
         let below = LAW.response_time(&LARGE, slip * (1.0 - 1e-12));
         let above = LAW.response_time(&LARGE, slip * (1.0 + 1e-12));
-        // 0.44 / 0.438288: the jump that the oracle catalogue (F) gives.
+        // 0.44 / 0.438288 is the jump in the catalogue of oracles (F).
         assert!((below / above - 0.44 / 0.438_288).abs() < 1e-5, "{}", below / above);
     }
 }

@@ -1,9 +1,9 @@
-//! Sums that do not depend on the order of their terms: they are exact, and rounded once, at the end.
+//! Sums that do not depend on the order of their terms. They are computed exactly, and rounded only once, at the end.
 //!
-//! A plain sum of floating-point numbers depends on the order of its terms. So it would depend on the order in which
-//! particles are stored, and on the division of work among threads. Sums over particles, islands and impacts are
-//! therefore added up here. [`ExactSum`] adds numbers one by one. [`add_rows`] adds many numbers at a time, in a
-//! quarter of the instructions.
+//! A plain sum of floating-point numbers depends on the order of its terms. So the sum would depend on the order in
+//! which particles are stored, and on the division of work among threads. Therefore sums over particles, islands and
+//! impacts are computed with the types of this module. [`ExactSum`] adds numbers one by one. [`add_rows`] adds many
+//! numbers at a time, with a quarter of the instructions.
 
 mod rows;
 
@@ -14,15 +14,16 @@ pub use rows::{
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-/// Number of bits of a digit.
+/// Number of bits of a digit of an exact sum.
 const BITS: u32 = 32;
-/// Number of digits: enough for every finite number, and for 2^40 numbers of the largest size.
+/// Number of digits of an exact sum: enough for every finite number, and for 2^40 numbers of the largest size.
 const DIGITS: usize = 67;
 /// Number of words after the digits. They count the terms that are infinite, minus infinite, and not a number.
 const SPECIAL: usize = 3;
-/// Number of words of a sum.
+/// Number of words in which a sum is stored.
 const WORDS: usize = DIGITS + SPECIAL;
-/// [-] exponent of two of the lowest bit of the first digit. 2^-1075 is half of the smallest `f64` above 0.
+/// [-] exponent of the power of two that the lowest bit of the first digit represents. 2^-1075 is half of the smallest
+/// `f64` above 0.
 const LOWEST: i32 = -1075;
 /// Number of terms that can be added before digits must be carried: each term adds less than 2^52 to a digit.
 const MOST: u32 = 1024;
@@ -42,11 +43,11 @@ const MOST: u32 = 1024;
 /// ```
 #[derive(Clone, Debug)]
 pub struct ExactSum {
-    /// Digits and special words: the sum is Σ `words[k]` 2^(32 k - 1075) over the digits.
+    /// Digits, followed by special words. The sum is Σ `words[k]` 2^(32 k - 1075) over the digits.
     words: [i64; WORDS],
     /// Bit k is set if `words[k]` may differ from 0.
     used: u128,
-    /// Bound on the size of the digits: they are at most as large as after this many additions.
+    /// Bound on the magnitude of the digits: they are at most as large as after this many additions to an empty sum.
     added: u32,
 }
 
@@ -101,7 +102,7 @@ impl ExactSum {
         self.added += other.added;
     }
 
-    /// This sum minus another.
+    /// Returns this sum minus another.
     pub fn less(&self, other: &Self) -> Self {
         let mut other = other.clone();
         other.words[..DIGITS].iter_mut().for_each(|word| *word = -*word);
@@ -111,7 +112,7 @@ impl ExactSum {
         other
     }
 
-    /// Carries, so that every digit lies in [-2^31, 2^31): the digits of a number are then unique.
+    /// Carries between digits, so that every digit lies in [-2^31, 2^31). The digits of a number are then unique.
     fn carry(&mut self) {
         let mut carried = 0;
         let first = self.used.trailing_zeros() as usize;
@@ -134,7 +135,8 @@ impl ExactSum {
         &mut self.words
     }
 
-    /// The sum, correctly rounded; 0 without terms. If terms were not finite, the result is that of a plain sum.
+    /// The sum, correctly rounded; 0 without terms. If terms were not finite, the result is that of a plain sum:
+    /// infinite or NaN.
     pub fn value(&self) -> f64 {
         let special = &self.words[DIGITS..];
         if special.iter().any(|&count| count != 0) {
@@ -161,7 +163,7 @@ impl ExactSum {
             top = if *digit != 0 { place } else { top };
         }
         let negative = digits[top] < 0;
-        // makes all digits of the magnitude positive or 0
+        // makes all digits of the magnitude positive or zero
         let mut borrowed = 0;
         for digit in &mut digits[first..=top] {
             let word = if negative { -*digit } else { *digit } + borrowed;
@@ -184,11 +186,11 @@ fn places(mut bits: u128) -> impl Iterator<Item = usize> {
     })
 }
 
-/// The number that has these digits from position `first` on, rounded to the nearest, ties to even. No digit is
-/// negative.
+/// Number with the given digits, none of which is negative; `first` is the position of the lowest one. The result is
+/// rounded to the nearest number, ties to even.
 fn round(digits: &[i64], first: i32) -> f64 {
     let Some(top) = digits.iter().rposition(|&digit| digit != 0) else { return 0.0 };
-    // the three leading digits, and a flag that tells if lower digits differ from 0
+    // the three leading digits, and a flag that is true if lower digits differ from 0
     let digit = |below: usize| top.checked_sub(below).map_or(0, |place| digits[place] as u128);
     let leading = digit(0) << (2 * BITS) | digit(1) << BITS | digit(2);
     let below = digits[..top.saturating_sub(2)].iter().any(|&digit| digit != 0);
@@ -206,7 +208,7 @@ fn round(digits: &[i64], first: i32) -> f64 {
     if exponent > 2045 { f64::INFINITY } else { f64::from_bits((exponent << 52) + kept) }
 }
 
-/// Compares the exact values.
+/// Compares the exact values of two sums.
 impl PartialEq for ExactSum {
     fn eq(&self, other: &Self) -> bool {
         let [mut one, mut other] = [self, other].map(Self::clone);
@@ -216,7 +218,7 @@ impl PartialEq for ExactSum {
     }
 }
 
-/// Stores the index and the value of each word in use. Formats that people read get the rounded value.
+/// Stores the index and the value of each word in use. In formats for people, the rounded value is stored.
 impl Serialize for ExactSum {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         if serializer.is_human_readable() {

@@ -1,40 +1,41 @@
 //! Exact sums of many numbers at a time.
 //!
-//! Adding and then subtracting a large number σ cuts off the leading bits of a number. The leading bits of all numbers
-//! of a block lie on one coarse grid, so their floating-point sum is exact. A second, smaller σ cuts off the next bits.
-//! This is the "error-free vector transformation" of S. M. Rump, T. Ogita and S. Oishi, "Accurate floating-point
-//! summation part I", SIAM J. Sci. Comput. 31, 189 (2008), algorithm 3.2. Then only two numbers per block are added to
-//! the exact sum. If bits remain, as in blocks whose numbers differ by more than ten orders of magnitude, the numbers
-//! are added one by one.
+//! Adding a large number σ to a number and subtracting it again cuts off the number's lower bits. The remaining leading
+//! bits of all numbers of a block are multiples of one power of two, so their floating-point sum is exact. A second,
+//! smaller σ yields the next bits. This is the "error-free vector transformation" of S. M. Rump, T. Ogita and S. Oishi,
+//! "Accurate floating-point summation part I", SIAM J. Sci. Comput. 31, 189 (2008), algorithm 3.2. Then only two
+//! numbers per block are added to the exact sum. If bits remain, as in blocks whose numbers differ by more than ten
+//! orders of magnitude, the numbers are added one by one.
 
 use super::ExactSum;
 use crate::work_sharing;
 use std::array::from_fn;
 
-/// Largest number of rows of a block.
+/// Largest number of rows that are added together as a block.
 pub const BLOCK: usize = 128;
 /// [-] ratio of the first σ to a power of two above the largest number of a block: at least `BLOCK` + 2.
 const ROOM: f64 = 256.0;
-/// [-] ratio of the second σ to the first: the first step leaves remainders of at most 2^-53 times its σ.
+/// [-] ratio of the second σ to the first. The first step leaves remainders of at most 2^-53 times the first σ.
 const NEXT: f64 = ROOM * f64::EPSILON / 2.0;
 /// Range that must contain the largest number of a block, so that nothing overflows and no bit is lost by underflow.
 const SAFE: std::ops::Range<f64> = 1e-250..1e290;
 /// Number of partial sums into which one sum is split, so that a processor can add to all of them at the same time.
 const LANES: usize = 4;
-/// Number of terms in one piece of work of a thread: fewer are not worth a second thread.
+/// Number of terms in one piece of work of a thread. With fewer terms a second thread does not pay.
 const CHUNK: usize = 8192;
 
-/// Two partial sums for each of K columns of a block: of leading bits and of the next bits.
+/// Two partial sums for each of K columns of a block: that of the leading bits, and that of the next bits.
 struct Parts<const K: usize> {
     high: [f64; K],
     low: [f64; K],
-    /// Bits that neither sum contains, combined over all rows. The sign bit of a zero may be set, which changes no sum.
+    /// Bits of all rows that neither partial sum contains, combined by OR. The sign bit of a zero may be set, which
+    /// changes no sum.
     left: [u64; K],
     /// Largest magnitude of the numbers in each column.
     largest: [f64; K],
 }
 
-/// Computes the partial sums of the T columns from column `at` on. T is limited by the registers of a processor.
+/// Computes the partial sums of the T columns that begin with column `at`. The registers of a processor limit T.
 #[inline(always)]
 fn columns<const T: usize, const K: usize>(rows: &[[f64; K]], at: usize, parts: &mut Parts<K>) {
     let of = |row: &[f64; K]| -> [f64; T] { from_fn(|k| row[at + k]) };
@@ -70,7 +71,7 @@ fn columns<const T: usize, const K: usize>(rows: &[[f64; K]], at: usize, parts: 
 fn parts<const K: usize>(rows: &[[f64; K]]) -> Parts<K> {
     let mut parts = Parts { high: [0.0; K], low: [0.0; K], left: [0; K], largest: [0.0; K] };
     let mut at = 0;
-    // each addition depends on the one before: twelve columns at a time keep a processor busy
+    // each addition depends on the previous one of its column: twelve columns at a time keep a processor busy
     while at + 12 <= K {
         columns::<12, K>(rows, at, &mut parts);
         at += 12;
@@ -89,7 +90,8 @@ fn parts<const K: usize>(rows: &[[f64; K]]) -> Parts<K> {
     parts
 }
 
-/// Partial sums of all columns at once. The rows are computed twice: for the largest numbers and for the sums.
+/// Computes the partial sums of all columns together. The rows are generated twice: for the largest numbers, and for
+/// the sums.
 #[inline(always)]
 fn all_columns<const K: usize>(rows: impl Iterator<Item = [f64; K]> + Clone) -> Parts<K> {
     let mut largest = [0.0_f64; K];
@@ -115,7 +117,7 @@ fn all_columns<const K: usize>(rows: impl Iterator<Item = [f64; K]> + Clone) -> 
     Parts { high, low, left, largest }
 }
 
-/// Runs code with the wide vector instructions that some processors have. Exact sums are the same without them.
+/// Runs code with wide vector instructions, if the processor has them. Exact sums are equal without these instructions.
 #[inline(always)]
 fn at_once<R>(make: impl FnOnce() -> R) -> R {
     #[cfg(target_arch = "x86_64")]
@@ -137,7 +139,7 @@ fn add_block<const K: usize>(sums: [&mut ExactSum; K], rows: &[[f64; K]]) {
     );
 }
 
-/// Adds the partial sums, or each row itself if the partial sums leave out bits.
+/// Adds the partial sums of a block. If these leave out bits, every row of the block is added instead.
 fn add_parts<const K: usize>(sums: [&mut ExactSum; K], parts: Parts<K>, rows: impl Iterator<Item = [f64; K]> + Clone) {
     let Parts { high, low, left, largest } = parts;
     for (k, sum) in sums.into_iter().enumerate() {
@@ -150,19 +152,20 @@ fn add_parts<const K: usize>(sums: [&mut ExactSum; K], parts: Parts<K>, rows: im
     }
 }
 
-/// A power of two above `x` and at most twice as large; `x` is 0 or a normal positive number.
+/// Power of two that is larger than `x` and at most twice as large; `x` is 0 or a normal positive number.
 #[inline]
 fn power_above(x: f64) -> f64 {
     f64::from_bits((x.to_bits() & 0x7ff << 52) + (1 << 52))
 }
 
-/// Adds rows to the sums of their K columns.
+/// Adds rows to the exact sums of their K columns.
 #[inline]
 pub fn add_rows<const K: usize>(mut sums: [&mut ExactSum; K], rows: &[[f64; K]]) {
     rows.chunks(BLOCK).for_each(|block| add_block(sums.each_mut().map(|sum| &mut **sum), block));
 }
 
-/// Replaces at most [`BLOCK`] rows by a few rows with equal exact sums: appends them to `few`, and empties `rows`.
+/// Replaces at most [`BLOCK`] rows by two rows with equal exact sums, if this is possible. The resulting rows are
+/// appended to `few`, and `rows` is emptied.
 pub fn condense<const K: usize>(rows: &mut Vec<[f64; K]>, few: &mut Vec<[f64; K]>) {
     if rows.len() > 2 {
         let Parts { high, low, left, largest } = at_once(
@@ -178,7 +181,7 @@ pub fn condense<const K: usize>(rows: &mut Vec<[f64; K]>, few: &mut Vec<[f64; K]
     few.append(rows);
 }
 
-/// Adds all numbers to one sum.
+/// Adds all numbers of a list to one exact sum.
 pub fn add_all(sum: &mut ExactSum, numbers: &[f64]) {
     let (rows, rest) = numbers.as_chunks::<LANES>();
     let mut lanes: [ExactSum; LANES] = from_fn(|_| ExactSum::default());
@@ -192,12 +195,12 @@ pub fn values<const K: usize>(sums: &[ExactSum; K]) -> [f64; K] {
     from_fn(|k| sums[k].value())
 }
 
-/// K empty sums.
+/// Makes K empty sums.
 pub fn none<const K: usize>() -> [ExactSum; K] {
     from_fn(|_| ExactSum::default())
 }
 
-/// Adds two sets of sums, sum by sum.
+/// Adds two sets of K sums, sum by sum, and returns the result.
 pub fn merged<const K: usize>(mut one: [ExactSum; K], other: [ExactSum; K]) -> [ExactSum; K] {
     one.iter_mut().zip(&other).for_each(|(one, other)| one.merge(other));
     one
@@ -244,7 +247,7 @@ pub fn sum_and_largest<T: Sync>(items: &[T], of: impl Fn(&T) -> f64 + Sync) -> (
             let mut last = [0.0; LANES];
             last[..rest.len()].copy_from_slice(rest);
             for row in rows.iter().chain([&last]) {
-                // a sum with a NaN is NaN, while a comparison with NaN is false and would hide it
+                // a sum with a NaN is NaN, but comparisons with NaN are false and would not show it
                 most = from_fn(|k| if row[k] > most[k] { row[k] } else { most[k] });
                 rounded = from_fn(|k| rounded[k] + row[k]);
             }
@@ -267,8 +270,8 @@ pub fn sum_and_largest<T: Sync>(items: &[T], of: impl Fn(&T) -> f64 + Sync) -> (
     (all, most)
 }
 
-/// Sums of the K numbers that `of` computes from every N consecutive items. If the last group is shorter, it is filled
-/// with `T::default()`, for which `of` must return zeros.
+/// Sums of the K numbers that `of` computes from every N consecutive items. If fewer than N items remain at the end,
+/// the group is filled with `T::default()`. For such items `of` must return zeros.
 pub fn side_by_side<T: Copy + Default + Sync, const N: usize, const K: usize>(
     items: &[T],
     of: impl Fn(&[T; N]) -> [f64; K] + Sync,
@@ -300,13 +303,13 @@ pub fn side_by_side<T: Copy + Default + Sync, const N: usize, const K: usize>(
     }
 }
 
-/// Number of rows that each group collects before they are added as one block.
+/// Number of rows that are collected for each group before they are added as one block.
 const WAITING: usize = 32;
 
 /// Sums of K columns for each of several groups, such as slices. A group without rows takes hardly any memory.
 pub struct Groups<const K: usize>(Vec<Option<Box<GroupSums<K>>>>);
 
-/// The sums of one group, and the rows that are not added yet.
+/// The sums of one group, and the rows that are not yet added to the sums.
 struct GroupSums<const K: usize> {
     sums: [ExactSum; K],
     waiting: [[f64; K]; WAITING],
@@ -346,7 +349,7 @@ impl<const K: usize> Groups<K> {
         self.0[group].get_or_insert_with(|| Box::new(GroupSums::new())).add(row);
     }
 
-    /// Adds the sums of other groups to these, group by group.
+    /// Adds the sums of the groups in `others` to those of these groups, group by group.
     fn merge(&mut self, others: Self) {
         for (own, other) in self.0.iter_mut().zip(others.0) {
             let Some(mut other) = other else { continue };
@@ -360,7 +363,7 @@ impl<const K: usize> Groups<K> {
         }
     }
 
-    /// All sums of all groups, group by group.
+    /// All sums of all groups as one list, group by group.
     pub fn each_mut(&mut self) -> Vec<&mut ExactSum> {
         let groups = self.0.iter_mut().map(|group| group.get_or_insert_with(|| Box::new(GroupSums::new())));
         groups
@@ -383,7 +386,8 @@ impl<const K: usize> Groups<K> {
     }
 }
 
-/// Sums in groups. For each index from 0 to `count - 1`, `of` returns the number of a group and a row to add to it.
+/// Computes sums in groups. For each index from 0 to `count - 1`, `of` returns the number of a group and a row to be
+/// added to that group.
 pub fn sums_in_groups<const K: usize>(
     groups: usize,
     count: usize,
@@ -397,7 +401,7 @@ pub fn sums_in_groups<const K: usize>(
         }
         sums
     };
-    // few pieces, since each piece has separate sums of all groups
+    // few pieces of work, since each piece has separate sums of all groups
     let pieces = count.div_ceil(CHUNK).clamp(1, 2 * rayon::current_num_threads());
     let start = |k: usize| count * k / pieces;
     let parts: Vec<_> = work_sharing::map(0..pieces, |k| piece(start(k), start(k + 1)));

@@ -3,8 +3,8 @@ use rand::seq::SliceRandom;
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-/// The sum by another method: partial sums whose bits do not overlap (J. R. Shewchuk, Discrete Comput. Geom. 18, 305
-/// (1997), "grow expansion"), rounded as in Python's `math.fsum`.
+/// Sum of numbers by another method, as a reference: partial sums whose bits do not overlap (J. R. Shewchuk, Discrete
+/// Comput. Geom. 18, 305 (1997), "grow expansion"), rounded as in Python's `math.fsum`.
 fn reference(numbers: &[f64]) -> f64 {
     let mut partials: Vec<f64> = Vec::new();
     for &number in numbers {
@@ -28,7 +28,7 @@ fn reference(numbers: &[f64]) -> f64 {
         sum += next;
         let rest = next - (sum - before);
         if rest != 0.0 {
-            // exactly halfway: the sign of the lower partial sums decides
+            // exactly half-way between two numbers: the sign of the lower partial sums decides
             if let Some(below) = partials.last()
                 && below.signum() == rest.signum()
             {
@@ -49,13 +49,13 @@ fn one_by_one(numbers: &[f64]) -> ExactSum {
     sum
 }
 
-/// Numbers of magnitudes 2^low to 2^high of either sign.
+/// Random numbers with magnitudes from 2^low to 2^high and random signs.
 fn numbers(count: usize, low: i32, high: i32, random: &mut Xoshiro256PlusPlus) -> Vec<f64> {
     let one = |_| {
         let mantissa = 1.0 + random.random::<f64>();
         let half = random.random_range(low..high) as f64 / 2.0;
         let sign = if random.random::<bool>() { 1.0 } else { -1.0 };
-        // in two steps, because 2^-1074 is not a normal number
+        // the power is multiplied in two steps, because 2^-1074 is not a normal number
         sign * mantissa * half.floor().exp2() * half.ceil().exp2()
     };
     (0..count).map(one).collect()
@@ -161,7 +161,7 @@ fn words_of_parts_add_up_to_those_of_the_whole() {
     }
     let mut added = ExactSum::default();
     *added.words() = words;
-    // as many sums as a machine may have processes
+    // adds as many sums as a machine may have processes
     let mut one = one_by_one(&[-1.5, 1e-300]);
     let mut many = ExactSum::default();
     let own = *one.words();
@@ -195,7 +195,7 @@ fn a_sum_is_stored_in_a_few_bytes_and_goes_on() {
 
 #[test]
 fn zeros_of_either_sign_are_condensed() {
-    // as in contacts that lose no energy
+    // values as in contacts that lose no energy
     let mut rows: Vec<[f64; 3]> =
         (0..32).map(|k| [0.1 * f64::from(k), -0.0, if k % 2 == 0 { 0.0 } else { -0.0 }]).collect();
     let numbers: Vec<f64> = rows.iter().map(|row| row[0]).collect();
@@ -209,7 +209,7 @@ fn zeros_of_either_sign_are_condensed() {
 
 #[test]
 fn the_largest_of_numbers_is_found_beside_their_sum() {
-    // counts at the ends of blocks and of lanes, and more than one chunk
+    // numbers of terms at the ends of blocks and of lanes, and in more than one chunk
     for count in [0usize, 1, 3, 4, 511, 513, 20_001] {
         let numbers: Vec<f64> = (0..count).map(|k| (0.754_877_7 * k as f64).fract()).collect();
         let largest = numbers.iter().copied().fold(0.0, f64::max);

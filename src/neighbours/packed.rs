@@ -134,8 +134,8 @@ impl PackedBalls {
     /// Calls `visit` with the index of each ball of a row of cells, and the indices of balls that may overlap it. `row`
     /// contains the number of a level (range of sizes), and the number of a row in the level. Each pair occurs once.
     /// The pairs of one ball may come in several consecutive calls. `smaller` returns the centre and the reach [m] with
-    /// which a ball searches the levels of smaller balls. `CROWDED` should be true if a large part of the tested balls
-    /// overlap; results do not depend on it. Returns the number of pairs tested.
+    /// which a ball searches the levels of smaller balls. `CROWDED` should be true if often one or more of four tested
+    /// balls overlap; results do not depend on it. Returns the number of pairs tested.
     #[inline(always)]
     pub fn for_each_near<const CROWDED: bool>(
         &self,

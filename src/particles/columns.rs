@@ -1,13 +1,14 @@
 //! Columns of a particle store, declared once.
 //!
 //! From one list of columns, the macro [`columns`] makes a struct of arrays and all operations on it. A column that
-//! only some laws need is an `Option<Vec<T>>`. If it is `None`, it takes no memory and operations skip it. A store
-//! without such a column makes it when it copies from a store with that column; particles already in the store then get
-//! zeros.
+//! only some laws need is an `Option<Vec<T>>`. With `None` the column takes no memory, and operations skip it. When a
+//! store without such a column copies particles from a store with it, the column is added. Particles already in the
+//! store then have zeros in it.
 //!
-//! Columns of quantities that change with time are marked `as moving`. Those that forces change directly (velocity and
-//! spin) are marked `as moving by kicks`. From these marks the macro makes `Motion`, the moving state of one particle,
-//! and all code that reads, sets, sends, saves or checks this state. No other code lists the moving columns.
+//! Columns of quantities that change with time are marked `as moving`. Columns of quantities that forces change
+//! directly (velocity and spin) are marked `as moving by kicks`. From these marks the macro makes `Motion`, the moving
+//! state of one particle, and all code that reads, sets, sends, saves or checks this state. No other code lists the
+//! moving columns.
 
 use super::CHUNK;
 use super::values::AsBytes;
@@ -21,21 +22,21 @@ pub trait Column {
     /// True if a store may lack the column.
     const IS_OPTIONAL: bool;
 
-    /// Mutable part of a column: the values of consecutive particles, or nothing if the store lacks the column.
+    /// Mutable chunk of a column: the values of consecutive particles, or nothing if the store lacks the column.
     type Chunk<'a>
     where
         Self: 'a;
 
-    /// The values; `None` if the store lacks the column.
+    /// Values of all particles; `None` if the store lacks the column.
     fn values(&self) -> Option<&Vec<Self::Value>>;
 
-    /// The values, mutable; `None` if the store lacks the column.
+    /// Values of all particles, mutable; `None` if the store lacks the column.
     fn values_mut(&mut self) -> Option<&mut Vec<Self::Value>>;
 
     /// All values of the column as one chunk.
     fn whole(&mut self) -> Self::Chunk<'_>;
 
-    /// Splits off and returns the first `count` values of a chunk, or all if it has fewer; the others stay in `rest`.
+    /// Removes the first `count` values from the chunk `rest` and returns them; returns all if there are fewer.
     fn split<'a>(rest: &mut Self::Chunk<'a>, count: usize) -> Self::Chunk<'a>
     where
         Self: 'a;
@@ -43,7 +44,7 @@ pub trait Column {
     /// Sets the value at an index of a chunk.
     fn put(chunk: &mut Self::Chunk<'_>, index: usize, value: Self::Value);
 
-    /// Makes the column, with `count` values of 0, if the store lacks it and `wanted` is true.
+    /// Adds the column to the store, with `count` values of 0, if the store lacks it and `wanted` is true.
     fn adopt(&mut self, wanted: bool, count: usize);
 
     /// Moves the value at index `order[k]` to index `k`, for every `k`.
@@ -57,8 +58,8 @@ pub trait Column {
         }
     }
 
-    /// Appends the values at the indices `places` of the corresponding column of another store. This store has `count`
-    /// particles.
+    /// Appends the values at the indices `places` of the corresponding column of another store. `count` is the number
+    /// of particles that this store has before.
     fn copy_from(&mut self, other: &Self, places: &[u32], count: usize) {
         self.adopt(other.values().is_some(), count);
         let Some(own) = self.values_mut() else { return };
@@ -68,19 +69,19 @@ pub trait Column {
         }
     }
 
-    /// Moves each value from the first index of a pair to the second.
+    /// Copies, for each pair of indices, the value at the first index to the second.
     fn relocate(&mut self, moves: &[(u32, u32)]) {
         if let Some(values) = self.values_mut() {
             moves.iter().for_each(|&(from, to)| values[to as usize] = values[from as usize]);
         }
     }
 
-    /// [bytes] size of `count` packed values, and of a byte that tells if the column exists.
+    /// [bytes] size of `count` packed values, plus a byte that states whether the column exists.
     fn packed_size(&self, count: usize) -> usize {
         1 + self.values().map_or(0, |_| count * Self::Value::SIZE)
     }
 
-    /// Appends a byte that tells if the column exists, and then the values at the indices `places`.
+    /// Appends to `bytes` a byte that states whether the column exists, and then the values at the indices `places`.
     fn pack(&self, places: &[u32], bytes: &mut Vec<u8>) {
         bytes.push(u8::from(self.values().is_some()));
         if let Some(values) = self.values() {
@@ -88,8 +89,9 @@ pub trait Column {
         }
     }
 
-    /// Appends `count` values that [`pack`](Self::pack) wrote to the beginning of `bytes`, and returns the remaining
-    /// bytes; `None` if there are too few. This store has `before` particles.
+    /// Appends `count` values from the beginning of `bytes`, where [`pack`](Self::pack) has written them, and returns
+    /// the remaining bytes; `None` if there are too few bytes. `before` is the number of particles that this store has
+    /// before.
     fn unpack<'a>(&mut self, bytes: &'a [u8], count: usize, before: usize) -> Option<&'a [u8]> {
         let (is_there, rest) = bytes.split_first()?;
         if *is_there > 1 || (*is_there == 0 && !Self::IS_OPTIONAL) {
@@ -98,7 +100,7 @@ pub trait Column {
         self.adopt(*is_there == 1, before);
         let Some(values) = self.values_mut() else { return Some(rest) };
         if *is_there == 0 {
-            // columns that are not optional have been read before: the bytes hold at least `count` values of them
+            // columns that are not optional were read before, so `bytes` contained at least `count` values of them
             values.resize(values.len() + count, Self::Value::default());
             return Some(rest);
         }
@@ -107,8 +109,8 @@ pub trait Column {
         Some(rest)
     }
 
-    /// Reads the value of one particle from the beginning of `bytes` and returns the remaining bytes; `None` if there
-    /// are too few.
+    /// Reads the value of the particle at index `place` from the beginning of `bytes`, and returns the remaining bytes.
+    /// `None` if there are too few bytes.
     fn unpack_at<'a>(&mut self, place: usize, bytes: &'a [u8]) -> Option<&'a [u8]> {
         let Some(values) = self.values_mut() else { return Some(bytes) };
         let (own, rest) = bytes.split_at_checked(Self::Value::SIZE)?;
@@ -117,7 +119,7 @@ pub trait Column {
     }
 }
 
-/// Splits off and returns the first `count` values of a slice, or all if it has fewer; the others stay in `rest`.
+/// Removes the first `count` values from the slice `rest` and returns them; returns all if there are fewer.
 fn split_slice<'a, T>(rest: &mut &'a mut [T], count: usize) -> &'a mut [T] {
     let all = std::mem::take(rest);
     let (first, others) = all.split_at_mut(count.min(all.len()));
@@ -202,8 +204,8 @@ impl<T: Copy + Default + AsBytes + Send + Sync> Column for Option<Vec<T>> {
 }
 
 /// Makes a store, and the moving state of one of its particles, from a list of columns. `=> ["x", "y", "z"]` after a
-/// column means that saved states contain it, as numbers with these names. `as moving` means that its values change
-/// with time, and `by kicks` that forces change them directly.
+/// column means that saved states contain it, as numbers with these names. `as moving` means that the values change
+/// with time. `by kicks` means that forces change them directly.
 macro_rules! columns {
     (
         $(#[$of_motion:meta])*
@@ -293,8 +295,8 @@ macro_rules! columns {
             }
 
             /// Calls `visit` with every number of the moving state of the particle at an index. Zeros in an optional
-            /// column are skipped. So spheres that could rotate but do not have the same checksum as spheres that
-            /// cannot.
+            /// column are skipped. Therefore spheres that can rotate but do not have the same checksum as spheres that
+            /// cannot rotate.
             pub(crate) fn for_each_moving_number(&self, index: usize, visit: &mut impl FnMut(f64)) {
                 $($(
                     let _ = stringify!($moving);
@@ -318,7 +320,7 @@ macro_rules! columns {
             }
 
             /// Reads the moving state of the particle at an index from the beginning of `bytes`, and returns the
-            /// remaining bytes; `None` if there are too few. The store that wrote them must have had the same columns.
+            /// remaining bytes; `None` if there are too few. The bytes must come from a store with the same columns.
             pub(crate) fn unpack_motion<'a>(&mut self, index: usize, bytes: &'a [u8]) -> Option<&'a [u8]> {
                 $($(
                     let _ = stringify!($moving);
@@ -347,8 +349,8 @@ macro_rules! columns {
                 Some(bytes)
             }
 
-            /// Copies the quantities that forces change directly, of all particles, into `kept`; its other columns are
-            /// not used.
+            /// Copies those columns of all particles that forces change directly (velocity and spin) to `kept`. The
+            /// other columns of `kept` are not used.
             pub(crate) fn keep_kicked(&self, kept: &mut Self) {
                 $($($(
                     let _ = stringify!($kicks);
@@ -356,8 +358,8 @@ macro_rules! columns {
                 )?)?)+
             }
 
-            /// Restores the quantities copied by [`keep_kicked`](Self::keep_kicked). Afterwards `kept` contains the
-            /// values from before this call.
+            /// Restores the columns that [`keep_kicked`](Self::keep_kicked) has copied. Afterwards `kept` contains the
+            /// values that they had before this call.
             pub(crate) fn take_back(&mut self, kept: &mut Self) {
                 $($($(
                     let _ = stringify!($kicks);
@@ -379,7 +381,7 @@ macro_rules! columns {
                 })+
             }
 
-            /// Number of particles, which is the length of the first column in use.
+            /// Number of particles, determined as the length of the first column in use.
             fn count(&self) -> usize {
                 [$(Column::values(&self.$column).map(Vec::len)),+].into_iter().flatten().next().unwrap_or(0)
             }
@@ -429,22 +431,22 @@ macro_rules! columns {
                 })+
             }
 
-            /// Moves each particle from the first index of a pair to the second, and overwrites the particle at the
-            /// second.
+            /// Copies, for each pair of indices, the particle at the first index to the second, where it replaces
+            /// another particle.
             pub(crate) fn relocate(&mut self, moves: &[(u32, u32)]) {
                 $(Column::relocate(&mut self.$column, moves);)+
             }
 
             /// Appends the particles at the given indices to `bytes`.
             pub(crate) fn pack(&self, places: &[u32], bytes: &mut Vec<u8>) {
-                // reserves exactly the bytes needed, because for millions of particles more would be too much
+                // reserves exactly the bytes needed, because any more would be much memory for millions of particles
                 bytes.reserve_exact(size_of::<u64>() $(+ Column::packed_size(&self.$column, places.len()))+);
                 bytes.extend_from_slice(&(places.len() as u64).to_le_bytes());
                 $(Column::pack(&self.$column, places, bytes);)+
             }
 
-            /// Appends all particles that [`pack`](Self::pack) wrote to `bytes`; `None` if `bytes` cannot be the result
-            /// of `pack`.
+            /// Appends all particles that [`pack`](Self::pack) has written to `bytes`. `None` if `bytes` cannot be the
+            /// result of `pack`.
             pub(crate) fn unpack(&mut self, bytes: &[u8]) -> Option<()> {
                 let (count, bytes) = bytes.split_first_chunk()?;
                 let (count, before) = (u64::from_le_bytes(*count) as usize, self.count());
@@ -461,7 +463,8 @@ macro_rules! columns {
                 names
             }
 
-            /// Numbers [SI] of the particle at index `place`, in the order of [`state_names`](Self::state_names).
+            /// Numbers [SI] in a saved state for the particle at index `place`, in the order of
+            /// [`state_names`](Self::state_names).
             pub fn state_numbers(&self, place: usize) -> Vec<f64> {
                 let mut numbers = Vec::new();
                 $($(if let Some(values) = Column::values(&self.$column) {

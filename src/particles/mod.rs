@@ -16,20 +16,20 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use values::{AsBytes, AsNumbers};
 
-/// Number of particles or pairs in a piece of parallel work; fewer are not worth a second thread. Pieces do not depend
-/// on the number of threads, so the results do not either.
+/// Number of particles or pairs in a piece of parallel work; with fewer, a second thread does not pay. Pieces do not
+/// depend on the number of threads, so the results do not either.
 pub const CHUNK: usize = 8192;
 
 columns! {
     /// Moving state of one particle: the quantities that a step, a collision or another process may change.
     pub struct Motion;
 
-    /// Mutable moving state of consecutive particles of a store.
+    /// Mutable moving state of several consecutive particles of a store.
     pub struct MotionChunk;
 
-    /// Spheres as a struct of arrays; all arrays have equal lengths.
-    ///
-    /// Engines may reorder the store for speed. `id` identifies a particle: ids are 0 .. N in the order of the initial
+    /// Particle store: spheres as a struct of arrays. All arrays have equal lengths, one entry per sphere.
+    /// Engines may reorder the store for speed. `id` identifies a particle: ids are 0 to N - 1 in the order of the
+    /// initial state.
     /// state.
     ///
     /// ```
@@ -42,22 +42,22 @@ columns! {
     /// ```
     #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
     pub struct Particles {
-        /// [m] positions of the centres. Along a periodic axis a centre may have left the box since the last
-        /// [`wrap`](crate::domain::Domain::wrap).
+        /// [m] positions of the centres. Since the last call of [`wrap`](crate::domain::Domain::wrap), a centre may
+        /// have left the box along a periodic axis.
         pub position: Vec<Vector3<f64>> => ["x", "y", "z"] as moving,
         /// [m/s] velocities of the centres.
         pub velocity: Vec<Vector3<f64>> => ["vx", "vy", "vz"] as moving by kicks,
         /// [m] radii of the spheres.
         pub radius: Vec<f64>,
-        /// [rad/s] spins; `None` where spheres do not rotate.
+        /// [rad/s] spins; `None` if spheres do not rotate.
         pub spin: Option<Vec<Vector3<f64>>> => ["wx", "wy", "wz"] as moving by kicks,
-        /// [kg m²] moments of inertia about the centre; `None` where spheres do not rotate.
+        /// [kg m²] moments of inertia about the centre; `None` if spheres do not rotate.
         pub inertia: Option<Vec<f64>>,
         /// [kg] masses of the spheres.
         pub mass: Vec<f64>,
         /// Index of each particle's species in [`Scene::species`](crate::scene::Scene::species).
         pub species: Vec<u16>,
-        /// Identity of each particle, which stays with the particle when the store is reordered.
+        /// Id of each particle, which stays with the particle when the store is reordered.
         pub id: Vec<u32>,
     }
 }
@@ -68,12 +68,13 @@ impl Particles {
         self.position.len()
     }
 
-    /// True if the store has no particle.
+    /// True if the store contains no particle.
     pub fn is_empty(&self) -> bool {
         self.position.is_empty()
     }
 
-    /// Appends a sphere, whose id is its index. Lengths in m, velocity in m/s, mass in kg.
+    /// Appends a sphere, whose id is its index. Position and radius in m, velocity in m/s, mass in kg; `species` is an
+    /// index.
     pub fn push(&mut self, position: Vector3<f64>, velocity: Vector3<f64>, radius: f64, mass: f64, species: u16) {
         let place = self.len();
         self.grow();
@@ -105,7 +106,7 @@ impl Particles {
         fingerprint_of(self, None)
     }
 
-    /// Moves every position outside a periodic side to its image inside the box.
+    /// Replaces every position outside a periodic side by that of the image inside the box.
     pub fn wrap(&mut self, domain: &Domain) {
         work_sharing::for_each(self.position.chunks_mut(CHUNK), |chunk| {
             for x in chunk {
@@ -124,19 +125,20 @@ impl Particles {
         Vector3::new(x, y, z)
     }
 
-    /// [J] total kinetic energy of the centres.
+    /// [J] total translational kinetic energy.
     pub fn kinetic_energy(&self) -> f64 {
         self.kinetic_energies().value()
     }
 
-    /// [J] exact sum of the kinetic energies of the centres.
+    /// [J] exact sum of the translational kinetic energies.
     pub fn kinetic_energies(&self) -> ExactSum {
         let [sum] = exact::sums(self.len(), |k| [0.5 * self.mass[k] * self.velocity[k].norm_squared()]);
         sum
     }
 
-    /// Adds spin and moment of inertia to spheres that lack them: a spin of 0 and I = q m r² [kg m²]. `factors` are the
-    /// inertia factors q [-] in the order of [`Scene::species`](crate::scene::Scene::species).
+    /// Adds spins and moments of inertia to a store without them. The spins are 0, and the moments are I = q m r² [kg
+    /// m²]. `factors` contains the inertia factors q [-] in the order of
+    /// [`Scene::species`](crate::scene::Scene::species).
     pub fn let_rotate(&mut self, factors: &[f64]) {
         let count = self.len();
         self.spin.get_or_insert_with(|| vec![Vector3::zeros(); count]);
@@ -146,26 +148,26 @@ impl Particles {
         }
     }
 
-    /// [rad/s] spins; empty where spheres do not rotate.
+    /// [rad/s] spins; empty if spheres do not rotate.
     #[inline(always)]
     pub fn spins(&self) -> &[Vector3<f64>] {
         self.spin.as_deref().unwrap_or_default()
     }
 
-    /// [rad/s] spin of the particle at an index; 0 where spheres do not rotate.
+    /// [rad/s] spin of the particle at an index; 0 if spheres do not rotate.
     #[inline(always)]
     pub fn spin_of(&self, index: usize) -> Vector3<f64> {
         self.spin.as_ref().map_or_else(Vector3::zeros, |spins| spins[index])
     }
 
-    /// [J] exact sum of the rotational energies I ω²/2; 0 where spheres do not rotate.
+    /// [J] exact sum of the rotational energies I ω²/2; 0 if spheres do not rotate.
     pub fn rotational_energies(&self) -> ExactSum {
         let (Some(spins), Some(inertia)) = (&self.spin, &self.inertia) else { return ExactSum::default() };
         let [sum] = exact::sums(self.len(), |k| [0.5 * inertia[k] * spins[k].norm_squared()]);
         sum
     }
 
-    /// [J] total rotational energy; 0 where spheres do not rotate.
+    /// [J] total rotational energy; 0 if spheres do not rotate.
     pub fn rotational_energy(&self) -> f64 {
         self.rotational_energies().value()
     }
@@ -180,7 +182,7 @@ impl Particles {
         Vector3::from(exact::values(&self.velocity_sums())) / self.len().max(1) as f64
     }
 
-    /// [m/s] exact sums of all velocities along x, y and z.
+    /// [m/s] exact sums of the velocity components of all particles along x, y and z.
     pub fn velocity_sums(&self) -> [ExactSum; 3] {
         let four = exact::side_by_side(
             &self.velocity,
@@ -202,19 +204,19 @@ impl Particles {
         exact::sum(&self.velocity, |v| (v - frame).norm_squared())
     }
 
-    /// [m²/s²] exact sum of the squares of the velocities relative to `frame` [m/s], and the largest speed in that
-    /// frame [m/s]. The largest speed is infinite if a velocity is not a number.
+    /// [m²/s²] exact sum of the squares of the velocities relative to `frame` [m/s], and the largest speed [m/s]
+    /// relative to `frame`. The largest speed is infinite if a velocity is not a number.
     pub fn square_speeds_and_largest(&self, frame: Vector3<f64>) -> (ExactSum, f64) {
         let (squares, largest) = exact::sum_and_largest(&self.velocity, |v| (v - frame).norm_squared());
         (squares, largest.sqrt())
     }
 
-    /// Means of r, r² and r³ over all particles, r being the radius in `unit` [m]; 0 without particles.
+    /// Means of r, r² and r³ over all particles, where r is the radius in units of `unit` [m]; 0 without particles.
     pub fn mean_radii(&self, unit: f64) -> [f64; 3] {
         exact::values(&self.radius_sums(unit)).map(|sum| sum / self.len().max(1) as f64)
     }
 
-    /// Exact sums of r, r² and r³ over all particles, r being the radius in `unit` [m].
+    /// Exact sums of r, r² and r³ over all particles, where r is the radius in units of `unit` [m].
     pub fn radius_sums(&self, unit: f64) -> [ExactSum; 3] {
         let per_unit = 1.0 / unit;
         let four = exact::side_by_side(

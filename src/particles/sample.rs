@@ -5,14 +5,14 @@ use crate::communicator::Communicator;
 use crate::exact::{self, ExactSum};
 use nalgebra::Vector3;
 
-/// The particles at one instant. If several processes share a run, each process stores a part of the particles. All
-/// processes must call the methods in the same order, and each gets the sum over all particles. Sums are exact, so they
-/// do not depend on the division of the particles among processes.
+/// All particles of a run at one instant. If several processes share a run, each process stores some of the particles.
+/// All processes must call the methods in the same order, and each receives the sum over all particles. Sums are exact,
+/// so they do not depend on the division of the particles among processes.
 #[derive(Clone, Copy)]
 pub struct Sample<'a> {
     /// Particles of this process.
     pub particles: &'a Particles,
-    /// Connection to the processes that store the other particles; `None` if this process stores all.
+    /// Connection to the processes that store the other particles; `None` if this process stores all particles.
     communicator: Option<&'a dyn Communicator>,
 }
 
@@ -34,7 +34,8 @@ impl<'a> Sample<'a> {
         self.communicator.is_some()
     }
 
-    /// A sample of other particles, derived from those of this sample, on the same processes.
+    /// Returns a sample of other particles, which are derived from those of this sample and stored in the same
+    /// processes.
     pub fn with<'b>(&self, particles: &'b Particles) -> Sample<'b>
     where
         'a: 'b,
@@ -57,7 +58,7 @@ impl<'a> Sample<'a> {
     }
 
     /// Sums over all particles, per group. For the index of a particle, `of` returns the number of a group and the
-    /// values to add.
+    /// values to be added to its sums.
     pub fn sums_in_groups<const K: usize>(
         &self,
         groups: usize,
@@ -90,7 +91,7 @@ impl<'a> Sample<'a> {
         (sum.value() / self.count().max(1) as f64).sqrt()
     }
 
-    /// Replaces each value by its largest value on any process.
+    /// Returns for each value its largest value in any process.
     pub fn largest<const K: usize>(&self, mut values: [f64; K]) -> [f64; K] {
         if let Some(communicator) = self.communicator {
             communicator.largest(&mut values);
@@ -98,7 +99,7 @@ impl<'a> Sample<'a> {
         values
     }
 
-    /// The sum of each count over all processes.
+    /// Returns for each count its sum over all processes.
     pub fn added<const K: usize>(&self, counts: [f64; K]) -> [f64; K] {
         let Some(communicator) = self.communicator else { return counts };
         let mut whole = counts.map(|count| count as i64);
@@ -118,14 +119,14 @@ impl<'a> Sample<'a> {
         Vector3::new(x, y, z)
     }
 
-    /// Means of r, r² and r³ over all particles, r being the radius in `unit` [m]; 0 without particles.
+    /// Means of r, r² and r³ over all particles, where r is the radius in units of `unit` [m]; 0 without particles.
     pub fn mean_radii(&self, unit: f64) -> [f64; 3] {
         let mut sums = self.particles.radius_sums(unit);
         self.total(&mut sums.each_mut());
         exact::values(&sums).map(|sum| sum / self.count().max(1) as f64)
     }
 
-    /// [J] total rotational energy; 0 where spheres do not rotate. Either all processes store spins or none does.
+    /// [J] total rotational energy; 0 if spheres do not rotate. Either all processes store spins, or no process does.
     pub fn rotational_energy(&self) -> f64 {
         if self.particles.spin.is_none() {
             return 0.0;
@@ -135,7 +136,7 @@ impl<'a> Sample<'a> {
         sum.value()
     }
 
-    /// [J] total kinetic energy of the centres, over all processes.
+    /// [J] total translational kinetic energy of the particles on all processes.
     pub fn kinetic_energy(&self) -> f64 {
         let mut sum = self.particles.kinetic_energies();
         self.total(&mut [&mut sum]);

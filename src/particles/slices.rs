@@ -3,12 +3,12 @@
 use super::{CHUNK, Particles};
 use crate::communicator::Communicator;
 
-/// Number of particles of a slice that is collected from several processes: few enough for the memory of one process,
-/// and many enough that few messages are sent.
+/// Number of particles that are collected from several processes at a time, as a slice. It is small enough for the
+/// memory of one process, and large enough that few messages are sent.
 const SLICE: usize = 1 << 17;
 
 /// Calls `visit` with slices of the particles of all processes, in the order of ids. Only the lead process calls
-/// `visit`. All processes must call this function, each with its particles; together their ids are 0 .. N. Without a
+/// `visit`. All processes must call this function, each with its particles; together the ids are 0 to N - 1. Without a
 /// communicator `particles` contains all particles.
 pub fn for_each_slice(
     particles: &Particles,
@@ -47,7 +47,7 @@ pub fn for_each_slice(
 }
 
 /// Checksum of the particles of all processes, equal to [`Particles::fingerprint`] of a store with all of them. All
-/// processes must call this function, and all get the result.
+/// processes must call this function, and each receives the result.
 pub fn fingerprint_of(particles: &Particles, communicator: Option<&dyn Communicator>) -> u64 {
     let mut hash: u64 = 0xcbf2_9ce4_8422_2325; // offset basis, Fowler, Noll & Vo
     for_each_slice(particles, communicator, &mut |slice| {

@@ -13,9 +13,9 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 /// Constant that turns the seed of a run into a separate seed for spins; its value has no meaning.
 const SPINS: u64 = 0x5350_494e_5350_494e;
 
-/// Draws random particles of each population in its room, with the ids that they have among all particles. Returns the
-/// drawn particles for whose position [m] `is_kept` is true, and all particles with given positions. If there are such
-/// particles, `is_kept` must be true everywhere.
+/// Draws random particles of each population (a group of particles with common settings) in its free space. The ids are
+/// those among all particles. Returns the drawn particles for whose position [m] `is_kept` is true, and all particles
+/// with given positions. If some positions are given, `is_kept` must be true everywhere.
 pub fn draw(
     experiment: &Experiment,
     rooms: &[&FreeRoom],
@@ -40,13 +40,13 @@ pub fn draw(
                 let mut velocities = Normals::new((*velocity_mean, *velocity_fluctuation), *count, random);
                 let spread = (*spin_mean, Vector3::repeat(*spin_fluctuation));
                 let mut spins = rotates.then(|| Normals::new(spread, *count, &mut of_spins));
-                // reserves exactly this memory, since a growing vector may take up to twice as much
+                // reserves exactly the required memory, since a growing vector may take up to twice as much
                 particles.reserve(*count);
                 for _ in 0..*count {
                     let (diameter, velocity) = (diameters.next(), velocities.next());
                     let spin = spins.as_mut().map(Normals::next);
                     let (radius, mass) = (0.5 * diameter, species.of_one_size(diameter).mass());
-                    // with the radius enlarged as during the placement
+                    // the radius is enlarged here, as during the whole placement
                     let position = room.somewhere(radius * (1.0 + MARGIN), random);
                     if is_kept(&position) {
                         particles.push(position, velocity, radius, mass, population.species);

@@ -19,7 +19,7 @@ use rustc_hash::FxHashMap;
 /// Initial state of a run, complete or divided among processes.
 #[derive(Clone, Debug)]
 pub struct Start {
-    /// All particles in the order of their ids, or those in the block of this process. Blocks are then those of
+    /// All particles in the order of their ids, or only those in the block of this process. The blocks are those of
     /// [`Blocks::of_one_size`].
     pub particles: Particles,
     /// Number of particles of the start on all processes.
@@ -46,8 +46,8 @@ impl Start {
         initial_state(experiment).map(Self::from)
     }
 
-    /// Makes the start of an experiment for this process: its part if [`comes_in_parts`] is true, otherwise the
-    /// complete start. All processes must call this function.
+    /// Makes the start of an experiment in this process. The start contains the particles of this process if
+    /// [`comes_in_parts`] is true, otherwise all particles. All processes must call this function.
     ///
     /// # Errors
     /// Errors of [`initial_state`]; either all processes return an error or none does.
@@ -61,9 +61,9 @@ impl Start {
     }
 }
 
-/// True if processes can make a start in parts, so that no process stores all particles. All particles must be drawn at
-/// random, anywhere in the box, and all of a species must have equal size. The scene must be so dilute that overlapping
-/// particles draw new positions.
+/// True if processes can make a start together, so that no process stores all particles. All particles must be drawn at
+/// random, anywhere in the box, and all particles of a species must have equal size. The scene must be so dilute that
+/// overlapping particles draw new positions.
 pub fn comes_in_parts(experiment: &Experiment) -> bool {
     let drawn = experiment.start.iter().all(|population| matches!(population.amount, Amount::Count(_)));
     let anywhere = experiment.start.iter().all(|population| population.region.is_none());
@@ -77,7 +77,7 @@ fn part(experiment: &Experiment, communicator: &dyn Communicator) -> Result<Part
     let domain = &room.scene.domain;
     let blocks = Blocks::of_one_size(communicator.size(), domain);
     let largest = room.scene.species.iter().map(|species| species.largest()).fold(0.0, f64::max);
-    // contains all particles that may overlap a particle of the block, with enlarged radii
+    // this region contains all particles that may overlap a particle of the block, with enlarged radii
     let around = Region::around(domain, blocks.corners(rank, domain), largest * (1.0 + 2.0 * MARGIN));
     let is_near = |x: &Vector3<f64>| around.depth(x, domain) >= 0.0;
     let is_mine = |x: &Vector3<f64>| blocks.owner(x) == rank;
@@ -123,7 +123,7 @@ fn keep(particles: &mut Particles, stays: impl Fn(&Particles, usize) -> bool) {
     particles.reorder(&places);
 }
 
-/// Particles at the given indices of this and the other processes, each particle once, in the order of their ids.
+/// Copies of the particles at the indices `places` in all processes, each particle once, in the order of their ids.
 fn gathered(particles: &Particles, places: &[u32], communicator: &dyn Communicator) -> Particles {
     let mut bytes = Vec::new();
     particles.pack(places, &mut bytes);

@@ -1,4 +1,4 @@
-//! Dense starts: overlapping spheres repel each other like soft spheres, until nothing overlaps.
+//! Dense starts, for which overlapping spheres repel each other like soft spheres until no overlap is left.
 
 use super::{FreeRoom, MARGIN, PER_PARTICLE, ROUNDS};
 use crate::encounter::FrameTime;
@@ -8,29 +8,29 @@ use crate::scene::Scene;
 use crate::work_sharing;
 use nalgebra::Vector3;
 
-/// [-] volume fraction above which relaxation needs fewer rounds than pushing apart pair by pair. Relaxation reaches
-/// 0.62 (`tests/stress.rs`); random packings jam at 0.64.
+/// [-] volume fraction above which relaxation needs fewer rounds than pushing pairs apart one by one. Relaxation
+/// reaches volume fractions up to 0.62 (`tests/stress.rs`); random packings jam at 0.64.
 pub const DENSE: f64 = 0.55;
 
-/// Longest time step, in units of sqrt(mass/stiffness), which are both 1 here. With 1 instead, four times as many steps
-/// are needed at a volume fraction of 0.62.
+/// [-] longest time step in units of sqrt(mass/stiffness); both are 1 here. With 1 in place of 0.5, a volume fraction
+/// of 0.62 needs four times as many steps.
 const LONGEST: f64 = 0.5;
 
-/// [-] fraction by which particles with given positions are enlarged while they are pushed apart. It is small, so that
-/// they move hardly farther than necessary.
+/// [-] fraction by which the radii of particles with given positions are enlarged while they are pushed apart. It is
+/// small, so that the particles are moved hardly farther than necessary.
 const PLACED_MARGIN: f64 = 1e-4;
 
-/// The largest distance by which particles with given positions were moved.
+/// The particle with a given position that was moved farthest, and its displacement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Moved {
-    /// [m] distance from the given to the new position.
+    /// [m] distance of the new position from the given position.
     pub farthest: f64,
     /// Id of the particle that moved this distance.
     pub id: u32,
 }
 
-/// Pushes particles apart that overlap each other, or walls, until nothing overlaps. The particles keep their
-/// velocities and are in the order of their ids.
+/// Pushes overlapping particles apart, and away from walls, until nothing overlaps. The particles keep their
+/// velocities, and are afterwards in the order of their ids.
 ///
 /// # Errors
 /// The number of remaining overlaps, if no arrangement without overlap was found.
@@ -66,8 +66,8 @@ pub fn relax(particles: &mut Particles, is_free: &[bool], room: &FreeRoom) -> us
     settle(particles, is_free, room, MARGIN)
 }
 
-/// Moves free particles as [`relax`] does, for radii that are enlarged by the fraction `margin`. Overlaps of up to half
-/// of this enlargement may remain.
+/// Moves free particles as [`relax`] does, with radii enlarged by the fraction `margin` [-]. Overlaps of up to half of
+/// this enlargement may remain. Returns the number of deeper overlaps.
 fn settle(particles: &mut Particles, is_free: &[bool], room: &FreeRoom, margin: f64) -> usize {
     let scene = &room.scene;
     let (mut list, mut slots) = (NeighbourList::default(), Vec::new());
@@ -112,8 +112,8 @@ fn settle(particles: &mut Particles, is_free: &[bool], room: &FreeRoom, margin: 
     deep
 }
 
-/// Adds each overlap [m] as a force on both bodies, along their normal. Returns the number of overlaps of free
-/// particles that are deeper than allowed.
+/// Adds the length [m] of each overlap as a repulsive force to both bodies, along their normal. Returns the number of
+/// overlaps of free particles that are deeper than allowed.
 fn overlaps(
     list: &NeighbourList,
     slots: &[u32],
@@ -126,7 +126,7 @@ fn overlaps(
     for &slot in slots {
         let couple = list.couple(slot as usize);
         let met = couple.meet(particles, scene, FrameTime::default());
-        // pairs of fixed particles may nearly touch, and are not moved
+        // pairs of fixed particles may nearly touch, but are not moved
         if !couple.places().into_iter().flatten().any(|place| is_free[particles.id[place as usize] as usize]) {
             continue;
         }

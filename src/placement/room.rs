@@ -10,38 +10,38 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Number of points at which the free volume is measured. The standard error is then below 1.1 % of the volume of the
+/// Number of points by which the free volume is measured. The standard error is then below 1.1 % of the volume of the
 /// box that contains the points.
 const PLACES: u32 = 8192;
 
-/// [-] difference, as a fraction of a length or of a unit normal, that counts as rounding.
+/// [-] difference that counts as rounding: of lengths relative to their size, or of components of unit normals.
 const ROUNDING: f64 = 1e-9;
 
-/// Free space for one population of particles, or for several populations with a common region.
+/// Free space in which particles of one population, or of several populations with a common region, are placed.
 pub struct FreeRoom {
-    /// Scene of the simulation, with periodic images of the bodies. If the region is a body, it is added as a hollow
-    /// wall.
+    /// Scene of the simulation, in which walls include periodic images of bodies. If the region is a body, it is a
+    /// hollow wall of this scene.
     pub scene: Scene,
     /// Search structure for the walls near a point.
     pub near: NearWalls,
     /// [m] corners of the box from which positions are drawn: the domain, reduced to the space between flat walls,
     /// within vessels and within the region.
     corners: [Vector3<f64>; 2],
-    /// Indices of the walls that enclose the region of the particles; empty if particles may be anywhere.
+    /// Indices of the walls whose inside is the region of the particles; empty if particles may be anywhere.
     inside: Vec<u32>,
-    /// Remaining effort: positions that may still be tried, and rounds over all particles.
+    /// Remaining effort of the search, in numbers of tried positions; a round over all particles also counts.
     effort: AtomicU64,
-    /// [m³] free volume, stored after it has been measured.
+    /// [m³] free volume; empty until it is measured.
     volume: OnceLock<f64>,
 }
 
 impl FreeRoom {
-    /// Makes the space for populations without a region.
+    /// Makes the free space of the whole scene, for populations without a region.
     pub fn of(scene: &Scene) -> Self {
         Self::within(scene, None)
     }
 
-    /// Makes the space within a region.
+    /// Makes the free space within a region of the scene.
     pub fn within(scene: &Scene, region: Option<&StartRegion>) -> Self {
         let mut walls = scene.walls.clone();
         let mut inside = Vec::new();
@@ -54,7 +54,7 @@ impl FreeRoom {
             None => {}
         }
         let corners = corners(&walls, &inside, scene.domain.size);
-        // without gravity, for which neighbour lists would allow a fall in each step of a relaxation
+        // gravity is omitted, since neighbour lists would allow for a fall in each step of a relaxation
         let gravity = Vector3::zeros();
         let scene = Scene { walls: Repeated::all(&walls, &scene.domain), gravity, ..scene.clone() };
         let near = NearWalls::of(&scene.walls);
@@ -63,7 +63,7 @@ impl FreeRoom {
 
     /// [-] largest volume fraction that spheres can fill, increased by the error of a measured volume. In a box,
     /// spheres of one size fill at most π/√18 (Hales 2005, Ann. Math. 162, 1065). In other spaces the limit is 1, since
-    /// a sphere may fill a vessel completely.
+    /// a single sphere may fill a vessel completely.
     pub fn most(&self) -> f64 {
         /// [-] factor for the error of a measured volume, which covers several standard errors.
         const MEASURED: f64 = 1.05;
@@ -79,7 +79,7 @@ impl FreeRoom {
         self.inside.is_empty() && self.scene.walls.iter().all(are_sides)
     }
 
-    /// This space with a limit on the effort for a search in it.
+    /// Returns this space with a limit on the effort of a search.
     pub fn with_effort(self, effort: u64) -> Self {
         Self { effort: AtomicU64::new(effort), ..self }
     }
@@ -91,8 +91,8 @@ impl FreeRoom {
         left > 0
     }
 
-    /// [m] smallest gap between the walls and a sphere with centre `place` [m]; negative if the sphere overlaps a wall
-    /// or is behind one.
+    /// [m] smallest gap between any wall and a sphere with the centre `place` [m]. The gap is negative if the sphere
+    /// overlaps a wall or is behind a wall.
     pub fn gap(&self, place: &Vector3<f64>, radius: f64) -> f64 {
         let mut gap = f64::INFINITY;
         self.for_each_wall(place, radius, |nearest| {
@@ -101,29 +101,29 @@ impl FreeRoom {
         gap
     }
 
-    /// Calls `visit` with the nearest points of the walls that a sphere may touch or be behind, and of some other
-    /// walls.
+    /// Calls `visit` with the nearest points of the walls that a sphere touches or is behind. Some other walls are
+    /// visited too.
     fn for_each_wall(&self, place: &Vector3<f64>, radius: f64, mut visit: impl FnMut(Nearest)) {
         self.near.for_each_nearest(&self.scene.walls, place, radius, |_, nearest| visit(nearest));
     }
 
     /// [m] required distance of a sphere's centre from a wall with this normal. It is the radius, which is enlarged
-    /// during placement. A slab as thick as the spheres would then have no room across it, so the true radius is used
-    /// there.
+    /// during placement. Between walls as far apart as the diameter, an enlarged sphere would not fit, so the true
+    /// radius is used.
     pub fn reach(&self, normal: &Vector3<f64>, radius: f64) -> f64 {
         let across = (0..3).find(|&axis| normal[axis].abs() > 1.0 - ROUNDING);
         let is_thin = across.is_some_and(|axis| self.middle(axis, radius).is_some());
         if is_thin { radius / (1.0 + MARGIN) * (1.0 - ROUNDING) } else { radius }
     }
 
-    /// [m] middle of the space along an axis, if spheres of `radius` [m] fit only there, or not at all; otherwise
-    /// `None`.
+    /// [m] coordinate of the middle of the space along an axis, if spheres of `radius` [m] fit only there, or not at
+    /// all. Otherwise `None`.
     pub fn middle(&self, axis: usize, radius: f64) -> Option<f64> {
         let [low, high] = self.corners.map(|corner| corner[axis]);
         (!self.scene.domain.periodic[axis] && high - low < 2.0 * radius).then_some(0.5 * (low + high))
     }
 
-    /// True if along some axis the space is too thin for spheres of `radius` [m] to be anywhere but in the middle.
+    /// True if the space is so thin along some axis that spheres of `radius` [m] fit only in the middle.
     pub fn is_slab(&self, radius: f64) -> bool {
         (0..3).any(|axis| self.middle(axis, radius).is_some())
     }
@@ -133,13 +133,15 @@ impl FreeRoom {
         !self.inside.is_empty()
     }
 
-    /// True if a centre at `place` [m] is inside one of the walls that enclose the region, or if no walls enclose it.
+    /// True if the position `place` [m] of a centre is in the region: inside one of its walls, or anywhere without such
+    /// walls.
     pub fn holds(&self, place: &Vector3<f64>) -> bool {
         let holds = |wall: &u32| self.scene.walls[*wall as usize].geometry.law().encloses(place);
         self.inside.is_empty() || self.inside.iter().any(holds)
     }
 
-    /// Returns a random position at which a sphere of `radius` [m] touches no wall; any position if none is found.
+    /// Returns a random position at which a sphere of `radius` [m] touches no wall. If none is found within the effort,
+    /// any position is returned.
     pub fn somewhere(&self, radius: f64, random: &mut Xoshiro256PlusPlus) -> Vector3<f64> {
         let [low, high] = self.corners;
         let mut place = Vector3::zeros();
@@ -157,7 +159,7 @@ impl FreeRoom {
         place
     }
 
-    /// [m³] volume that walls leave free in the box from which positions are drawn. It is measured at points that fill
+    /// [m³] volume that walls leave free in the box from which positions are drawn. It is measured by points that fill
     /// the box evenly. Their coordinates follow the additive recurrence with the inverse powers of 1.2207..., the root
     /// of x⁴ = x + 1 (Roberts 2018, "The unreasonable effectiveness of quasirandom sequences").
     pub fn volume(&self) -> f64 {
@@ -181,7 +183,7 @@ impl FreeRoom {
     }
 }
 
-/// Each different region, with the indices of the populations that start in it.
+/// List of the different start regions, each with the indices of the populations that start in it.
 pub fn regions(populations: &[Population]) -> Vec<(Option<StartRegion>, Vec<usize>)> {
     let mut regions: Vec<(Option<StartRegion>, Vec<usize>)> = Vec::new();
     for (index, population) in populations.iter().enumerate() {
@@ -193,12 +195,12 @@ pub fn regions(populations: &[Population]) -> Vec<(Option<StartRegion>, Vec<usiz
     regions
 }
 
-/// [m] corners of the part of a domain with edges `size` [m] that lies between flat walls across the axes, within
-/// vessels and within the walls around the region.
+/// [m] lowest and highest corner of the part of a domain with edges `size` [m] from which positions are drawn. This
+/// part is between flat walls perpendicular to the axes, within vessels, and within the walls around the region.
 fn corners(walls: &[Wall], inside: &[u32], size: Vector3<f64>) -> [Vector3<f64>; 2] {
     let [mut low, mut high] = [Vector3::zeros(), size];
     let mut narrow = |[from, to]: [Vector3<f64>; 2]| {
-        // limits that differ from a side of the domain only by rounding are ignored
+        // limits that differ from a side of the domain only by rounding are ignored here
         for axis in 0..3 {
             if from[axis] > low[axis] + ROUNDING * size[axis] {
                 low[axis] = from[axis];

@@ -41,7 +41,7 @@ pub enum Cavity {
     Box {
         /// [m] centre of the box.
         center: Vector3<f64>,
-        /// [m] half the lengths of the edges.
+        /// [m] half the lengths of the edges along x, y, z.
         half_extents: Vector3<f64>,
     },
     /// A sphere.

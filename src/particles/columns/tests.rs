@@ -1,4 +1,4 @@
-//! Tests that each operation on the columns reaches every column.
+//! Tests that each operation of a store includes every column.
 
 use super::*;
 use crate::particles::values::AsNumbers;
@@ -75,7 +75,7 @@ fn every_operation_reaches_every_column() {
     assert_eq!((copy.position.len(), copy.length.len(), copy.spin), (0, 0, Some(Vec::new())));
 }
 
-/// Checks an optional column marked as moving: every operation on the moving state includes it.
+/// Checks that every operation on the moving state includes an optional column marked as moving.
 #[test]
 fn what_moves_is_taken_put_sent_kept_and_checked_whole() {
     let (mut rods, numbers) = (three(true), |rods: &Rods, k| {

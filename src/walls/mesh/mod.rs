@@ -33,8 +33,8 @@ use tree::{TriangleFeature, on_triangle};
 /// [-] cosine of 20 degrees, the smallest angle between the directions of two contacts of one sphere. The value was
 /// chosen for this program: seams of round surfaces in fine meshes are flatter, and corners of vessels are sharper.
 const APART: f64 = 0.939_692_620_785_908_4;
-/// [-] cosine of 10 degrees: if all normals near a sphere differ by less from one of them, the sphere has only one
-/// contact.
+/// [-] cosine of 10 degrees: if all normals of a surface differ by less from one direction, a sphere has only one
+/// contact with it.
 const HALF_APART: f64 = 0.984_807_753_012_208;
 /// Largest number of contacts of one sphere with a mesh: three contacts hold a sphere at rest.
 const MOST: u32 = 3;

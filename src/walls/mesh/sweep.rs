@@ -166,7 +166,7 @@ fn is_above(face: &Face, corners: &[Vector3<f64>; 3], point: &Vector3<f64>) -> b
     face.inward.iter().zip(corners).all(|(inward, corner)| inward.dot(&(point - corner)) >= least)
 }
 
-/// [s] time at which a sphere in straight flight touches the edge between two points [m], without its ends.
+/// [s] time at which a sphere in straight flight touches the edge between two points [m]. The end points are excluded.
 fn on_edge([from, to]: [Vector3<f64>; 2], flight: &Flight, radius: f64) -> Option<(f64, Option<usize>)> {
     let length = (to - from).norm();
     let along = (to - from) / length;
