@@ -126,8 +126,8 @@ impl ExactSum {
         self.added = 1;
     }
 
-    /// Words of the sum, to be added to those of other sums word by word, and written back here. The words of up to
-    /// 2^20 sums may be added. The result is the sum of all of them, also if terms were not finite.
+    /// Words of the sum, for adding up the sums of several processes. The words of up to 2^20 sums may be added one by
+    /// one, and written back here. The result is the sum of all of them, also if terms were not finite.
     pub fn words(&mut self) -> &mut [i64; WORDS] {
         self.carry();
         // the caller may write any of the words

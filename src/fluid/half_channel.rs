@@ -1,17 +1,18 @@
-//! Finite volumes between a wall and the centre plane of a channel, or the axis of a pipe, in wall units.
+//! Finite-volume equations from the wall of a channel to its centre plane, or from the wall of a pipe to its axis. All
+//! quantities are in wall units.
 
 use super::k_epsilon::{C_MU, GridNode, KBudget, Section, TurbulenceModel};
 use super::{launder_sharma, wall_functions};
 
-/// Flow in a half channel in wall units: lengths are in ν/u_τ, velocities in u_τ. So the viscosity ν is 1, the wall
-/// stress τ_w is 1, and the half height h is Re_τ.
+/// Flow in one half of a channel, in wall units: lengths are in units of ν/u_τ, velocities in units of u_τ. So the
+/// viscosity ν is 1, the wall stress τ_w is 1, and the half height h is Re_τ.
 ///
-/// The flow may also be that in a pipe of radius h, where the stress falls linearly to the axis as well. In a pipe the
-/// area of a face is proportional to its distance r from the axis: (1/r) d/dr(r D dφ/dr) = sink φ - source for a
-/// quantity φ.
+/// The flow may also be that in a pipe of radius h, since its stress falls linearly to the axis too. In a pipe the area
+/// of a face is proportional to its distance r from the axis. The equation of a quantity φ is then (1/r) d/dr(r D
+/// dφ/dr) = sink φ - source.
 ///
-/// Values are at cell centres. The face between cells `i - 1` and `i` is face `i`. Face 0 is the wall; the last face
-/// is the centre plane, through which there is no flux.
+/// Values are given at cell centres. Face number `i` is between cells `i - 1` and `i`. Face 0 is the wall. The last
+/// face is the centre plane, through which there is no flux.
 #[derive(Clone, Debug)]
 pub(super) struct HalfChannel {
     /// Cross-section of the flow: channel or pipe.
@@ -24,21 +25,22 @@ pub(super) struct HalfChannel {
     pub y: Vec<f64>,
     /// [-] mean velocity u⁺.
     pub u: Vec<f64>,
-    /// [-] turbulent kinetic energy k⁺, over u_τ².
+    /// [-] turbulent kinetic energy k⁺ = k/u_τ².
     pub k: Vec<f64>,
-    /// [-] dissipation rate over u_τ⁴/ν: ε, or ε̃ = ε - 2ν (d√k/dy)² for Launder-Sharma.
+    /// [-] dissipation rate divided by u_τ⁴/ν. For the Launder-Sharma model it is that of ε̃ = ε - 2ν (d√k/dy)²,
+    /// otherwise ε.
     pub epsilon: Vec<f64>,
-    /// [-] eddy viscosity over ν.
+    /// [-] eddy viscosity ν_t over ν.
     pub nu_t: Vec<f64>,
 }
 
-/// Steady diffusion-reaction equation of one quantity φ: -(D φ')' + sink φ = source in every cell, D = 1 + ν_t/σ.
+/// Steady diffusion-reaction equation of one quantity φ: -(D φ')' + sink φ = source in every cell, with D = 1 + ν_t/σ.
 pub(super) struct Equation<'a> {
     /// [-] turbulent Prandtl number σ.
     pub prandtl: f64,
-    /// Coefficient of φ in the sink, per volume, >= 0.
+    /// Coefficient of φ in the sink term, per volume; not negative.
     pub sink: &'a [f64],
-    /// Source of φ per volume.
+    /// Source term of φ, per volume.
     pub source: &'a [f64],
     /// Condition on φ at the wall.
     pub wall: WallCondition,
@@ -49,14 +51,15 @@ pub(super) struct Equation<'a> {
 pub(super) enum WallCondition {
     /// φ = 0 at the wall itself.
     Zero,
-    /// No flux through the wall.
+    /// There is no flux of φ through the wall.
     Insulated,
-    /// φ has this value in the first cell.
+    /// φ has this value in the cell at the wall.
     FirstCell(f64),
 }
 
 impl HalfChannel {
-    /// A half channel with faces given as fractions of h (0 first, 1 last); `reynolds_tau` is a first guess.
+    /// Makes a half channel with given faces, as fractions of h (the first is 0, the last 1). `reynolds_tau` is a first
+    /// guess of Re_τ.
     pub fn new(section: Section, faces: &[f64], reynolds_tau: f64) -> Self {
         let mut channel = Self {
             section,
@@ -69,8 +72,9 @@ impl HalfChannel {
             nu_t: Vec::new(),
         };
         channel.stretch(reynolds_tau);
-        // Any positive start converges. This start has the right size: the mixing length of the logarithmic layer with
-        // van Driest's damping (1956, A+ = 26), k+ = 1/sqrt(C_mu), and both reduced towards the centre.
+        // The iteration converges from any positive start. This start has the right size: the mixing length of the
+        // logarithmic layer with van Driest's damping (1956, A+ = 26), k+ = 1/sqrt(C_mu), and both reduced towards the
+        // centre.
         for &y in &channel.y {
             let damping = 1.0 - (-y / 26.0).exp();
             let nu_t = wall_functions::KAPPA * y * damping * damping * (1.0 - 0.5 * y / reynolds_tau);
@@ -82,14 +86,15 @@ impl HalfChannel {
         channel
     }
 
-    /// Changes Re_τ and keeps the grid in y/h.
+    /// Changes Re_τ, and scales all distances so that the grid in y/h stays the same.
     pub fn stretch(&mut self, reynolds_tau: f64) {
         let factor = reynolds_tau / self.reynolds_tau;
         self.face.iter_mut().chain(&mut self.y).for_each(|y| *y *= factor);
         self.reynolds_tau = reynolds_tau;
     }
 
-    /// Area of a surface at a distance `y` from the wall, over the area of the wall: 1 in a channel, r/R in a pipe.
+    /// [-] area of a surface at a distance `y` from the wall, over the area of the wall. It is 1 in a channel and r/R
+    /// in a pipe.
     pub fn area(&self, y: f64) -> f64 {
         match self.section {
             Section::Channel => 1.0,
@@ -97,7 +102,7 @@ impl HalfChannel {
         }
     }
 
-    /// Volume of a cell over the area of the wall.
+    /// Volume of a cell divided by the area of the wall, in units of ν/u_τ.
     pub fn volume(&self, cell: usize) -> f64 {
         let [start, end] = [self.face[cell], self.face[cell + 1]];
         (end - start) * self.area(0.5 * (start + end))
@@ -114,8 +119,8 @@ impl HalfChannel {
         self.nu_t[face - 1] + weight * (self.nu_t[face] - self.nu_t[face - 1])
     }
 
-    /// Integrates (1 + ν_t) dU/dy = 1 - y/h outwards from the velocity in the first cell: the discrete stress balance
-    /// holds to rounding at every face.
+    /// Integrates (1 + ν_t) dU/dy = 1 - y/h from the wall to the centre, beginning with the velocity in the first cell.
+    /// The discrete stress balance is then satisfied at every face, except for rounding.
     pub fn integrate_momentum(&mut self, first: f64) {
         self.u[0] = first;
         for i in 1..self.u.len() {
@@ -124,12 +129,12 @@ impl HalfChannel {
         }
     }
 
-    /// Velocity gradient dU/dy in a cell, from the stress balance.
+    /// Velocity gradient dU/dy in a cell, computed from the stress balance.
     pub fn shear(&self, cell: usize) -> f64 {
         self.stress(self.y[cell]) / (1.0 + self.nu_t[cell])
     }
 
-    /// Solves one equation for all cells (Thomas' algorithm) and writes the solution to `phi`; returns the largest
+    /// Solves one equation for all cells by Thomas' algorithm, and writes the solution to `phi`. Returns the largest
     /// relative change of `phi`.
     pub fn solve(&self, equation: &Equation, relaxation: f64, phi: &mut [f64]) -> f64 {
         let count = phi.len();
@@ -165,7 +170,7 @@ impl HalfChannel {
             change = change.max((difference / phi[i]).abs());
             phi[i] += relaxation * difference;
         }
-        // max() ignores not-a-number, the sum does not.
+        // max() ignores not-a-number, but the sum does not.
         if phi.iter().sum::<f64>().is_finite() { change } else { f64::NAN }
     }
 
@@ -177,7 +182,7 @@ impl HalfChannel {
         self.u[last] + (self.u[last] - self.u[last - 1]) * near / (far - near)
     }
 
-    /// Values of all cells in SI units.
+    /// Values of all cells, converted to SI units.
     pub fn nodes(&self, model: TurbulenceModel, wall_unit: f64, friction_velocity: f64) -> Vec<GridNode> {
         (0..self.u.len())
             .map(|i| {
@@ -223,8 +228,8 @@ impl HalfChannel {
 mod tests {
     use super::*;
 
-    /// Without turbulence the profile is U = 1.5 U_b (1 - (1 - y/h)²), U_b+ = Re_τ/3; the discrete one is of second
-    /// order.
+    /// Checks the profile without turbulence, U = 1.5 U_b (1 - (1 - y/h)²) with U_b+ = Re_τ/3. The discrete profile is
+    /// of second order.
     #[test]
     fn laminar_flow_is_a_parabola() {
         let error = |cells: usize| {
@@ -243,9 +248,9 @@ mod tests {
         }
     }
 
-    /// Without turbulence the profile in a pipe is that of Hagen and Poiseuille, U+ = R+/2 (1 - r²/R²), U_b+ = R+/4. On
-    /// even cells, whose faces are midway between their centres, the profile and the friction factor 64/Re are exact to
-    /// rounding.
+    /// Checks the profile in a pipe without turbulence against that of Hagen and Poiseuille: U+ = R+/2 (1 - r²/R²),
+    /// U_b+ = R+/4. On even cells, whose faces are midway between their centres, the profile and the friction factor
+    /// 64/Re are exact except for rounding.
     #[test]
     fn laminar_flow_in_a_pipe_is_hagen_and_poiseuille() {
         let radius = 25.0;
@@ -254,7 +259,8 @@ mod tests {
             let mut pipe = HalfChannel::new(Section::Pipe, &faces, radius);
             pipe.nu_t.fill(0.0);
             let exact = |y: f64| 0.5 * radius * (1.0 - (1.0 - y / radius).powi(2));
-            // the velocity of the first cell follows from the wall at rest and the stress midway between them
+            // the velocity of the first cell follows from the resting wall and the stress midway between wall and cell
+            // centre
             pipe.integrate_momentum(pipe.y[0] * pipe.stress(0.5 * pipe.y[0]));
             for (y, u) in pipe.y.iter().zip(&pipe.u) {
                 assert!((u - exact(*y)).abs() < 1e-12 * radius, "{cells} cells, y = {y}: {u}");
@@ -272,7 +278,8 @@ mod tests {
         }
     }
 
-    /// (1/r)(r φ')' = φ - 1 with φ(R) = 0: φ = 1 - I_0(r)/I_0(R), the modified Bessel function by its series.
+    /// Checks (1/r)(r φ')' = φ - 1 with φ(R) = 0. The solution is φ = 1 - I_0(r)/I_0(R), with the modified Bessel
+    /// function computed by its series.
     #[test]
     fn diffusion_in_a_pipe_is_of_second_order() {
         let bessel = |r: f64| {
@@ -293,7 +300,8 @@ mod tests {
         assert!(error(40) < 1e-3 && (3.5..4.5).contains(&ratio), "{} and falls by {ratio}", error(40));
     }
 
-    /// -φ'' + sink φ = sink with φ(0) = 0 and no flux at the centre: φ = 1 - cosh(q (h - y))/cosh(q h), q² = sink.
+    /// Checks -φ'' + sink φ = sink with φ(0) = 0 and no flux at the centre. The solution is φ = 1 - cosh(q (h -
+    /// y))/cosh(q h) with q² = sink.
     #[test]
     fn diffusion_with_a_sink_is_of_second_order() {
         let error = |cells: usize| {

@@ -1,40 +1,42 @@
-//! Fully developed turbulent channel flow by the k-epsilon model: from a bulk velocity to the profile.
+//! Fully developed turbulent channel flow by the k-epsilon model: computes the velocity profile for a given bulk
+//! velocity.
 //!
-//! In a steady, fully developed channel of half width h the pressure gradient alone fixes the total shear stress,
-//! (ν + ν_t) dU/dy = u_τ² (1 - y/h). So the momentum equation is integrated, and only k and ε are iterated. All
-//! equations are solved in wall units (lengths ν/u_τ, velocities u_τ) on a finite-volume half channel. The friction
-//! Reynolds number is adjusted until the flow has the requested bulk velocity.
+//! In a steady, fully developed channel of half width h the pressure gradient alone determines the total shear stress,
+//! (ν + ν_t) dU/dy = u_τ² (1 - y/h). So the momentum equation is integrated directly, and only k and ε are iterated.
+//! All equations are solved in wall units (lengths in ν/u_τ, velocities in u_τ), on a finite-volume grid of a half
+//! channel. The friction Reynolds number is adjusted until the flow has the required bulk velocity.
 
 use super::half_channel::HalfChannel;
 use super::table::VelocityTable;
 use super::{launder_sharma, wall_functions};
 use serde::Serialize;
 
-/// [-] C_μ of ν_t = C_μ k²/ε: Launder and Spalding 1974.
+/// [-] constant C_μ in ν_t = C_μ k²/ε: Launder and Spalding 1974.
 pub(super) const C_MU: f64 = 0.09;
-/// [-] C_1, production of ε: Launder and Spalding 1974.
+/// [-] constant C_1 of the production of ε: Launder and Spalding 1974.
 pub(super) const C_1: f64 = 1.44;
-/// [-] C_2, destruction of ε: Launder and Spalding 1974.
+/// [-] constant C_2 of the destruction of ε: Launder and Spalding 1974.
 pub(super) const C_2: f64 = 1.92;
-/// [-] σ_k, Prandtl number of k: Launder and Spalding 1974.
+/// [-] turbulent Prandtl number σ_k of k: Launder and Spalding 1974.
 pub(super) const SIGMA_K: f64 = 1.0;
-/// [-] σ_ε, Prandtl number of ε: Launder and Spalding 1974.
+/// [-] turbulent Prandtl number σ_ε of ε: Launder and Spalding 1974.
 pub(super) const SIGMA_EPSILON: f64 = 1.3;
 
 /// [-] bulk Reynolds number U_b 2h/ν below which a channel is not fully turbulent: lower end of Dean's data (1978).
 const TURBULENT: f64 = 6000.0;
-/// [-] relative accuracy of the bulk velocity, well within the 1e-4 that the studies state.
+/// [-] relative accuracy of the bulk velocity, much better than the 1e-4 that is stated for the studies.
 const BULK_TOLERANCE: f64 = 1e-10;
-/// [-] largest relative change of k, ε and ν_t in the sweep that ends the iteration.
+/// [-] largest relative change of k, ε and ν_t in a sweep at which the iteration ends.
 const SWEEP_TOLERANCE: f64 = 1e-11;
 /// Largest number of sweeps over k and ε; some hundreds are usual.
 const SWEEPS: usize = 20_000;
 /// Largest number of corrections of the friction Reynolds number; about ten are usual.
 const CORRECTIONS: usize = 60;
-/// [-] exponent of Re_τ ~ Re^0.875 in Dean's correlation (1978), with which Re_τ is corrected by the bulk velocity.
+/// [-] exponent in Re_τ ~ Re^0.875 of Dean's correlation (1978), by which Re_τ is corrected until the bulk velocity is
+/// right.
 const DEAN_EXPONENT: f64 = 0.875;
 
-/// Cross-section of the gas flow.
+/// Cross-section of the gas flow: channel or pipe.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Section {
@@ -48,15 +50,17 @@ pub enum Section {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum TurbulenceModel {
-    /// Standard k-ε with equilibrium wall functions (Launder and Spalding 1974). The first node lies in the logarithmic
-    /// layer, and the law of the wall replaces the flow below it. The paper uses this model. It needs Re >= 10 000.
+    /// Standard k-ε model with equilibrium wall functions (Launder and Spalding 1974), which the paper uses. The first
+    /// node lies in the logarithmic layer, and the law of the wall replaces the flow below it. The model requires Re >=
+    /// 10 000.
     WallFunctions,
-    /// Low-Reynolds-number k-ε (Launder and Sharma 1974), resolved down to the wall. It needs Re >= 6000.
+    /// Low-Reynolds-number k-ε model (Launder and Sharma 1974), resolved down to the wall. The model requires Re >=
+    /// 6000.
     LaunderSharma,
 }
 
 impl TurbulenceModel {
-    /// [-] lowest bulk Reynolds number U_b L_y/ν for which the model is valid.
+    /// [-] lowest bulk Reynolds number U_b L_y/ν for which the model is valid, with L_y the width of the channel.
     pub fn lowest_reynolds(self) -> f64 {
         match self {
             Self::WallFunctions => wall_functions::LOWEST_REYNOLDS,
@@ -83,17 +87,17 @@ pub struct GridNode {
     pub u: f64,
     /// [m²/s²] turbulent kinetic energy k.
     pub k: f64,
-    /// [m²/s³] dissipation rate ε of k (for Launder-Sharma the full one, ε̃ + 2ν (d√k/dy)²).
+    /// [m²/s³] dissipation rate ε of k. For the Launder-Sharma model it is the full rate, ε̃ + 2ν (d√k/dy)².
     pub epsilon: f64,
     /// [m²/s] eddy viscosity ν_t.
     pub nu_t: f64,
 }
 
-/// One half of a symmetric channel flow, from the wall to the centre plane; or a pipe flow from the wall to the axis.
-/// For a pipe the width of the channel is the diameter and the half width h the radius.
+/// One half of a symmetric channel flow, from the wall to the centre plane; or a pipe flow, from the wall to the axis.
+/// For a pipe, the width of the channel stands for the diameter, and the half width h for the radius.
 #[derive(Clone, Debug, Serialize)]
 pub struct ChannelFlow {
-    /// Channel or pipe.
+    /// Cross-section of the flow: channel or pipe.
     pub section: Section,
     /// Turbulence model with which the flow was solved.
     pub model: TurbulenceModel,
@@ -103,33 +107,34 @@ pub struct ChannelFlow {
     pub kinematic_viscosity: f64,
     /// [m/s] bulk velocity of the profile, including the law of the wall.
     pub bulk_velocity: f64,
-    /// [m/s] velocity on the centre plane.
+    /// [m/s] velocity on the centre plane, or on the axis of a pipe.
     pub centre_velocity: f64,
     /// [m/s] friction velocity u_τ = sqrt(τ_w/ρ).
     pub friction_velocity: f64,
-    /// [-] friction Reynolds number u_τ h/ν.
+    /// [-] friction Reynolds number Re_τ = u_τ h/ν.
     pub reynolds_tau: f64,
-    /// Cell centres, from the wall to the centre plane.
+    /// State of the gas at the cell centres, from the wall to the centre plane.
     pub nodes: Vec<GridNode>,
     /// U(y) from the wall (0, 0) to the centre plane, as (y [m], U [m/s]): the nodes and, for wall functions, the law
     /// of the wall below the first of them and interpolated points between them.
     pub profile: Vec<(f64, f64)>,
     /// Number of sweeps over k and ε, summed over all corrections of Re_τ.
     pub iterations: usize,
-    /// [-] largest relative change in the last sweep.
+    /// [-] largest relative change of k, ε and ν_t in the last sweep.
     pub residual: f64,
-    /// [u_τ³] terms of the budget of k integrated over the half channel.
+    /// [u_τ³] terms of the balance of turbulent kinetic energy k, integrated over the half channel.
     pub k_budget: KBudget,
 }
 
-/// The budget of k integrated over the half channel, in units of u_τ³; production = dissipation + wall flux.
+/// Balance of turbulent kinetic energy k, integrated over the half channel, in units of u_τ³. Production equals
+/// dissipation plus wall flux.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct KBudget {
     /// [-] ∫ ν_t (dU/dy)² dy.
     pub production: f64,
-    /// [-] ∫ ε dy, the full dissipation.
+    /// [-] ∫ ε dy, with the full dissipation rate ε.
     pub dissipation: f64,
-    /// [-] ν dk/dy at the wall of the grid.
+    /// [-] ν dk/dy at the wall, or at the lowest face of the grid: flux of k out of the flow.
     pub wall_flux: f64,
 }
 
@@ -244,7 +249,7 @@ impl ChannelFlow {
         Err(format!("k-epsilon channel: no friction velocity for {bulk_velocity} m/s in {CORRECTIONS} corrections"))
     }
 
-    /// Velocity U(y) over the half channel as a monotone cubic with zero slope on the centre plane, y from 0 to h.
+    /// Velocity U(y) for y from 0 to h, as a monotone cubic through the profile with zero slope on the centre plane.
     ///
     /// # Errors
     ///
@@ -254,7 +259,7 @@ impl ChannelFlow {
     }
 }
 
-/// [-] the bulk Reynolds number.
+/// [-] bulk Reynolds number U_b L_y/ν, which is checked to be high enough for the model.
 ///
 /// # Errors
 /// A number that is not positive, or a Reynolds number that is too low for the model.
@@ -278,7 +283,7 @@ fn half_table(profile: &[(f64, f64)]) -> Result<VelocityTable, String> {
     VelocityTable::with_end_slopes(profile, [None, Some(0.0)])
 }
 
-/// Sweeps over k and ε until they change no more; returns the last relative change.
+/// Repeats sweeps over k and ε until these hardly change. Returns the last relative change [-].
 fn converge(channel: &mut HalfChannel, model: TurbulenceModel, iterations: &mut usize) -> Result<f64, String> {
     let mut change = f64::INFINITY;
     for _ in 0..SWEEPS {
@@ -297,7 +302,8 @@ fn converge(channel: &mut HalfChannel, model: TurbulenceModel, iterations: &mut 
     Err(format!("k-epsilon channel: {model:?} did not converge, the last relative change is {change:.3e}"))
 }
 
-/// [-] Re_τ from the bulk Reynolds number by C_f = 0.073 Re^(-1/4) (Dean 1978): the start of the iteration.
+/// [-] estimate of Re_τ from the bulk Reynolds number by C_f = 0.073 Re^(-1/4) (Dean 1978), with which the iteration
+/// starts.
 fn estimate(reynolds: f64) -> f64 {
     0.5 * reynolds * (0.5 * 0.073 * reynolds.powf(-0.25)).sqrt()
 }

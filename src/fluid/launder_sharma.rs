@@ -1,21 +1,21 @@
-//! Low-Reynolds-number k-epsilon, resolved down to the wall (Launder and Sharma 1974).
+//! Low-Reynolds-number k-epsilon model (Launder and Sharma 1974), whose grid resolves the flow down to the wall.
 
 use super::half_channel::{Equation, HalfChannel, WallCondition};
 use super::k_epsilon::{C_1, C_2, C_MU, SIGMA_EPSILON, SIGMA_K};
 
 /// Number of cells over the half channel. Twice as many cells change u_τ by less than 0.1 %.
 pub(super) const CELLS: usize = 240;
-/// [-] y+ of the centre of the first cell, for `CELLS` cells.
+/// [-] distance y+ of the centre of the first cell from the wall, for `CELLS` cells.
 const FIRST_NODE: f64 = 0.05;
-/// Share of the newly computed k and ε in the next iterate; the previous values have the rest.
+/// [-] weight of the newly computed k and ε in the next iterate; the previous values have the remaining weight.
 const RELAXATION: f64 = 0.7;
 
-/// Faces of cells that grow by a constant factor from the wall, as fractions of h. A larger number of cells refines all
-/// of them equally.
+/// Faces of cells, as fractions of h. The widths of the cells grow by a constant factor from the wall. A larger number
+/// of cells refines all cells equally.
 pub(super) fn faces(cells: usize, reynolds_tau: f64) -> Vec<f64> {
     let first = 2.0 * FIRST_NODE / reynolds_tau * CELLS as f64 / cells as f64;
     let sum = |growth: f64| (growth.powi(cells as i32) - 1.0) / (growth - 1.0);
-    // Bisection for the growth factor whose cells add up to h; 2 is far above any factor in use.
+    // Bisection for the growth factor at which the widths add up to h; 2 is far above any factor in use.
     let (mut low, mut high) = (1.0 + 1e-9, 2.0);
     for _ in 0..200 {
         let middle = 0.5 * (low + high);
@@ -31,7 +31,7 @@ pub(super) fn production(channel: &HalfChannel, cell: usize) -> f64 {
     channel.nu_t[cell] * channel.shear(cell).powi(2)
 }
 
-/// D = 2 ν (d√k/dy)², the difference between the dissipation ε and ε̃, chosen so that ε̃ = 0 at the wall.
+/// D = 2 ν (d√k/dy)², the difference between the dissipation rate ε and ε̃. It is defined so that ε̃ = 0 at the wall.
 pub(super) fn wall_dissipation(channel: &HalfChannel, cell: usize) -> f64 {
     let slope = |face: usize| match face {
         0 => channel.k[0].sqrt() / channel.y[0],
@@ -41,7 +41,7 @@ pub(super) fn wall_dissipation(channel: &HalfChannel, cell: usize) -> f64 {
     slope(cell).powi(2) + slope(cell + 1).powi(2)
 }
 
-/// E = 2 ν ν_t (d²U/dy²)²: the source of ε̃ in the buffer layer.
+/// E = 2 ν ν_t (d²U/dy²)², the source of ε̃ in the buffer layer near the wall.
 fn buffer_source(channel: &HalfChannel, cell: usize) -> f64 {
     let shear = |face: usize| match face {
         0 => 1.0,
@@ -57,10 +57,10 @@ fn reynolds_t(channel: &HalfChannel, cell: usize) -> f64 {
     channel.k[cell].powi(2) / channel.epsilon[cell]
 }
 
-/// Iterates U, k, ε̃ and ν_t once; returns the largest relative change.
+/// Updates U, k, ε̃ and ν_t once; returns the largest relative change [-].
 pub(super) fn sweep(channel: &mut HalfChannel) -> f64 {
     let count = channel.k.len();
-    // No slip: the stress at the wall is the velocity of the first cell over its distance.
+    // No slip at the wall: the stress at the wall is the velocity of the first cell over its distance from the wall.
     channel.integrate_momentum(channel.y[0]);
 
     let p: Vec<f64> = (0..count).map(|i| production(channel, i)).collect();
@@ -90,7 +90,7 @@ pub(super) fn sweep(channel: &mut HalfChannel) -> f64 {
     change
 }
 
-/// Profile U(y) through the wall, the cell centres and the centre plane.
+/// Velocity profile U(y) as points: the wall, the cell centres and the centre plane.
 pub(super) fn profile(channel: &HalfChannel) -> Vec<(f64, f64)> {
     let nodes = channel.y.iter().copied().zip(channel.u.iter().copied());
     [(0.0, 0.0)].into_iter().chain(nodes).chain([(channel.reynolds_tau, channel.centre_velocity())]).collect()

@@ -7,27 +7,27 @@
 //! U⁺ = ln(1 + κ y⁺)/κ + C (1 - exp(-y⁺/11) - y⁺/11 exp(-y⁺/3)),   C = B - ln(κ)/κ
 //! ```
 //!
-//! with lengths in ν/u_τ and velocities in u_τ. The formula is used up to the middle plane and mirrored there. A real
-//! channel is some per cent faster in the middle (the wake), and its profile has no kink there; the formula leaves out
-//! both.
+//! In this formula lengths are in units of ν/u_τ and velocities in units of u_τ. It is used from the wall to the middle
+//! plane, and mirrored at this plane. In the middle a real channel flow is some per cent faster (the wake), and its
+//! profile is smooth. The formula describes neither.
 
 use serde::Serialize;
 
-/// [-] y⁺ over which the first of Reichardt's two corrections near the wall fades out: Reichardt's value.
+/// [-] distance y⁺ over which the first of Reichardt's two corrections near the wall decays: Reichardt's value.
 const OUTER_FADE: f64 = 11.0;
-/// [-] y⁺ over which the second correction fades out, the shorter of the two distances.
+/// [-] distance y⁺ over which the second, shorter correction decays: Reichardt's value.
 const INNER_FADE: f64 = 3.0;
-/// The two constants of the logarithmic law.
+/// The two constants κ and B of the logarithmic law U⁺ = ln(y⁺)/κ + B.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct LogConstants {
-    /// [-] von Kármán's κ.
+    /// [-] von Kármán's constant κ.
     pub von_karman: f64,
-    /// [-] B, the additive constant of a smooth wall.
+    /// [-] additive constant B for a smooth wall.
     pub intercept: f64,
 }
 
 impl Default for LogConstants {
-    /// κ = 0.41 and B = 5.0: Coles and Hirst 1968 (Stanford conference).
+    /// Returns κ = 0.41 and B = 5.0: Coles and Hirst 1968 (Stanford conference).
     fn default() -> Self {
         Self { von_karman: 0.41, intercept: 5.0 }
     }
@@ -56,26 +56,27 @@ impl LogConstants {
     }
 }
 
-/// A channel between walls at y = 0 and y = `height` in which the logarithmic law holds.
+/// Channel flow between walls at y = 0 and y = `height`, described by the logarithmic law of the wall.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LogLaw {
-    /// The constants κ and B.
+    /// The constants κ and B of the law.
     pub constants: LogConstants,
-    /// [m] full width 2h.
+    /// [m] full width 2h of the channel.
     pub height: f64,
     /// [m²/s] kinematic viscosity ν.
     pub kinematic_viscosity: f64,
     /// [m/s] friction velocity u_τ.
     pub friction_velocity: f64,
-    /// [m/s] mean velocity over the width.
+    /// [m/s] mean velocity over the width of the channel.
     pub bulk_velocity: f64,
 }
 
 impl LogLaw {
-    /// [-] bulk Reynolds number U_b 2h/ν below which a channel is not fully turbulent: Dean 1978, range of his data.
+    /// [-] bulk Reynolds number U_b 2h/ν below which a channel is not fully turbulent: lower end of the data of Dean
+    /// 1978.
     pub const LOWEST_REYNOLDS: f64 = 6000.0;
 
-    /// A channel with a given friction velocity [m/s], from which the bulk velocity is computed.
+    /// Makes a channel flow with a given friction velocity [m/s], from which the bulk velocity is computed.
     ///
     /// # Errors
     /// A number that is not positive, or a bulk Reynolds number below 6000.
@@ -110,7 +111,7 @@ impl LogLaw {
         Ok(Self { constants, height, kinematic_viscosity, friction_velocity, bulk_velocity })
     }
 
-    /// A channel with a given bulk velocity [m/s], from which the friction velocity is computed.
+    /// Makes a channel flow with a given bulk velocity [m/s], from which the friction velocity is computed.
     ///
     /// # Errors
     /// As [`LogLaw::with_friction_velocity`].
@@ -120,7 +121,7 @@ impl LogLaw {
         kinematic_viscosity: f64,
         constants: LogConstants,
     ) -> Result<Self, String> {
-        // the flow grows with u_τ: bisection between 0 and the bulk velocity, a u_τ that no channel has
+        // the bulk velocity increases with u_τ: bisection between 0 and the bulk velocity, which u_τ never exceeds
         let (mut low, mut high) = (0.0, bulk_velocity);
         let wanted = 0.5 * bulk_velocity * height / kinematic_viscosity;
         // 60 halvings reach the rounding error
@@ -154,7 +155,7 @@ mod tests {
         LogLaw::with_friction_velocity(friction_velocity, PAPER.0, PAPER.1, LogConstants::default()).unwrap()
     }
 
-    /// Compares the integral in closed form with the midpoint rule, whose error is (10⁻⁵)² of the curvature.
+    /// Compares the integral in closed form with the midpoint rule, whose error is (10⁻⁵)² times the curvature.
     #[test]
     fn the_flow_is_the_integral_of_the_velocity() {
         let constants = LogConstants::default();
@@ -166,8 +167,8 @@ mod tests {
         }
     }
 
-    /// Compares the formula with both limits. Near the wall U⁺ = y⁺ - 0.017 y⁺². Far out the profile exceeds the
-    /// logarithmic law by 1/(κ² y⁺), which is 0.006 at y⁺ = 1000.
+    /// Compares the formula with its two limits. Near the wall U⁺ = y⁺ - 0.017 y⁺². Far from the wall the profile
+    /// exceeds the logarithmic law by 1/(κ² y⁺), which is 0.006 at y⁺ = 1000.
     #[test]
     fn both_limits() {
         let constants = LogConstants::default();
@@ -183,7 +184,7 @@ mod tests {
         let law = law(0.80);
         let again = LogLaw::with_bulk_velocity(law.bulk_velocity, PAPER.0, PAPER.1, law.constants).unwrap();
         assert!((again.friction_velocity / 0.80 - 1.0).abs() < 1e-12);
-        // symmetric to rounding of height - y; zero at both walls and outside them
+        // symmetric except for rounding of height - y; zero at both walls and outside the channel
         assert!((law.velocity(0.013) / law.velocity(0.04 - 0.013) - 1.0).abs() < 1e-12);
         assert_eq!([law.velocity(0.0), law.velocity(0.04), law.velocity(-1.0)], [0.0; 3]);
     }

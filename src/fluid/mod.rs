@@ -1,9 +1,11 @@
 //! The gas around the particles.
 //!
-//! The gas is frozen: the particles do not change it. It has a mean streamwise velocity (along z) that depends only
-//! on the wall-normal distance y (the paper's section 2.1), or in a pipe on the distance from the axis.
+//! The gas is frozen: the particles do not change it. Its mean velocity is streamwise (along z). In a channel the
+//! velocity depends only on the wall-normal distance y (the paper's section 2.1), in a pipe on the distance from the
+//! axis.
 //!
-//! To add a profile, write one file with a function that returns a [`Profile`], and an arm where the case is resolved.
+//! To add a profile, write one file with a function that returns a [`Profile`], and add an arm where a case is
+//! resolved.
 
 mod half_channel;
 mod k_epsilon;
@@ -31,14 +33,14 @@ pub struct Fluid {
     pub density: f64,
     /// [m²/s] kinematic viscosity ν.
     pub kinematic_viscosity: f64,
-    /// Streamwise gas velocity against y, or against the distance from the axis of a pipe.
+    /// Streamwise gas velocity as a function of y, or of the distance from the axis of a pipe.
     pub profile: Profile,
     /// Drag law; `None` if the gas exerts no force on the particles.
     pub drag: Option<Drag>,
 }
 
 impl Fluid {
-    /// Drag properties of a sphere of this species in this gas.
+    /// Properties of a sphere of this species in this gas on which drag depends.
     pub fn sphere(&self, species: &Species) -> Sphere {
         Sphere {
             stokes_time: species.density * species.diameter.powi(2) / (18.0 * self.density * self.kinematic_viscosity),

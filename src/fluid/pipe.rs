@@ -1,21 +1,22 @@
-//! A turbulent flow along z through a round pipe.
+//! Turbulent gas flow along z through a round pipe.
 
 use super::k_epsilon::ChannelFlow;
 use super::table::VelocityTable;
 use serde::Serialize;
 
-/// A pipe flow: the velocity depends on the distance from the axis.
+/// A pipe flow along z, whose velocity depends on the distance from the axis.
 #[derive(Clone, Debug, Serialize)]
 pub struct Pipe {
-    /// [m] x and y of the axis.
+    /// [m] coordinates x and y of the axis.
     center: [f64; 2],
-    /// Velocity as a function of the distance from the wall.
+    /// Velocity [m/s] as a function of the distance from the wall.
     half: VelocityTable,
     flow: ChannelFlow,
 }
 
 impl Pipe {
-    /// A solved flow about the axis through x and y of `center` [m].
+    /// Makes a pipe flow from a solved flow. The axis is parallel to z, through the coordinates x and y in `center`
+    /// [m].
     ///
     /// # Errors
     ///
@@ -24,40 +25,40 @@ impl Pipe {
         Ok(Self { center, half: flow.half_table()?, flow })
     }
 
-    /// [m] x and y of the axis.
+    /// [m] coordinates x and y of the axis.
     pub fn center(&self) -> [f64; 2] {
         self.center
     }
 
-    /// [m] radius.
+    /// [m] radius of the pipe.
     pub fn radius(&self) -> f64 {
         0.5 * self.flow.height
     }
 
-    /// [m/s] velocity at x and y [m]; 0 at the wall and outside.
+    /// [m/s] gas velocity at the coordinates x and y [m]; 0 at the wall and outside the pipe.
     #[inline]
     pub fn velocity_at(&self, x: f64, y: f64) -> f64 {
         let (x, y) = (x - self.center[0], y - self.center[1]);
         self.half.value(self.radius() - (x * x + y * y).sqrt())
     }
 
-    /// [m/s] velocity at `y` [m] in the plane x = const through the axis.
+    /// [m/s] gas velocity at the coordinate `y` [m], in the plane x = const that contains the axis.
     #[inline]
     pub fn velocity(&self, y: f64) -> f64 {
         self.half.value(self.radius() - (y - self.center[1]).abs())
     }
 
-    /// [m] y of the lowest and of the highest point of the wall.
+    /// [m] coordinates y of the lowest and of the highest point of the wall.
     pub fn between(&self) -> [f64; 2] {
         [self.center[1] - self.radius(), self.center[1] + self.radius()]
     }
 
-    /// [m/s] greatest velocity.
+    /// [m/s] largest velocity, which is that on the axis.
     pub fn maximum(&self) -> f64 {
         self.half.maximum()
     }
 
-    /// The solved flow.
+    /// The solved flow from which the pipe flow was made.
     pub fn flow(&self) -> &ChannelFlow {
         &self.flow
     }

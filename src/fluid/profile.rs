@@ -8,25 +8,25 @@ use nalgebra::Vector3;
 use serde::Serialize;
 use std::sync::Arc;
 
-/// Streamwise gas velocity u_z(y), y in [0, height].
+/// Profile of the streamwise gas velocity u_z(y) for y from 0 to the height of the channel, or in a pipe.
 ///
-/// A clone shares its tables with the original. Evaluation takes equal time for any y and any number of points.
+/// A clone shares its tables with the original. Evaluation takes equal time for any position and any number of points.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Profile {
-    /// [m/s] one velocity at every y.
+    /// [m/s] a velocity that is equal everywhere.
     Uniform(f64),
-    /// A monotone cubic through given points.
+    /// A monotone cubic through given points (y, u).
     Tabulated(Arc<VelocityTable>),
-    /// A k-epsilon channel flow.
+    /// A channel flow computed by a k-epsilon model.
     Channel(Arc<Channel>),
-    /// The logarithmic law of the wall.
+    /// A channel flow by the logarithmic law of the wall.
     LogLaw(LogLaw),
-    /// A turbulent pipe flow, along z.
+    /// A turbulent pipe flow along z, computed by a k-epsilon model.
     Pipe(Arc<Pipe>),
 }
 
-/// Scales of velocity and length by which flows along smooth walls are similar to each other.
+/// Velocity and length by which flows along smooth walls are made dimensionless (wall units).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct WallScale {
     /// [m/s] friction velocity u_τ.
@@ -35,7 +35,7 @@ pub struct WallScale {
     pub length: f64,
 }
 
-/// A channel flow with its half profile, mirrored at the centre plane.
+/// A channel flow whose profile in one half is mirrored at the centre plane.
 #[derive(Clone, Debug, Serialize)]
 pub struct Channel {
     half: VelocityTable,
@@ -43,7 +43,8 @@ pub struct Channel {
 }
 
 impl Profile {
-    /// A monotone cubic through points (y [m], u [m/s]) in ascending y; constant outside them.
+    /// Makes a profile as a monotone cubic through points (y [m], u [m/s]) in ascending order of y. Outside the points
+    /// it is constant.
     ///
     /// # Errors
     ///
@@ -52,12 +53,12 @@ impl Profile {
         Ok(Self::Tabulated(Arc::new(VelocityTable::new(points)?)))
     }
 
-    /// The fully developed channel flow with bulk velocity `bulk_velocity` [m/s] between walls at y = 0 and
-    /// y = `height` [m], by a k-epsilon model.
+    /// Makes the fully developed channel flow with the bulk velocity `bulk_velocity` [m/s] between walls at y = 0 and y
+    /// = `height` [m], by a k-epsilon model.
     ///
-    /// The profile is exactly symmetric, and zero at both walls and outside them. Its mean equals `bulk_velocity` to
-    /// 1e-10 relative, because the solver adjusts u_τ to this very profile. With wall functions the profile contains
-    /// the law of the wall below the first node.
+    /// The profile is exactly symmetric. It is zero at both walls and outside them. Its mean equals `bulk_velocity`
+    /// with a relative error of 1e-10, because the solver adjusts u_τ until the mean of this profile is right. With
+    /// wall functions the profile contains the law of the wall below the first node.
     ///
     /// # Errors
     ///
@@ -72,8 +73,9 @@ impl Profile {
         Ok(Self::Channel(Arc::new(Channel { half: flow.half_table()?, flow })))
     }
 
-    /// The fully developed turbulent flow along z with bulk velocity `bulk_velocity` [m/s] through a pipe of
-    /// `diameter` [m], by the model of Launder and Sharma. The axis goes through x and y of `center` [m].
+    /// Makes the fully developed turbulent flow along z with the bulk velocity `bulk_velocity` [m/s] through a pipe of
+    /// `diameter` [m], by the model of Launder and Sharma. The axis goes through the coordinates x and y in `center`
+    /// [m].
     ///
     /// # Errors
     ///
@@ -97,7 +99,7 @@ impl Profile {
         }
     }
 
-    /// [m] y of the lower and of the upper wall of the gas, in a box of `height` [m].
+    /// [m] coordinates y of the lower and the upper wall of the gas flow, in a box of `height` [m].
     pub fn between(&self, height: f64) -> [f64; 2] {
         match self {
             Self::Pipe(pipe) => pipe.between(),
@@ -105,8 +107,8 @@ impl Profile {
         }
     }
 
-    /// [m/s] streamwise gas velocity at distance `y` [m] from the wall y = 0; outside the profile, the value at its
-    /// nearer end. In a pipe, it is the velocity at this y in the plane x = const through the axis.
+    /// [m/s] streamwise gas velocity at distance `y` [m] from the wall y = 0. Outside the profile it is the value at
+    /// the nearer end. In a pipe, it is the velocity at this y in the plane x = const that contains the axis.
     #[inline]
     pub fn velocity(&self, y: f64) -> f64 {
         match self {
@@ -118,7 +120,7 @@ impl Profile {
         }
     }
 
-    /// [m/s] greatest velocity.
+    /// [m/s] largest velocity of the profile.
     pub fn maximum(&self) -> f64 {
         match self {
             Self::Uniform(velocity) => *velocity,
@@ -129,7 +131,7 @@ impl Profile {
         }
     }
 
-    /// (y [m], u [m/s]) at `count` equal distances from 0 to `height` [m], both included.
+    /// Points (y [m], u [m/s]) of the profile at `count` equal distances from 0 to `height` [m], both included.
     pub fn sample(&self, height: f64, count: usize) -> Vec<(f64, f64)> {
         let step = height / count.saturating_sub(1).max(1) as f64;
         (0..count).map(|i| i as f64 * step).map(|y| (y, self.velocity(y))).collect()
@@ -144,7 +146,7 @@ impl Profile {
         }
     }
 
-    /// [m/s] bulk velocity of a channel flow, given or computed.
+    /// [m/s] bulk velocity of a channel or pipe flow, given or computed; `None` for other profiles.
     pub fn bulk_velocity(&self) -> Option<f64> {
         match self {
             Self::Uniform(_) | Self::Tabulated(_) => None,
@@ -154,7 +156,7 @@ impl Profile {
         }
     }
 
-    /// Friction velocity and length at the wall, if the profile has them.
+    /// Friction velocity and viscous length of the flow; `None` if the profile has no walls.
     pub fn wall_scale(&self) -> Option<WallScale> {
         let (friction_velocity, viscosity) = match self {
             Self::Uniform(_) | Self::Tabulated(_) => return None,

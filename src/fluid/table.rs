@@ -3,30 +3,30 @@
 use serde::Serialize;
 
 /// Number of bins of the index per node. With evenly spaced nodes, most bins contain no node, and the first guess of
-/// the piece is right.
+/// the cubic piece is right.
 const BINS_PER_NODE: usize = 16;
 
 /// Function u(y) through given points: piecewise cubic with continuous slope and no overshoot between points. The
 /// scheme is PCHIP: Fritsch and Butland 1984, slopes by the weighted harmonic mean of Brodlie. The function is constant
 /// outside the points.
 ///
-/// A uniform index over y gives the piece, so that an evaluation costs the same anywhere. One evaluation is needed per
-/// particle and window (time between two exchanges of momentum with the gas).
+/// The cubic piece is found by a uniform index over y, so that an evaluation takes equal time for every y. One
+/// evaluation is needed per particle and window (time between two exchanges of momentum with the gas).
 #[derive(Clone, Debug, Serialize)]
 pub struct VelocityTable {
     pieces: Vec<CubicPiece>,
-    /// The piece at the lower edge of each bin.
+    /// Number of the cubic piece at the lower edge of each bin.
     #[serde(skip)]
     index: Vec<u32>,
-    /// [1/m] bins per length.
+    /// [1/m] number of bins per length.
     bins_per_length: f64,
-    /// [m] first and last y.
+    /// [m] first and last y of the given points.
     range: [f64; 2],
-    /// [m/s] value at the last y.
+    /// [m/s] value u at the last y.
     last: f64,
 }
 
-/// Cubic piece u = value + s (slope + s (square + s cube)), s = y - start, up to y = end.
+/// A cubic piece u = value + s (slope + s (square + s cube)), with s = y - start, valid up to y = end.
 #[derive(Clone, Copy, Debug, Serialize)]
 struct CubicPiece {
     start: f64,
@@ -38,7 +38,7 @@ struct CubicPiece {
 }
 
 impl VelocityTable {
-    /// A table from points (y [m], u [m/s]).
+    /// Makes a table from points (y [m], u [m/s]).
     ///
     /// # Errors
     ///
@@ -47,7 +47,7 @@ impl VelocityTable {
         Self::with_end_slopes(points, [None, None])
     }
 
-    /// A table with a given slope [1/s] at the first or last point, where it is known.
+    /// Makes a table with a given slope [1/s] at the first or the last point; `None` if the slope there is not known.
     ///
     /// # Errors
     ///
@@ -97,7 +97,7 @@ impl VelocityTable {
         Ok(Self { pieces, index, bins_per_length: 1.0 / width, range: [first.0, last.0], last: last.1 })
     }
 
-    /// [m/s] u(y), y in m; the first or last value outside the points.
+    /// [m/s] velocity u at y [m]; outside the points the first or last value.
     #[inline]
     pub fn value(&self, y: f64) -> f64 {
         let [first, last] = self.range;
@@ -107,7 +107,7 @@ impl VelocityTable {
         if y >= last {
             return self.last;
         }
-        // Not-a-number falls through to bin 0 and comes out as not-a-number.
+        // Not-a-number leads to bin 0, and the result is then not-a-number.
         let bin = (((y - first) * self.bins_per_length) as u32 as usize).min(self.index.len() - 1);
         let mut piece = &self.pieces[self.index[bin] as usize..];
         while piece[0].end <= y {
@@ -129,8 +129,8 @@ impl VelocityTable {
             .sum()
     }
 
-    /// Integral of the value times 1 - y/`end` over the whole range, exact for the cubics: Gauss's rule of three
-    /// points on each piece.
+    /// Integral of u times 1 - y/`end` over the whole range [m²/s]. It is exact for the cubics, by Gauss's rule with
+    /// three points on each piece.
     pub fn integral_towards(&self, end: f64) -> f64 {
         let rule = [(-(0.6_f64.sqrt()), 5.0 / 18.0), (0.0, 8.0 / 18.0), (0.6_f64.sqrt(), 5.0 / 18.0)];
         self.pieces
@@ -147,15 +147,15 @@ impl VelocityTable {
             .sum()
     }
 
-    /// [m/s] greatest value: a monotone cubic takes it at a point.
+    /// [m/s] largest value of u. A monotone cubic has its largest value at one of the given points.
     pub fn maximum(&self) -> f64 {
         self.pieces.iter().map(|piece| piece.value).fold(self.last, f64::max)
     }
 }
 
-/// Slopes at the points that keep every piece monotone: 0 at an extremum, else the harmonic mean of the secants on both
-/// sides, weighted by the widths (Fritsch and Butland 1984); at an end that is not given, the three-point formula,
-/// limited.
+/// Slopes at the points, chosen so that every cubic piece is monotone (Fritsch and Butland 1984). The slope is 0 at an
+/// extremum. Elsewhere it is the harmonic mean of the secants on both sides, weighted by their widths. At an end
+/// without a given slope, it is that of the three-point formula, limited in size.
 fn slopes(points: &[(f64, f64)], ends: [Option<f64>; 2]) -> Vec<f64> {
     let width: Vec<f64> = points.windows(2).map(|p| p[1].0 - p[0].0).collect();
     let secant: Vec<f64> = points.windows(2).map(|p| (p[1].1 - p[0].1) / (p[1].0 - p[0].0)).collect();
@@ -165,7 +165,7 @@ fn slopes(points: &[(f64, f64)], ends: [Option<f64>; 2]) -> Vec<f64> {
         if one_sided * secant[near] <= 0.0 {
             0.0
         } else if secant[near] * secant[far] <= 0.0 && one_sided.abs() > 3.0 * secant[near].abs() {
-            3.0 * secant[near] // three secants: the bound for a monotone piece, Fritsch and Carlson 1980
+            3.0 * secant[near] // three times the secant is the bound for a monotone piece, Fritsch and Carlson 1980
         } else {
             one_sided
         }

@@ -1,50 +1,50 @@
-//! Standard k-epsilon with equilibrium wall functions (Launder and Spalding 1974).
+//! Standard k-epsilon model with equilibrium wall functions (Launder and Spalding 1974).
 
 use super::half_channel::{Equation, HalfChannel, WallCondition};
 use super::k_epsilon::{C_1, C_2, C_MU, SIGMA_EPSILON, SIGMA_K};
 use super::table::VelocityTable;
 
-/// [-] von Kármán's constant κ. With E = 9.0 it is a common pair, B = ln(E)/κ = 5.36; pairs in use differ
-/// (`docs/theory/gas.md`).
+/// [-] von Kármán's constant κ, often used together with E = 9.0, so that B = ln(E)/κ = 5.36. Other pairs of constants
+/// are in use (`docs/theory/gas.md`).
 pub(super) const KAPPA: f64 = 0.41;
-/// [-] E of U+ = ln(E y+)/κ on a smooth wall, the partner of κ = 0.41.
+/// [-] constant E in U+ = ln(E y+)/κ on a smooth wall, used together with κ = 0.41.
 const E: f64 = 9.0;
-/// [-] y+ of the edge of the viscous sublayer in the two-layer law of the wall: the root of y+ = ln(E y+)/κ. It is
-/// computed from κ and E.
+/// [-] distance y+ of the edge of the viscous sublayer in the two-layer law of the wall. It is the root of y+ = ln(E
+/// y+)/κ, computed from κ and E.
 const SUBLAYER: f64 = 11.225_301;
 
-/// [-] lowest bulk Reynolds number of the model. Below it, the half channel has no room for a logarithmic layer and an
-/// outer layer of 5 cells.
+/// [-] lowest bulk Reynolds number of the model. At lower values a half channel is too thin for a logarithmic layer and
+/// an outer layer of 5 cells.
 pub(super) const LOWEST_REYNOLDS: f64 = 10_000.0;
-/// [-] desired y+ of the first node: the middle of the range where the result does not depend on this y+.
+/// [-] desired distance y+ of the first node, in the middle of the range in which the result does not depend on it.
 const FIRST_NODE: f64 = 30.0;
-/// Largest number of cells; the first node then lies above `FIRST_NODE` for Re_τ > 3600, still within 1 % of h from
-/// the wall.
+/// Largest number of cells. For Re_τ > 3600 the first node is therefore above `FIRST_NODE`, but still within 1 % of h
+/// from the wall.
 const MOST_CELLS: usize = 60;
 
-/// Share of the newly computed k and ε in the next iterate; the previous values have the rest.
+/// [-] weight of the newly computed k and ε in the next iterate; the previous values have the remaining weight.
 const RELAXATION: f64 = 0.7;
-/// Number of points of the logarithmic law below the first node.
+/// Number of points of the profile in the logarithmic law below the first node.
 const LAW_POINTS: usize = 24;
-/// Number of parts into which the profile divides the distance between two nodes.
+/// Number of parts into which the points of the profile divide the distance between two nodes.
 const PARTS: usize = 8;
 
-/// Number of cells over the half channel at a friction Reynolds number.
+/// Number of cells over the half channel for a given friction Reynolds number.
 pub(super) fn cells(reynolds_tau: f64) -> usize {
     ((reynolds_tau / (2.0 * FIRST_NODE)).round() as usize).clamp(4, MOST_CELLS)
 }
 
-/// Faces of equal cells, as fractions of h.
+/// Faces of cells of equal width, as fractions of h.
 pub(super) fn faces(cells: usize) -> Vec<f64> {
     (0..=cells).map(|face| face as f64 / cells as f64).collect()
 }
 
-/// Velocity scale of the wall cell, u* = C_μ^(1/4) k_P^(1/2), with k_P the turbulent kinetic energy in the cell.
+/// Velocity scale u* = C_μ^(1/4) k_P^(1/2) of the wall cell, with k_P the turbulent kinetic energy in this cell.
 fn scale(channel: &HalfChannel) -> f64 {
     C_MU.powf(0.25) * channel.k[0].sqrt()
 }
 
-/// Production of k: ν_t (dU/dy)², in the wall cell τ_w²/(κ u* y).
+/// Production of k: ν_t (dU/dy)²; in the wall cell it is τ_w²/(κ u* y).
 pub(super) fn production(channel: &HalfChannel, cell: usize) -> f64 {
     if cell == 0 {
         1.0 / (KAPPA * scale(channel) * channel.y[0])
@@ -53,7 +53,7 @@ pub(super) fn production(channel: &HalfChannel, cell: usize) -> f64 {
     }
 }
 
-/// Iterates U, k, ε and ν_t once; returns the largest relative change.
+/// Updates U, k, ε and ν_t once; returns the largest relative change [-].
 pub(super) fn sweep(channel: &mut HalfChannel) -> f64 {
     let count = channel.k.len();
     channel.integrate_momentum(law(channel, channel.y[0]));
@@ -80,14 +80,16 @@ pub(super) fn sweep(channel: &mut HalfChannel) -> f64 {
     change
 }
 
-/// Velocity U by the two-layer law of the wall: τ_w y below the edge of the sublayer, τ_w/(κ u*) ln(E u* y) above.
+/// Velocity U by the two-layer law of the wall. It is τ_w y below the edge of the sublayer, and τ_w/(κ u*) ln(E u* y)
+/// above.
 fn law(channel: &HalfChannel, y: f64) -> f64 {
     let scale = scale(channel);
     if y * scale < SUBLAYER { y } else { (E * scale * y).ln() / (KAPPA * scale) }
 }
 
-/// Profile U(y). Up to the first node it is the law of the wall. From there to the centre plane it is a monotone cubic
-/// in ln y through the nodes: a cubic in y would not follow the logarithm between the first two nodes.
+/// Velocity profile U(y) as points. Up to the first node it is the law of the wall. From there to the centre plane it
+/// is a monotone cubic in ln y through the nodes, because a cubic in y would not follow the logarithm between the first
+/// two nodes.
 ///
 /// # Errors
 ///
@@ -95,7 +97,7 @@ fn law(channel: &HalfChannel, y: f64) -> f64 {
 pub(super) fn profile(channel: &HalfChannel) -> Result<Vec<(f64, f64)>, String> {
     let first = channel.y[0];
     let edge = (SUBLAYER / scale(channel)).min(0.9 * first);
-    // The linear part needs points only where it bends into the logarithmic one.
+    // The linear part of the law needs points only near its edge, where the logarithmic part begins.
     let sublayer = [0.0, 0.5, 0.9, 1.0].map(|part| part * edge);
     let step = (first / edge).powf(1.0 / LAW_POINTS as f64);
     let logarithm = (1..LAW_POINTS).map(|i| edge * step.powi(i as i32));

@@ -10,7 +10,7 @@ use rand::{RngExt, SeedableRng};
 use rand_distr::{Distribution, StandardNormal};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-/// Constant that turns the seed of a run into a separate seed for spins; its value has no meaning.
+/// Constant that is combined with the seed of a run to give a separate seed for spins. Its value has no meaning.
 const SPINS: u64 = 0x5350_494e_5350_494e;
 
 /// Draws random particles of each population (a group of particles with common settings) in its free space. The ids are
@@ -66,11 +66,11 @@ pub fn draw(
     particles
 }
 
-/// Diameters of the spheres of a population, returned one after the other.
+/// Diameters of the spheres of a population (a group of particles with common settings), returned one after the other.
 enum Diameters {
     /// [m] equal diameter of all spheres.
     Same(f64),
-    /// [m] diameters that are not returned yet; the last of the list is returned next.
+    /// [m] diameters that are not returned yet; the last one of the list is returned next.
     Spread(Vec<f64>),
 }
 
@@ -108,12 +108,12 @@ struct Normals {
     drawn: Vector3<f64>,
     /// Required mean, in the unit of the values.
     mean: Vector3<f64>,
-    /// Factor for the difference of a drawn number from the mean of all, in the unit of the values.
+    /// Factor by which the difference of a drawn number from the mean of all is multiplied, in the unit of the values.
     factor: Vector3<f64>,
 }
 
 impl Normals {
-    /// `count` values with the given mean and standard deviation of each component, drawn from `random`.
+    /// Prepares `count` random values from `random`. Each component has the given mean and standard deviation.
     fn new((mean, deviation): (Vector3<f64>, Vector3<f64>), count: usize, random: &mut Xoshiro256PlusPlus) -> Self {
         let before = random.clone();
         let (mut drawn, mut stretch) = (Vector3::zeros(), Vector3::repeat(1.0));
@@ -126,8 +126,8 @@ impl Normals {
                 v.component_mul(&v)
             };
             let squares = (0..count).map(square).sum::<Vector3<f64>>() / count as f64;
-            // equal draws have no spread that could be scaled: this cannot happen, but a division by zero must be
-            // avoided
+            // equal draws have no spread that could be scaled; this cannot happen, but the division by zero must be
+            // excluded
             stretch = squares.map(|square| if square > 0.0 { 1.0 / square.sqrt() } else { 0.0 });
         }
         Self { random: before, drawn, mean, factor: deviation.component_mul(&stretch) }

@@ -27,23 +27,23 @@ use room::{FreeRoom, regions};
 /// Schaaf & Tarjus 1991).
 const INSERTION_LIMIT: f64 = 0.2;
 
-/// Number of rounds after which a placement is given up. A round treats all overlaps of all particles once.
+/// Number of rounds after which a placement is given up. In one round all overlaps of all particles are treated once.
 const ROUNDS: usize = 5000;
 
-/// Number of rounds in which spheres that overlap much larger ones draw a new position, although pairs are pushed
-/// apart. Without these draws, dense groups remain around the larger spheres and take long to spread. After eight
-/// rounds fewer than one in 10⁴ spheres still overlaps a larger sphere, at a volume fraction of 0.3.
+/// Number of rounds in which spheres that overlap much larger ones draw a new position, in addition to pushing pairs
+/// apart. Without these draws, dense groups remain around the larger spheres and spread slowly. After eight rounds, at
+/// a volume fraction of 0.3, fewer than one in 10⁴ spheres still overlaps a larger sphere.
 const ROUNDS_OF_INSERTION: usize = 8;
 
-/// Number of pairs in the neighbour list that count as much effort as one particle. A particle in a dense start has
-/// about as many pairs.
+/// Number of pairs in the neighbour list that count as much effort of the search as one particle. A particle in a dense
+/// start has about as many pairs.
 const PER_PARTICLE: u64 = 32;
 
-/// [-] fraction by which spheres are enlarged during placement, so that none start in touch. At least half of the
-/// enlargement remains as a gap.
+/// [-] fraction by which the radii of spheres are enlarged during placement, so that no spheres touch at the start. At
+/// least half of the enlargement remains as a gap.
 const MARGIN: f64 = 1e-3;
 
-/// The error for a start that could not be made.
+/// Error: no start without overlap was found.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error(
     "{}: the particles fill {wanted:.3e} of the {room:.3e} m^3 that walls and bodies in the box leave them, and {}; ask for fewer particles, make that room larger (a larger box around a vessel is of no use), or give positions in a file",
@@ -51,15 +51,15 @@ const MARGIN: f64 = 1e-3;
     self.bound()
 )]
 pub struct Crowded {
-    /// [-] volume of the particles over that of the room in which they start.
+    /// [-] volume of the particles over the volume of the free space (room) in which they start.
     pub wanted: f64,
-    /// [-] volume of the particles without overlap over the volume of the room.
+    /// [-] volume of the particles without overlap, over the volume of the room, when the search ended.
     pub reached: f64,
     /// [m³] free volume of the room in which the particles start.
     pub room: f64,
-    /// True if the search stopped because the allowed effort was spent, before all rounds were done.
+    /// True if the search ended because the allowed effort was spent, before all rounds were done.
     pub given_up: bool,
-    /// [-] largest volume fraction of any arrangement of these spheres, if the particles would exceed it.
+    /// [-] largest volume fraction of any arrangement of these spheres, if the particles would exceed this limit.
     pub most: Option<f64>,
 }
 
@@ -78,7 +78,8 @@ impl Crowded {
         }
     }
 
-    /// Returns an error if the particles fill more of their room than any arrangement can, before a search begins.
+    /// Returns an error if the particles fill more of their room than any arrangement of spheres. The check is made
+    /// before a search begins.
     fn refuse_overfull(wanted: f64, room: &FreeRoom) -> Result<(), Self> {
         let most = room.most();
         if wanted <= most {
@@ -88,7 +89,8 @@ impl Crowded {
     }
 }
 
-/// Makes the initial state, which is equal for every model and depends only on the experiment and its seed.
+/// Makes the initial state of the particles. It depends only on the experiment and its seed, and is equal for every
+/// model.
 ///
 /// # Errors
 /// If random positions without overlap are not found in a bounded number of rounds.
@@ -96,8 +98,9 @@ pub fn initial_state(experiment: &Experiment) -> Result<Particles, Crowded> {
     initial_state_within(experiment, u64::MAX)
 }
 
-/// Makes the initial state within a limited `effort`, for a caller that only tests if a start is found soon. A position
-/// tried for a sphere counts 1, a round counts the number of particles and a share of the pairs.
+/// Makes the initial state within a limited `effort`, for callers that only test if a start is found soon. Each
+/// position tried for a sphere counts 1. Each round counts the number of particles, plus a fraction of the number of
+/// pairs.
 ///
 /// # Errors
 /// If random positions without overlap are not found within that effort.
@@ -110,7 +113,7 @@ pub fn initial_state_within(experiment: &Experiment, effort: u64) -> Result<Part
     let region_of = |population: usize| regions.iter().position(|(_, of)| of.contains(&population)).unwrap_or_default();
     let room_of: Vec<&FreeRoom> = (0..experiment.start.len()).map(|population| &rooms[region_of(population)]).collect();
     let mut particles = draw::draw(experiment, &room_of, &mut random, &|_| true);
-    // moves the particles of one region while those of other regions stay
+    // moves the particles of one region while those of the other regions stay fixed
     for ((_, populations), room) in regions.iter().zip(&rooms) {
         let mut is_free = Vec::with_capacity(particles.len());
         for (index, population) in experiment.start.iter().enumerate() {
@@ -127,12 +130,12 @@ pub fn initial_state_within(experiment: &Experiment, effort: u64) -> Result<Part
     Ok(particles)
 }
 
-/// [-] volume of all particles over the free volume of a room that contains all of them.
+/// [-] volume of all particles over the free volume `room`, if this room contains all particles.
 fn filled(experiment: &Experiment, room: &FreeRoom) -> f64 {
     volume(experiment, |_| true) / room.volume()
 }
 
-/// [m³] volume of the particles of those populations for whose index `is_meant` is true.
+/// [m³] volume of the particles of those populations for which `is_meant` is true, by index.
 fn volume(experiment: &Experiment, is_meant: impl Fn(usize) -> bool) -> f64 {
     let species = &experiment.scene.species;
     let meant = experiment.start.iter().enumerate().filter(|(index, _)| is_meant(*index));
@@ -143,8 +146,8 @@ fn volume(experiment: &Experiment, is_meant: impl Fn(usize) -> bool) -> f64 {
     meant.map(|(_, population)| of(population)).fold(0.0, |sum, volume| sum + volume)
 }
 
-/// Moves the free particles until nothing overlaps, and sorts the particles by id. The particles of the room fill the
-/// fraction `fraction` [-] of it.
+/// Moves the free particles until nothing overlaps, and sorts all particles by id. `fraction` [-] is the volume
+/// fraction of the particles in the room.
 fn separate(
     particles: &mut Particles,
     is_free: &[bool],
@@ -203,18 +206,20 @@ fn separate(
     }
 }
 
-/// Particles that a search for overlaps considers.
+/// Particles among which overlaps are searched.
 struct There<'a> {
     /// Region that contains the particles.
     region: Region,
-    /// True for the ids of particles that may be moved.
+    /// Function that returns true for the ids of particles that may be moved.
     may_move: &'a dyn Fn(u32) -> bool,
-    /// True for positions [m] whose overlaps this process counts; another process counts the others.
+    /// Function that returns true for the positions [m] at which this process counts overlaps. Other processes count
+    /// the others.
     is_counted: &'a dyn Fn(&Vector3<f64>) -> bool,
 }
 
-/// Finds overlapping pairs of which at least one particle may move. Returns the indices of both particles of each pair,
-/// and the number of overlaps, with particles and with walls, that are deeper than allowed. Sorts the particles.
+/// Finds overlapping pairs in which at least one particle may move. Returns the indices of both particles of each pair.
+/// Also returns the number of overlaps, with particles and with walls, that are deeper than allowed. Sorts the
+/// particles.
 fn look_for_overlaps(
     particles: &mut Particles,
     list: &mut NeighbourList,
@@ -222,18 +227,18 @@ fn look_for_overlaps(
     room: &FreeRoom,
 ) -> (Vec<(u32, u32)>, usize) {
     let (scene, mut slots) = (&room.scene, Vec::new());
-    // skin 0, because nothing moves before the next search
+    // the skin is 0, because nothing moves before the next search
     list.build_in(&there.region, particles, scene, 0.0);
     list.overlapping(particles, scene, &mut slots);
     let pairs = slots.iter().take_while(|slot| (**slot as usize) < list.pairs.len());
-    // pairs of given particles may nearly touch, and are not moved
+    // pairs of particles with given positions may nearly touch, but are not moved
     let moves = |place: u32| (there.may_move)(particles.id[place as usize]);
     let counted = |place: usize| (there.is_counted)(&particles.position[place]);
     let overlaps: Vec<(u32, u32)> = pairs
         .map(|slot| (list.pairs[*slot as usize].i, list.pairs[*slot as usize].j))
         .filter(|&(i, j)| moves(i) || moves(j))
         .collect();
-    // pushing apart brings enlarged spheres ever closer to touch: half of the enlargement must be reached
+    // pushing apart separates enlarged spheres ever more slowly, so a gap of half of the enlargement is sufficient
     let deep = |&&(i, j): &&(u32, u32)| {
         let (i, j) = (i as usize, j as usize);
         let reach = (particles.radius[i] + particles.radius[j]) * (1.0 - 0.5 * MARGIN);
@@ -252,14 +257,14 @@ fn look_for_overlaps(
     (overlaps, bad)
 }
 
-/// True if one sphere is at most half as large as the other.
+/// True if one sphere has at most half the size of the other.
 fn are_unequal(particles: &Particles, (i, j): (u32, u32)) -> bool {
     let (a, b) = (particles.radius[i as usize], particles.radius[j as usize]);
     a.min(b) <= 0.5 * a.max(b)
 }
 
-/// Draws a new position for one particle of each overlapping pair. This is the smaller one of those that may move, or
-/// of two equal particles the one with the higher id.
+/// Draws a new position for one particle of each overlapping pair: the smaller one of those that may move. Of two equal
+/// particles, the one with the higher id is moved.
 fn insert_again(
     particles: &mut Particles,
     overlaps: &[(u32, u32)],
@@ -280,7 +285,7 @@ fn displaced(particles: &Particles, overlaps: &[(u32, u32)], may_move: &dyn Fn(u
     let mut again: Vec<(u32, u32)> = overlaps
         .iter()
         .map(|&(i, j)| {
-            // a much larger sphere would find no free position among small ones
+            // the smaller sphere is moved, since a much larger one would find no free position among small ones
             let smallness = |place: u32| -particles.radius[place as usize];
             let rank =
                 |place: u32| (may_move(particles.id[place as usize]), smallness(place), particles.id[place as usize]);
@@ -305,11 +310,11 @@ fn draw_strays_again(particles: &mut Particles, is_free: &[bool], room: &FreeRoo
     }
 }
 
-/// Moves overlapping particles apart along the line of their centres, one pair after the other, each pair from the
-/// latest positions. If all pairs were moved at once, a sphere among several others would be pushed too far and would
-/// never settle. Particles that overlap a wall are moved along its normal.
+/// Moves overlapping particles apart along the line of their centres. The pairs are treated one after the other, each
+/// at the latest positions. If all pairs were moved at once, a sphere among several others would be pushed too far and
+/// would never settle. Particles that overlap a wall are moved along its normal.
 fn push_apart(particles: &mut Particles, overlaps: &[(u32, u32)], is_free: &[bool], room: &FreeRoom) {
-    /// Factor on the distance needed: with 1, the last overlaps would shrink without end.
+    /// [-] displacement over the overlap. With a ratio of 1, the last overlaps would decrease without end.
     const OVERSHOOT: f64 = 1.05;
     let scene = &room.scene;
     let mut walls = Vec::new();
@@ -318,7 +323,8 @@ fn push_apart(particles: &mut Particles, overlaps: &[(u32, u32)], is_free: &[boo
         let apart = scene.domain.separation(&particles.position[i], &particles.position[j]);
         let distance = apart.norm();
         let overlap = particles.radius[i] + particles.radius[j] - distance;
-        // weighted as if by mass, so that a large sphere hardly moves when it touches small ones
+        // displacements are inversely proportional to the masses, so that a large sphere hardly moves when it touches
+        // small ones
         let smaller = particles.radius[i].min(particles.radius[j]);
         let lightness = |place: usize| (smaller / particles.radius[place]).powi(3);
         let free = |place: usize| if is_free[particles.id[place] as usize] { lightness(place) } else { 0.0 };
@@ -337,10 +343,10 @@ fn push_apart(particles: &mut Particles, overlaps: &[(u32, u32)], is_free: &[boo
         }
         let radius = particles.radius[place];
         let mut position = particles.position[place];
-        // one wall moves a free centre by at most a radius, and another wall may then be in the way
+        // a wall moves a free centre by at most a radius, and the centre may then overlap another wall
         room.near.list(&position, 3.0 * radius, &mut walls);
         for wall in &walls {
-            // the position includes the push of the walls before this one
+            // the position includes the displacements by the previous walls
             let shape = scene.walls[*wall as usize].geometry.law();
             if shape.is_clear(&position, radius) {
                 continue;

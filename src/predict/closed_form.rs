@@ -1,6 +1,6 @@
 //! Scenes whose motion has a closed-form solution: a cooling gas, a fall in a gas, one bouncing sphere, and a row of
-//! spheres that pass an impulse on. All solutions are for hard spheres; soft spheres of finite stiffness lag behind by
-//! the duration of their contacts.
+//! spheres that transmit an impulse. All solutions are for hard spheres. The motion of soft spheres is delayed by the
+//! duration of their contacts.
 
 use super::flow::terminal_slip;
 use super::gas::{AgitationSpread, Component, gas};
@@ -8,7 +8,7 @@ use crate::fluid::Profile;
 use crate::scene::{Kind, Scene};
 use nalgebra::Vector3;
 
-/// Smallest number of particles that is treated as a gas.
+/// Smallest number of particles for which a scene is treated as a gas.
 const FEWEST: usize = 100;
 
 /// A cooling gas of equal spheres. Inelastic collisions remove its energy, and nothing replaces it.
@@ -16,17 +16,18 @@ const FEWEST: usize = 100;
 pub struct Cooling {
     /// [m²/s²] granular temperature T at the start.
     temperature: f64,
-    /// [1/s] collisions of a particle per time at the start, by Enskog's theory.
+    /// [1/s] number of collisions of a particle per time at the start, by Enskog's theory.
     rate: f64,
-    /// [1/s] collisions of all pairs per time at the start.
+    /// [1/s] number of collisions of all pairs per time at the start.
     pair_rate: f64,
-    /// [-] restitution squared.
+    /// [-] square of the restitution.
     square: f64,
 }
 
 impl Cooling {
-    /// A gas of `count` particles that start with granular temperature `temperature` [m²/s²]. `None` unless the scene
-    /// is a periodic box of many equal spheres with restitution below 1, without friction, drag and walls.
+    /// Makes a cooling gas of `count` particles that start with the granular temperature `temperature` [m²/s²]. `None`
+    /// unless the scene is a periodic box of many equal spheres with restitution below 1, without friction, drag and
+    /// walls.
     pub fn of(scene: &Scene, count: usize, temperature: f64) -> Option<Self> {
         let [species] = scene.species.as_slice() else { return None };
         if scene.has_sizes() {
@@ -45,25 +46,27 @@ impl Cooling {
         Some(Self { temperature, rate: at_start.collision_rate, pair_rate: at_start.pair_rate, square })
     }
 
-    /// [-] T(t)/T(0) of a cooling gas (Haff 1983, J. Fluid Mech. 134, 401): (1 + (1 - e²) Γ_0 t/6)^-2. Γ_0 [1/s] is
-    /// the collision rate per particle at the start and t [s] the time.
+    /// [-] ratio T(t)/T(0) of the granular temperature at `time` t [s] to that at the start (Haff 1983, J. Fluid Mech.
+    /// 134, 401). It is (1 + (1 - e²) Γ_0 t/6)^-2, with e the restitution and Γ_0 [1/s] the collision rate per particle
+    /// at the start.
     fn left(&self, time: f64) -> f64 {
         (1.0 + (1.0 - self.square) * self.rate * time / 6.0).powi(-2)
     }
 
-    /// [m²/s²] granular temperature at `time` [s]. It is valid as long as the gas stays homogeneous.
+    /// [m²/s²] granular temperature at `time` [s]. The formula is valid as long as the gas stays homogeneous.
     pub fn temperature(&self, time: f64) -> f64 {
         self.temperature * self.left(time)
     }
 
-    /// [1/s] collisions of all pairs per time at `time` [s], which are proportional to the root of the temperature.
+    /// [1/s] number of collisions of all pairs per time at `time` [s]. The rate is proportional to the root of the
+    /// temperature.
     pub fn pair_rate(&self, time: f64) -> f64 {
         self.pair_rate * self.left(time).sqrt()
     }
 }
 
 /// [m/s] settling velocity of a single sphere: the gas velocity plus the slip velocity at which drag carries the
-/// weight. `None` without gravity or drag, in a gas that is not uniform, or for several species of spheres.
+/// weight. `None` without gravity or drag, if the gas velocity is not uniform, or for several species of spheres.
 pub fn settling_velocity(scene: &Scene) -> Option<Vector3<f64>> {
     let fluid = scene.fluid.as_ref()?;
     let (drag, [species], Profile::Uniform(gas)) = (fluid.drag.as_ref()?, scene.species.as_slice(), &fluid.profile)
@@ -74,7 +77,7 @@ pub fn settling_velocity(scene: &Scene) -> Option<Vector3<f64>> {
     Some(Vector3::z() * *gas + down * terminal_slip(drag, fluid, species, scene.gravity.norm()))
 }
 
-/// Free flight of the sphere between two bounces.
+/// Free flight of a sphere between two bounces.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct BounceFlight {
     /// [s] start of the flight.
@@ -96,10 +99,12 @@ pub struct Bouncing {
 }
 
 impl Bouncing {
-    /// Follows a sphere from a position [m] with a velocity [m/s] for `duration` [s], as long as its bounces are far
-    /// enough apart in time. `None` with drag, without gravity, or if a wall is not a plane perpendicular to gravity.
+    /// Computes the bounces of a sphere from a position [m] and a velocity [m/s] for `duration` [s], as long as they
+    /// are far enough apart in time. `None` with drag, without gravity, or if a wall is not a plane perpendicular to
+    /// gravity.
     pub fn of(scene: &Scene, [position, velocity]: [Vector3<f64>; 2], duration: f64) -> Option<Self> {
-        /// [-] shortest flight that is followed, as a share of `duration`; shorter flights cannot be seen in a picture.
+        /// [-] shortest flight that is computed, over `duration`. Shorter flights could not be distinguished in a
+        /// picture.
         const SHORTEST: f64 = 1e-5;
         let dragged = scene.fluid.as_ref().is_some_and(|fluid| fluid.drag.is_some());
         let ([species], false) = (scene.species.as_slice(), dragged || scene.has_sizes()) else { return None };
@@ -144,7 +149,7 @@ impl Bouncing {
     }
 
     /// Position [m] and velocity [m/s] of the sphere at `time` [s], both as vectors along gravity. `None` after the
-    /// last bounce that was followed.
+    /// last bounce that was computed.
     pub fn at(&self, time: f64) -> Option<[Vector3<f64>; 2]> {
         let next = self.flights.partition_point(|flight| flight.begin <= time);
         let flight = self.flights[..next].last()?;
@@ -157,25 +162,25 @@ impl Bouncing {
     }
 }
 
-/// Equal elastic spheres in a row that collide head on. In a collision two spheres exchange their velocities. So
-/// straight flights continue through the row, and only the sphere on each flight changes (Jepsen 1965, J. Math. Phys.
-/// 6, 405). Touching spheres pass an impulse on at once.
+/// Equal elastic spheres in a row that collide head on. In a collision two spheres exchange their velocities. So each
+/// straight flight continues through the row, while the sphere on it changes with every collision (Jepsen 1965, J.
+/// Math. Phys. 6, 405). Touching spheres transmit an impulse at once.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Chain {
     /// [-] unit vector along the row.
     along: Vector3<f64>,
     /// [m] diameter of the spheres.
     diameter: f64,
-    /// Position of each sphere in the order along the row, 0 for the first.
+    /// Position of each sphere in the order along the row; 0 is the first.
     rank: Vec<usize>,
-    /// Coordinate [m] and velocity [m/s] of each flight along the row. The diameters of the spheres before it are
-    /// subtracted from the coordinate.
+    /// Coordinate [m] and velocity [m/s] along the row of each flight. From the coordinate, the diameters of the
+    /// preceding spheres are subtracted.
     free: Vec<[f64; 2]>,
 }
 
 impl Chain {
-    /// A row of spheres from their positions [m] and velocities [m/s]. `None` unless the spheres are equal, elastic, in
-    /// a straight row and in motion along it, and no other force acts on them.
+    /// Makes a row of spheres from their positions [m] and velocities [m/s]. `None` unless the spheres are equal and
+    /// elastic, lie in a straight row, move along it, and no other force acts on them.
     pub fn of(scene: &Scene, start: &[[Vector3<f64>; 2]]) -> Option<Self> {
         let ([species], [_, _, ..]) = (scene.species.as_slice(), start) else { return None };
         let dragged = scene.fluid.as_ref().is_some_and(|fluid| fluid.drag.is_some());
@@ -184,7 +189,7 @@ impl Chain {
             return None;
         }
         let along = (start[1][0] - start[0][0]).try_normalize(0.0)?;
-        // 1e-9 allows for the rounding of positions that were typed in a unit
+        // 1e-9 allows for the rounding of positions that were typed in other units than m
         let off = |vector: &Vector3<f64>, size: f64| (vector - along * vector.dot(&along)).norm() > 1e-9 * size;
         let straight = start.iter().all(|[x, v]| !off(&(x - start[0][0]), species.diameter) && !off(v, v.norm()));
         if !straight || (0..3).any(|axis| scene.domain.periodic[axis] && along[axis] != 0.0) {
@@ -202,7 +207,8 @@ impl Chain {
         Some(Self { along, diameter, rank, free })
     }
 
-    /// Position [m] and velocity [m/s] along the row of one sphere at `time` [s], both as vectors.
+    /// Position [m] and velocity [m/s] along the row of the sphere with the index `sphere` at `time` [s], both as
+    /// vectors.
     pub fn at(&self, sphere: usize, time: f64) -> Option<[Vector3<f64>; 2]> {
         let rank = *self.rank.get(sphere)?;
         let mut now: Vec<[f64; 2]> = self.free.iter().map(|[x, v]| [x + v * time, *v]).collect();

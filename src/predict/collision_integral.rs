@@ -1,28 +1,29 @@
-//! Collision integral of soft spheres: how effectively collisions turn the velocities of the particles.
+//! Collision integral of soft spheres, which measures how effectively collisions change the directions of the
+//! particles' velocities.
 //!
-//! Collisions even out the agitation of the three directions at the rate p/η of a gas of pressure p and viscosity η.
-//! In Chapman and Enskog's theory of a dilute gas this rate is proportional to the collision integral Ω^(2,2) of the
-//! force between two particles (Chapman and Cowling 1970, section 9.33; Hirschfelder, Curtiss and Bird 1954, section
-//! 8.2),
+//! Collisions make the agitation in the three directions equal, at the rate p/η of a gas with the pressure p and the
+//! viscosity η. In Chapman and Enskog's theory of a dilute gas this rate is proportional to the collision integral
+//! Ω^(2,2) of the force between two particles (Chapman and Cowling 1970, section 9.33; Hirschfelder, Curtiss and Bird
+//! 1954, section 8.2),
 //!
 //! ```text
 //! Ω^(2,2) ∝ ∫ γ⁷ exp(-γ²) Q(γ) dγ,   Q = 2π ∫ sin²χ b db,
 //! ```
 //!
-//! with the angle χ by which two particles of impact parameter b and reduced relative speed γ deflect each other. All
-//! values here are relative to hard spheres, for which Q = 2π d²/3. The contact is a linear spring without damping; r
-//! and b are in diameters.
+//! where χ is the angle by which two particles with the impact parameter b and the reduced relative speed γ deflect
+//! each other. All results of this file are relative to hard spheres, for which Q = 2π d²/3. The contact is a linear
+//! spring without damping. Distances r and b are in units of the diameter.
 
 use std::f64::consts::{PI, SQRT_2};
 
-/// Number of intervals of Simpson's rule along a path; the integrand varies by a factor of two.
+/// Number of intervals of Simpson's rule along a path. The integrand varies only by a factor of two.
 const PATH: usize = 16;
-/// Number of intervals over the impact parameter. The finest detail is due to grazing contacts, within an overlap of
-/// the edge.
+/// Number of intervals over the impact parameter. The finest detail is due to grazing contacts, whose impact parameter
+/// differs from the diameter by less than an overlap.
 const ANGLES: usize = 256;
-/// Number of intervals over the speed, from 0 to `FASTEST`.
+/// Number of intervals over the reduced speed, from 0 to `FASTEST`.
 const SPEEDS: usize = 64;
-/// [-] largest reduced speed γ of the quadrature. Beyond it γ⁷ exp(-γ²) holds less than 1e-12 of its integral.
+/// [-] largest reduced speed γ of the quadrature. The part of ∫ γ⁷ exp(-γ²) dγ at higher speeds is less than 1e-12.
 const FASTEST: f64 = 6.5;
 
 /// Integrates a function from 0 to `end` by Simpson's rule with an even number of intervals.
@@ -37,22 +38,23 @@ fn simpson(end: f64, intervals: usize, of: impl Fn(f64) -> f64) -> f64 {
     (0..=intervals).map(|k| weight(k) * of(k as f64 * step)).sum::<f64>() * step / 3.0
 }
 
-/// [rad] angle χ by which the relative velocity of two soft spheres is turned: π for a head-on impact, 0 for a miss.
+/// [rad] angle χ by which an impact turns the relative velocity of two soft spheres: π for a head-on impact, 0 for a
+/// miss.
 ///
-/// `impact` is the impact parameter b [-] and `depth` the largest overlap a of a head-on impact [-], both over the
-/// diameter: a = u sqrt(M/k)/d. The angle is χ = π - 2 asin b - 2 φ. Here φ is half the angle by which the spheres
-/// turn about each other during contact,
+/// `impact` is the impact parameter b [-]. `depth` is the largest overlap a = u sqrt(M/k)/d [-] of a head-on impact.
+/// Both are divided by the diameter d. The angle is χ = π - 2 asin b - 2 φ. Here φ is half the angle by which the
+/// spheres turn about each other during contact,
 ///
 /// ```text
 /// φ = ∫ b dr/(r² sqrt(1 - b²/r² - (1-r)²/a²))   from the turning point to r = 1.
 /// ```
 ///
-/// Valid for a < 1. In a deeper impact the spheres would pass through each other's centres.
+/// The result is valid for a < 1. In a deeper impact the centres of the spheres would pass through each other.
 pub fn deflection(impact: f64, depth: f64) -> f64 {
     if impact >= 1.0 {
         return 0.0;
     }
-    // turning point r = 1 - a w: (1 - a w)² (1 - w²) = b² falls with w
+    // the turning point is r = 1 - a w, where (1 - a w)² (1 - w²) = b² decreases with w
     let (mut low, mut high) = (0.0, 1.0);
     // 60 halvings reach the rounding error
     for _ in 0..60 {
@@ -71,7 +73,7 @@ pub fn deflection(impact: f64, depth: f64) -> f64 {
     PI - 2.0 * impact.asin() - 2.0 * simpson(1.0, PATH, path)
 }
 
-/// [-] effective cross-section Q at one speed over that of hard spheres: 3 ∫ sin²χ b db with b over the diameter.
+/// [-] effective cross-section Q at one speed, over that of hard spheres: 3 ∫ sin²χ b db with b in diameters.
 fn turned(depth: f64) -> f64 {
     // the substitution b = sin θ resolves grazing impacts
     let of = |theta: f64| {
@@ -81,13 +83,14 @@ fn turned(depth: f64) -> f64 {
     3.0 * simpson(0.5 * PI, ANGLES, of)
 }
 
-/// [-] Ω^(2,2) of soft spheres over that of hard ones, proportional to the rate at which collisions even out the
-/// agitation of different directions. It is 1 without softness, and to first order 1 - π sqrt(2π)/4 s.
+/// [-] collision integral Ω^(2,2) of soft spheres over that of hard spheres. It is proportional to the rate at which
+/// collisions make the agitation of different directions equal. It is 1 without softness, and 1 - π sqrt(2π)/4 s to
+/// first order in the softness s.
 ///
-/// `softness` is s = sqrt(m T/k)/d [-] with the granular temperature T; the overlap number is κ_n = sqrt(2/π) s.
-/// Spheres of Barker and Henderson's diameter d_eff would have a cross-section smaller by 2 (1 - d_eff/d) = sqrt(2π) s.
-/// To first order the decrease of Ω^(2,2) is π/4 of that. Valid for a dilute gas and s up to 0.15, beyond which impacts
-/// of γ = 4.7 pass the centre.
+/// `softness` is s = sqrt(m T/k)/d [-], with the granular temperature T; the overlap number is κ_n = sqrt(2/π) s. Hard
+/// spheres with Barker and Henderson's diameter d_eff would have a cross-section smaller by 2 (1 - d_eff/d) = sqrt(2π)
+/// s. To first order the decrease of Ω^(2,2) is π/4 times this. The result is valid for a dilute gas and s up to 0.15.
+/// Beyond it, impacts with γ = 4.7 would pass through the centre.
 pub fn viscosity_integral(softness: f64) -> f64 {
     // the integral ∫ γ⁷ exp(-γ²) dγ from 0 to infinity is Γ(4)/2
     const NORM: f64 = 3.0;
@@ -99,7 +102,7 @@ pub fn viscosity_integral(softness: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// For hard spheres χ = π - 2 asin b, and the integral is 1, to the error of the three rules (1e-6).
+    /// Checks hard spheres: χ = π - 2 asin b, and the integral is 1, with the error of the three quadratures (1e-6).
     #[test]
     fn without_softness_spheres_are_hard() {
         for impact in [0.0, 0.3, 0.9, 0.999] {
@@ -109,8 +112,8 @@ mod tests {
         assert!((viscosity_integral(0.0) - 1.0).abs() < 1e-6, "{}", viscosity_integral(0.0));
     }
 
-    /// A head-on impact is reflected at any stiffness. Off the axis the spheres turn about each other during the
-    /// contact, of duration π d a/u. To first order the angle is π a b, as follows from the integral.
+    /// Checks that a head-on impact is reflected at any stiffness. Off the axis, the spheres turn about each other
+    /// during the contact, whose duration is π d a/u. To first order the angle is π a b, as follows from the integral.
     #[test]
     fn contacts_that_last_turn_less() {
         assert!((deflection(0.0, 0.2) - PI).abs() < 1e-12);
@@ -145,8 +148,8 @@ mod tests {
         }
     }
 
-    /// The decrease 1 - Ω is to first order π sqrt(2π)/4 s (docs/theory/softness.md). Halving s removes the second
-    /// order.
+    /// Checks the decrease 1 - Ω, which is π sqrt(2π)/4 s to first order (docs/theory/softness.md). Halving s removes
+    /// the second order.
     #[test]
     fn first_order_in_the_softness() {
         let lost = |s: f64| (viscosity_integral(0.0) - viscosity_integral(s)) / s;

@@ -1,4 +1,4 @@
-//! Duration and depth of contacts, and the limits that they set for the time step.
+//! Duration of contacts and depth of overlaps, and the limits that these set for the time step.
 
 use super::integrator::{Realised, Scheme, realised_restitution};
 use crate::contact_law::{Bodies, ContactLaw, Spring};
@@ -11,13 +11,14 @@ use rustc_hash::FxHashSet;
 use serde::Serialize;
 use std::f64::consts::PI;
 
-/// [-] largest displacement in one step over the diameter, CFL_p^col: the lowest value in the paper (Table 1, B and E).
+/// [-] largest displacement of a particle in one step over the diameter, CFL_p^col: the lowest value in the paper
+/// (Table 1, cases B and E).
 const CFL_COLLISION: f64 = 0.01;
 
-/// [-] largest displacement in one step over the cell size of the gas's grid, CFL_p: the paper's Table 1.
+/// [-] largest displacement of a particle in one step over the cell size of the gas's grid, CFL_p: the paper's Table 1.
 const CFL_PARTICLE: f64 = 1.5;
 
-/// One kind of contact: between two species, or between a species and a wall surface.
+/// One kind of contact: between particles of two species, or between a species and walls with equal surfaces.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ContactKind {
     /// Names of the two touching bodies.
@@ -27,30 +28,30 @@ pub struct ContactKind {
     /// Properties of the two bodies on which a contact law depends.
     #[serde(flatten)]
     pub bodies: Bodies,
-    /// [m] diameter of the smaller body, the unit in which overlaps are given.
+    /// [m] smaller diameter of the two bodies, by which overlaps are divided.
     pub diameter: f64,
     /// Distribution of the normal speeds of impact.
     pub speeds: ImpactSpeeds,
 }
 
-/// Distribution of the normal speeds of impact.
+/// Distribution of the normal speeds of the impacts of one kind of contact.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ImpactSpeeds {
-    /// Speeds of a Maxwellian gas. Impacts have the density u/s² exp(-u²/(2s²)), u the normal speed, at a wall as
-    /// between particles. Where the velocity variance differs with position or direction, so does s².
+    /// Speeds in a Maxwellian gas. The normal speed u of impacts has the density u/s² exp(-u²/(2s²)), at walls as
+    /// between particles. Where the velocity variance depends on position or direction, s² does too.
     Gas {
-        /// [m²/s²] variance s² of the relative normal velocity, on average: kT (1/m_p + 1/m_q).
+        /// [m²/s²] mean variance s² of the relative normal velocity: kT (1/m_p + 1/m_q).
         variance: f64,
-        /// [-] shares of the impacts; each share has one s, given over the mean s.
+        /// [-] parts of the impacts, each with the share of all impacts, and its s over the mean s.
         #[serde(skip)]
         parts: Vec<[f64; 2]>,
     },
-    /// Speeds counted in a short run. The distribution of a few collisions is not Maxwellian.
+    /// Speeds counted in a short run of few particles, whose distribution is not Maxwellian.
     Measured {
         /// [m²/s²] variance s² of the relative normal velocity.
         variance: f64,
-        /// [m/s] normal speeds of impact.
+        /// [m/s] distribution of the counted normal speeds of impact.
         #[serde(skip)]
         speeds: Histogram,
     },
@@ -62,12 +63,12 @@ pub enum ImpactSpeeds {
 }
 
 impl ImpactSpeeds {
-    /// Speeds in a gas with equal variance [m²/s²] everywhere and in all directions.
+    /// Makes the distribution in a gas whose velocity variance [m²/s²] is equal everywhere and in all directions.
     pub fn isotropic(variance: f64) -> Self {
         Self::Gas { variance, parts: vec![[1.0, 1.0]] }
     }
 
-    /// [m/s] speed that the fraction `q` of the impacts does not reach.
+    /// [m/s] quantile: speed below which the fraction `q` [-] of the impacts lies.
     pub fn quantile(&self, q: f64) -> f64 {
         match self {
             Self::Gas { variance, parts } => {
@@ -90,7 +91,7 @@ impl ImpactSpeeds {
         }
     }
 
-    /// [m/s] mean speed of impact: s sqrt(π/2), between equal spheres sqrt(πT).
+    /// [m/s] mean speed of impact: s sqrt(π/2) in a gas; between equal spheres sqrt(πT).
     pub fn mean(&self) -> f64 {
         match self {
             Self::Gas { variance, parts } => {
@@ -101,12 +102,12 @@ impl ImpactSpeeds {
         }
     }
 
-    /// Mean of the speed to the power `p` [(m/s)^p]: s^p 2^(p/2) Γ(1 + p/2) in a gas.
+    /// Mean of the speed of impact to the power `p` [(m/s)^p]: s^p 2^(p/2) Γ(1 + p/2) in a gas.
     pub fn mean_power(&self, p: f64) -> f64 {
         /// Number of quantiles that represent a measured distribution.
         const QUANTILES: u32 = 256;
         match self {
-            // a linear spring has overlaps proportional to the speed
+            // a linear spring requires p = 1, since its overlaps are proportional to the speed
             _ if p == 1.0 => self.mean(),
             Self::Gas { variance, parts } => {
                 let unit = (2.0 * variance).powf(0.5 * p) * libm::tgamma(1.0 + 0.5 * p);
@@ -120,46 +121,47 @@ impl ImpactSpeeds {
         }
     }
 
-    /// [m/s] u_r of the paper's Eq. 8, corrected: the mean of |w_n| over random pairs, s sqrt(2/π). It is sqrt(4T/π)
-    /// between equal spheres.
+    /// [m/s] mean relative speed u_r of the paper's Eq. 8, corrected: the mean of |w_n| over random pairs, which is s
+    /// sqrt(2/π). Between equal spheres it is sqrt(4T/π).
     pub fn of_random_pairs(&self) -> f64 {
         match self {
             Self::Gas { variance, .. } | Self::Measured { variance, .. } => (2.0 / PI * variance).sqrt(),
-            // no ratio is known for a few bodies: the ratio for a gas is used
+            // for a few bodies no ratio of u_r to this speed is known, so the ratio for a gas is used
             Self::Bodies { speed } => 2.0 / PI * speed,
         }
     }
 }
 
-/// Predictions for one kind of contact under a contact law.
+/// Predictions for one kind of contact, under a contact law.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ContactPrediction {
     /// Kind of contact.
     #[serde(flatten)]
     pub contact: ContactKind,
-    /// [N/m] stiffness of a linear spring; [N/m^1.5] of Hertz's law.
+    /// [N/m] stiffness of a linear spring; for Hertz's law the constant k_H [N/m^1.5].
     pub stiffness: f64,
-    /// [s] contact time T_c (Eq. 7). If it depends on the speed, that at the mean speed of impact.
+    /// [s] contact time T_c (Eq. 7). If it depends on the speed, it is the contact time at the mean speed of impact.
     pub contact_time: f64,
-    /// [-] overlap number κ_n: largest overlap of an elastic impact at the speed u_r, over d. For a linear spring it is
-    /// u_r/d sqrt(M/k_n), with u_r = sqrt(4T/π) of Eq. 8, corrected.
+    /// [-] overlap number κ_n: largest overlap of an elastic impact at the speed u_r, over the diameter d. For a linear
+    /// spring it is u_r/d sqrt(M/k_n), with u_r = sqrt(4T/π) by Eq. 8, corrected.
     pub kappa: f64,
     /// [m/s] mean normal speed of impacts.
     pub impact_speed: f64,
-    /// [-] mean over the impacts of the largest overlap over the diameter.
+    /// [-] mean, over the impacts, of the largest overlap divided by the diameter.
     pub mean_overlap: f64,
-    /// [-] largest overlap over the diameter that 99 % of the contacts do not reach.
+    /// [-] 99 % quantile, over the impacts, of the largest overlap divided by the diameter.
     pub overlap_99: f64,
     /// [-] number of time steps per contact N_c, at the chosen time step.
     pub steps: f64,
-    /// [-] mean restitution that the chosen integrator realises; `None` if the contact does not end.
+    /// [-] mean restitution in time steps of the chosen integrator; `None` if the contact does not end.
     pub realised_restitution: Option<f64>,
-    /// [-] mean square of the realised restitution.
+    /// [-] mean square of this restitution; `None` if the contact does not end.
     pub realised_mean_square: Option<f64>,
 }
 
-/// All possible kinds of contact of a scene. `pair` returns the speeds for two species, and `at_wall` those for a
-/// species at a wall. Walls of equal surfaces are one kind. A species with one particle has no contact with itself.
+/// All possible kinds of contact of a scene. `pair` returns the distribution of speeds for two species, and `at_wall`
+/// that for a species at a wall. Walls with equal surfaces are one kind. A species with one particle has no contact
+/// with itself.
 pub fn contacts(
     scene: &Scene,
     counts: &[usize],
@@ -184,7 +186,7 @@ pub fn contacts(
         let mut meetings: FxHashSet<[u64; 4]> = FxHashSet::default();
         for wall in (0..scene.walls.len() as u32).filter(|_| there(p, 1)) {
             let Meeting { surface, stiffness_ratio, at_mass } = scene.meeting(p as u16, Kind::Wall(wall));
-            // -1 stands for no mass, since no mass is negative
+            // -1 encodes that there is no mass, since no mass is negative
             let numbers = [surface.restitution, surface.friction, stiffness_ratio, at_mass.unwrap_or(-1.0)];
             if !meetings.insert(numbers.map(f64::to_bits)) {
                 continue;
@@ -202,7 +204,7 @@ pub fn contacts(
 }
 
 impl ContactKind {
-    /// Constants of a law for these two bodies.
+    /// Constants of a contact law for the two bodies of this kind of contact.
     pub fn spring(&self, law: &ContactLaw) -> Spring {
         law.between(&self.bodies)
     }
@@ -212,29 +214,30 @@ impl ContactKind {
         law.greatest_overlap(&self.spring(law), speed)
     }
 
-    /// [-] overlap number κ_n under a contact law.
+    /// [-] overlap number κ_n of this kind of contact under a contact law.
     pub fn kappa(&self, law: &ContactLaw) -> f64 {
         let elastic = law.between(&Bodies { restitution: 1.0, ..self.bodies });
         law.greatest_overlap(&elastic, self.speeds.of_random_pairs()) / self.diameter
     }
 
-    /// [-] factor by which a law must be stiffer so that 99 % of the impacts stay below `overlap` [-] diameters.
+    /// [-] factor by which a law must become stiffer, so that 99 % of the impacts have overlaps below `overlap` [-], in
+    /// diameters.
     pub fn stiffening_for(&self, law: &ContactLaw, overlap: f64) -> f64 {
         let now = self.largest_overlap(law, self.speeds.quantile(0.99)) / self.diameter;
         law.stiffening(now / overlap)
     }
 
-    /// [-] overlap over the diameter of a contact at rest that carries `force` [N].
+    /// [-] overlap of a contact at rest that carries `force` [N], divided by the diameter.
     pub fn static_overlap(&self, law: &ContactLaw, force: f64) -> f64 {
         law.static_overlap(&self.spring(law), force) / self.diameter
     }
 
-    /// [s] contact time at the mean speed of impact.
+    /// [s] contact time of an impact at the mean speed of impact.
     pub fn contact_time(&self, law: &ContactLaw) -> f64 {
         law.contact_time(&self.spring(law), self.speeds.mean())
     }
 
-    /// Predictions for this kind of contact with `law` and `time_step` [s].
+    /// Predicts contacts of this kind under `law`, for a time step of `time_step` [s] and the integrator `scheme`.
     pub fn predict(&self, law: &ContactLaw, time_step: f64, scheme: Scheme) -> ContactPrediction {
         let contact_time = self.contact_time(law);
         let steps = contact_time / time_step;
@@ -256,7 +259,7 @@ impl ContactKind {
     }
 }
 
-/// All possible kinds of contact of an experiment, each with the speed of its fastest impacts.
+/// All possible kinds of contact of an experiment, each with the normal speed of its fastest impacts.
 pub fn at_fastest_impacts(experiment: &Experiment) -> Vec<ContactKind> {
     let speed = fastest_impact(experiment);
     let speeds = || ImpactSpeeds::Bodies { speed };
@@ -274,7 +277,7 @@ pub struct ContactTimes {
 }
 
 impl ContactTimes {
-    /// Contact times of an experiment with `particles` particles under a contact law, at the fastest impacts.
+    /// Shortest contact times of an experiment with `particles` particles under a contact law, at the fastest impacts.
     pub fn of(experiment: &Experiment, law: &ContactLaw, particles: usize) -> Self {
         // contacts of the smallest possible spheres are the shortest
         let extremes = experiment.scene.at_extremes();
@@ -287,27 +290,26 @@ impl ContactTimes {
         Self { pair: pairs.min_by(f64::total_cmp), wall: walls.min_by(f64::total_cmp) }
     }
 
-    /// [s] the shorter of the two times.
+    /// [s] the shorter of the two contact times, for pairs and for walls.
     pub fn governing(&self) -> Option<f64> {
         self.pair.into_iter().chain(self.wall).min_by(f64::total_cmp)
     }
 }
 
-/// [-] agitation that a channel flow maintains, over the gas velocity on the centre plane. It was measured in the
-/// channel cases of this project (0.4 m/s at 17.7 m/s).
+/// [-] agitation of particles that a channel flow maintains, divided by the gas velocity on the centre plane. The ratio
+/// was measured in the channel cases of this project (0.4 m/s at 17.7 m/s).
 pub const AGITATION: f64 = 0.025;
 
-/// [m/s] normal speed that hardly any impact of an experiment exceeds; more than 0. It is estimated from start, gravity
-/// and gas.
+/// [m/s] normal speed that hardly any impact of an experiment exceeds; always positive. It is estimated from start,
+/// gravity and gas.
 ///
-/// The time step is computed from this speed for laws whose contacts last longer at lower speed. The duration of a
-/// Hertzian contact is proportional to u^(-1/5), so an estimate that is wrong by a factor of two changes the step by 13
-/// %.
+/// For laws whose contacts last longer at lower speed, the time step is computed from this speed. The duration of a
+/// Hertzian contact is proportional to u^(-1/5), so an error of a factor of two in the speed changes the step by 13 %.
 pub fn fastest_impact(experiment: &Experiment) -> f64 {
-    /// Number of standard deviations that the relative velocity in a Maxwellian gas exceeds once in a million
-    /// collisions: exp(-u²/4s²).
+    /// Ratio u/s of speed to standard deviation that one in a million collisions in a Maxwellian gas exceeds:
+    /// exp(-u²/(2 s²)) with the variance s² = 2T, written as exp(-u²/4s²).
     const FASTEST: f64 = 7.5;
-    /// [m/s] speed for bodies that do not move at all: that after a fall from 1 µm.
+    /// [m/s] speed used for bodies that do not move at all: the speed after a fall from 1 µm.
     const AT_REST: f64 = 5e-3;
     let scene = &experiment.scene;
     let frame = along_walls(scene, mean_velocity(experiment));
@@ -324,7 +326,8 @@ pub fn fastest_impact(experiment: &Experiment) -> f64 {
     (start * start + 2.0 * height + (FASTEST * AGITATION * gas).powi(2)).sqrt()
 }
 
-/// [m/s] mean velocity of all particles at the start. A common motion along walls causes no impacts.
+/// [m/s] mean velocity of all particles at the start, which is subtracted because a common motion along walls causes no
+/// impacts.
 fn mean_velocity(experiment: &Experiment) -> Vector3<f64> {
     let sum = |population: &Population| match &population.amount {
         Amount::Placed(placed) => placed.velocity.iter().sum(),
@@ -333,29 +336,29 @@ fn mean_velocity(experiment: &Experiment) -> Vector3<f64> {
     experiment.start.iter().map(sum).sum::<Vector3<f64>>() / experiment.count().max(1) as f64
 }
 
-/// One limit on the soft time step (the paper's section 3.4).
+/// One of the limits on the soft time step (the paper's section 3.4).
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct StepLimit {
-    /// Process that the step must resolve.
+    /// Name of the process that the step must resolve.
     pub name: String,
-    /// [s] longest step allowed.
+    /// [s] longest time step with which the process is resolved.
     pub longest: f64,
 }
 
-/// Quantities on which the limits of the time step depend.
+/// Quantities from which the limits of the time step are computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepScales {
     /// [-] time steps per contact N_c.
     pub steps_per_contact: f64,
     /// [m/s] largest speed of a particle.
     pub speed: f64,
-    /// [s] window, which is the fluid step.
+    /// [s] window: the time between two exchanges of momentum with the gas, which is the fluid step.
     pub window: f64,
-    /// [m] smallest cell of the gas's grid; none where the gas has no grid.
+    /// [m] smallest cell of the gas's grid; `None` if the gas has no grid.
     pub fluid_cell: Option<f64>,
 }
 
-/// All limits on the soft time step, the shortest first. The shortest is the binding one.
+/// All limits on the soft time step, the shortest first. The first one determines the time step.
 pub fn step_limits(contacts: &[ContactPrediction], motion: &StepScales) -> Vec<StepLimit> {
     let mut limits = Vec::new();
     for row in contacts {
@@ -384,7 +387,7 @@ pub fn step_limits(contacts: &[ContactPrediction], motion: &StepScales) -> Vec<S
 mod tests {
     use super::*;
 
-    /// A pair of the paper's small spheres: 406 µm, 1038 kg/m³; T of case D from u_r = 0.79 m/s.
+    /// A pair of the paper's small spheres (406 µm, 1038 kg/m³), with the temperature T of case D from u_r = 0.79 m/s.
     fn pair() -> ContactKind {
         ContactKind {
             name: "S pair".into(),
@@ -401,8 +404,8 @@ mod tests {
         }
     }
 
-    /// Compares with a Rayleigh distribution of the overlaps, computed independently for three stiffnesses; T is given
-    /// with four digits.
+    /// Compares predicted overlaps with a Rayleigh distribution, computed independently for three stiffnesses. T is
+    /// given with four digits.
     #[test]
     fn overlaps_in_a_gas() {
         for (stiffness, mean, most) in
@@ -415,7 +418,7 @@ mod tests {
             );
             assert!((row.mean_overlap / mean - 1.0).abs() < 5e-4, "{row:?}");
             assert!((row.overlap_99 / most - 1.0).abs() < 5e-4, "{row:?}");
-            // the mean is π/2 κ_n
+            // the mean overlap is π/2 κ_n
             assert!((row.mean_overlap / row.kappa - 0.5 * PI).abs() < 1e-12);
             assert!((pair().stiffening_for(&ContactLaw::linear(stiffness), row.overlap_99) - 1.0).abs() < 1e-12);
         }

@@ -1,15 +1,15 @@
-//! Physical effects that a scene may need, with their sizes, and which of them can be left out.
+//! Physical effects that may matter in a scene, with their sizes, and the decision which of them can be neglected.
 
 use super::RunPrediction;
 use crate::scene::Scene;
 use serde::Serialize;
 
-/// [-] mass loading (mass of particles over mass of gas) from which the particles change the gas. This is a rule of
-/// thumb: at a mass loading of a tenth the particles carry about a tenth of the momentum of the gas.
+/// [-] mass loading (mass of particles over mass of gas) above which the particles change the gas noticeably. This is a
+/// rule of thumb: at a mass loading of a tenth the particles carry about a tenth of the momentum of the gas.
 const TWO_WAY: f64 = 0.1;
 
-/// [-] mass loading above which a gas that is not changed by the particles is a wrong model: the particles carry more
-/// momentum than the gas.
+/// [-] mass loading above which a gas that the particles do not change is a wrong model, since the particles then carry
+/// more momentum than the gas.
 pub const FROZEN: f64 = 1.0;
 
 /// A physical effect, with its size in the scene.
@@ -17,31 +17,32 @@ pub const FROZEN: f64 = 1.0;
 pub struct Effect {
     /// Name of the effect.
     pub name: &'static str,
-    /// Definition of `number` in words.
+    /// Description in words of the ratio `number`, which measures the effect.
     pub measure: &'static str,
-    /// [-] size of the effect; `None` if the scene gives no number for it.
+    /// [-] size of the effect; `None` if it cannot be computed from the scene.
     pub number: Option<f64>,
-    /// [-] value of `number` below which the effect can be left out.
+    /// [-] value of `number` below which the effect can be neglected.
     pub threshold: f64,
-    /// Source of the threshold.
+    /// Source of the threshold, such as a reference.
     pub source: &'static str,
     /// True if this program models the effect.
     pub modelled: bool,
 }
 
 impl Effect {
-    /// True if the effect can be left out. An effect with an unknown number cannot.
+    /// True if the effect can be neglected. An effect of unknown size cannot be neglected.
     pub fn negligible(&self) -> bool {
         self.number.is_some_and(|number| number < self.threshold)
     }
 }
 
-/// All effects that were considered, most of them compared with the relative error of the plan.
+/// All effects that are considered, with their sizes. Most sizes are compared with the relative error that the plan
+/// allows.
 pub fn effects(scene: &Scene, plan: &RunPrediction) -> Vec<Effect> {
     if plan.particles == 0 {
         return Vec::new();
     }
-    // at critical damping a contact does not end, so there is no duration to compare with
+    // at critical damping a contact does not end, so it has no duration
     let times = plan.contacts.iter().map(|row| row.contact_time).filter(|time| time.is_finite());
     let longest = times.reduce(f64::max);
     let slowest = plan.contacts.iter().map(|row| row.impact_speed).reduce(f64::min);
@@ -50,15 +51,15 @@ pub fn effects(scene: &Scene, plan: &RunPrediction) -> Vec<Effect> {
     let against_target = |name, measure, number, modelled| against_target(plan, name, measure, number, modelled);
     let mut list = vec![against_target(
         "rotation",
-        // 2/7 = 1/(1 + m r²/I) with I = 2/5 m r²: the share of the tangential speed that a solid, sticking sphere
-        // passes on to its spin
+        // 2/7 = 1/(1 + m r²/I) with I = 2/5 m r² is the share of the tangential speed that a solid, sticking sphere
+        // converts to spin
         "share of the tangential speed that an impact at 45 degrees passes between translation and spin, min(μ(1+e), 2/7)",
         Some(slip),
         scene.rotation.is_some(),
     )];
     if let Some(friction) = scene.rotation.as_ref().and_then(|rotation| rotation.rolling?.friction()) {
-        // at a wall a torque μ_r r J_n changes the spin by μ_r r (1+e) m u_n/(2/5 m r²); soft contacts resist only once
-        // they have lasted longer than an impact
+        // at a wall a torque μ_r r J_n changes the spin by μ_r r (1+e) m u_n/(2/5 m r²); soft contacts resist rolling
+        // only after they have lasted longer than an impact
         let restitution = surfaces.iter().map(|surface| surface.restitution).fold(0.0, f64::max);
         let measure = "surface speed that a constant rolling torque would change in an impact at a wall, over the normal speed, (5/2) μ_r (1+e)";
         let number = Some(2.5 * friction * (1.0 + restitution));
@@ -81,7 +82,7 @@ pub fn effects(scene: &Scene, plan: &RunPrediction) -> Vec<Effect> {
     list
 }
 
-/// An effect that matters if its number is at least the relative error of the plan.
+/// An effect that matters if its size is at least the relative error that the plan allows.
 fn against_target(
     plan: &RunPrediction,
     name: &'static str,
@@ -92,7 +93,7 @@ fn against_target(
     Effect { name, measure, number, threshold: plan.target_error, source: "the error asked for", modelled }
 }
 
-/// Effects of the gas on the particles and of the particles on the gas; none without drag. `contact` [s] is the
+/// Effects of the gas on the particles and of the particles on the gas; empty without drag. `contact` [s] is the
 /// duration of the longest contact.
 fn in_gas(scene: &Scene, plan: &RunPrediction, contact: Option<f64>) -> Vec<Effect> {
     let Some(response) = plan.flow.iter().map(|flow| flow.response_time).reduce(f64::min) else { return Vec::new() };

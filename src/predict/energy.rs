@@ -1,4 +1,4 @@
-//! Largest energy growth that a soft time step can explain, and the longest stable step.
+//! Largest energy growth that can be due to the error of soft time steps, and the longest stable step.
 
 use super::contact::fastest_impact;
 use super::integrator::{Method, Scheme, realised_restitution, stability_limit};
@@ -15,21 +15,22 @@ use crate::scene::{Scene, Species};
 use rustc_hash::FxHashMap;
 use serde::{Deserialize, Serialize};
 
-/// [-] share of the energy in the ledger below which a growth is rounding: a million additions, each rounded at 1e-16
-/// of the sum.
+/// [-] growth of energy that counts as rounding, as a fraction of the energy that has passed through the ledger (energy
+/// balance): a million additions, each rounded at 1e-16 of the sum.
 const ROUNDING: f64 = 1e-10;
 
-/// [-] number of rounded coordinates that enter an overlap: three of either body.
+/// [-] number of rounded coordinates on which an overlap depends: three of each body.
 const ROUNDED: f64 = 6.0;
 
-/// [-] N_c from which a contact counts as resolved: fewer steps are refused unless a case allows them.
+/// [-] steps per contact N_c from which a contact counts as resolved. Fewer steps are refused, unless a case allows
+/// them.
 const FEWEST_STEPS: f64 = 5.0;
 
-/// One kind of contact of a scene: between two species, or of a species with a wall.
+/// One kind of contact of a scene: between two species, or between a species and a wall.
 struct PossibleContact {
     /// Index of the wall; `None` for two particles.
     wall: Option<usize>,
-    /// Properties of the two bodies.
+    /// Properties of the two bodies on which a contact law depends.
     bodies: Bodies,
 }
 
@@ -37,7 +38,7 @@ fn contacts(scene: &Scene, particles: usize) -> Vec<PossibleContact> {
     scene.at_extremes().iter().flat_map(|scene| contacts_of(scene, particles)).collect()
 }
 
-/// All kinds of contact of a scene in which every species has one size.
+/// All kinds of contact of a scene of `particles` particles. The extreme sizes of a species must be separate species.
 fn contacts_of(scene: &Scene, particles: usize) -> Vec<PossibleContact> {
     let pairs = scene.meetings().filter(|_| particles > 1);
     let pairs = pairs.map(|(one, other, _)| PossibleContact { wall: None, bodies: Bodies::between(scene, one, other) });
@@ -48,8 +49,8 @@ fn contacts_of(scene: &Scene, particles: usize) -> Vec<PossibleContact> {
     pairs.chain(walls).collect()
 }
 
-/// Schemes that the settings may lead to: where islands would grow too large, local stepping becomes uniform
-/// stepping.
+/// Integration schemes that a run with these settings may use. If islands become too large, local stepping is replaced
+/// by uniform stepping.
 fn schemes(experiment: &Experiment) -> Vec<Scheme> {
     let of = |stepping| Scheme::of(experiment.soft.integrator, stepping);
     match experiment.soft.stepping {
@@ -58,12 +59,12 @@ fn schemes(experiment: &Experiment) -> Vec<Scheme> {
     }
 }
 
-/// The failure of a time step [s] beyond the stability limit of its scheme, in the contact that is furthest beyond;
-/// `None` if it is stable. Heun's method has no stable step at e = 1 and is kept to show this: its failure is only a
-/// warning.
+/// Returns an error if the time step [s] exceeds the stability limit of its scheme. The error contains the contact that
+/// exceeds the limit most; `None` if the step is stable. Heun's method has no stable step at e = 1 and is included to
+/// show this, so for it the error is only a warning.
 pub fn too_long(experiment: &Experiment, particles: usize, step: f64) -> Option<Failure> {
     let (law, schemes, speed) = (experiment.law()?, schemes(experiment), fastest_impact(experiment));
-    // a search, with one result for all contacts of one restitution
+    // stability limits require a search, so the result is stored for each restitution
     let mut limits: FxHashMap<u64, f64> = FxHashMap::default();
     let mut excess = |bodies: &Bodies| {
         let spring = law.between(bodies);
@@ -84,7 +85,8 @@ pub fn too_long(experiment: &Experiment, particles: usize, step: f64) -> Option<
     unstable.then_some(Failure::StepTooLong { time: 0.0, wall, step, reduced, limit })
 }
 
-/// Frequency of the fastest spring with a slider times the step, and its damping ratio [-]; `None` without one.
+/// Frequency times time step [-] of the fastest spring with a slider (sliding, rolling or twisting), and its damping
+/// ratio [-]. `None` if there is no such spring.
 fn sliders(experiment: &Experiment, law: &ContactLaw, bodies: &Bodies, step: f64) -> Option<(f64, f64)> {
     let scene = &experiment.scene;
     let rotation = scene.rotation.as_ref()?;
@@ -95,7 +97,7 @@ fn sliders(experiment: &Experiment, law: &ContactLaw, bodies: &Bodies, step: f64
     let elastic = Spring { restitution: 1.0, dashpot: 0.0, ..spring };
     let deepest = law.greatest_overlap(&elastic, fastest_impact(experiment));
     let tangential = rotation.tangential.between(|| normal, effective_mass * inertia / (1.0 + inertia));
-    // a couple turns two equal spheres, or one at a wall, as it turns one of the effective mass and radius
+    // two equal spheres, or one at a wall, rotate under a couple like one sphere with the effective mass and radius
     let moment = inertia * effective_mass * effective_radius * effective_radius;
     let rolls = RollingBodies::of(std::iter::once((effective_mass, effective_radius, moment)));
     let rolling = rotation.rolling.map(|rolling| rolling.between(&normal, &rolls).spring);
@@ -109,8 +111,8 @@ fn sliders(experiment: &Experiment, law: &ContactLaw, bodies: &Bodies, step: f64
     springs.map(of).max_by(|a, b| a.0.total_cmp(&b.0))
 }
 
-/// The failure of a contact law of the caller's that breaks a contract between two bodies of the scene; `None` if it
-/// keeps all.
+/// Returns an error if a contact law of the calling program violates a contract between two bodies of the scene;
+/// otherwise `None`.
 pub fn broken_contract(experiment: &Experiment, particles: usize) -> Option<Failure> {
     let law = experiment.law().filter(|law| matches!(law, ContactLaw::Other(_)))?;
     let (speed, contacts) = (fastest_impact(experiment), contacts(&experiment.scene, particles));
@@ -118,28 +120,31 @@ pub fn broken_contract(experiment: &Experiment, particles: usize) -> Option<Fail
     Some(Failure::BrokenContract { law: law.to_string(), broken })
 }
 
-/// Growth of energy that a scheme itself can explain.
+/// Largest growth of energy that can be due to the error of a time-stepping scheme.
 ///
-/// It is the sum of these terms:
+/// The limit is the sum of these terms:
 ///
-/// * A contact that has ended returned at most g M u_n²/2 more energy than it took. Contacts in progress returned at
-///   most g of all energy present, and what they hold as elastic energy.
-/// * The normal of a mesh may jump by Δn under a sphere. The force, at most ω_0 M u_n, is then wrong for up to one
-///   step, and does a work of |Δn| ω_0 M u_n u Δt. With u about u_n this is s = 2 |Δn| ω_0 Δt of M u_n²/2.
-/// * An overlap is the difference of coordinates that are rounded at ε of the box L. In each step the work of the
-///   force f is wrong by ε L f. Over all steps this gives ε L/Δt times the impulse of all contacts, ∫f dt.
-/// * Rounding of the ledger.
+/// * A contact that has ended has returned at most g M u_n²/2 more energy than it received. Contacts in progress have
+///   returned at most g times the present energy, plus their elastic energy.
+/// * The normal of a mesh may jump by Δn under a sphere. The force, at most ω_0 M u_n, then has a wrong direction for
+///   up to one step, and its work is wrong by |Δn| ω_0 M u_n u Δt. With u about u_n this is s M u_n²/2 with s = 2 |Δn|
+///   ω_0 Δt.
+/// * An overlap is the difference of coordinates, whose relative rounding is ε of the box L. In each step the work of
+///   the force f is wrong by ε L f. Over all steps this gives ε L/Δt times the impulse of all contacts, ∫f dt.
+/// * Rounding of the energy balance (ledger) itself.
 ///
-/// No isolated contact explains a growth beyond this sum.
+/// A larger growth cannot be due to isolated contacts.
 ///
-/// g = e_max² - 1 is the largest gain over all phases between touch and step. It is also taken over steps that fit
-/// N_c to N_c + 1 times into the contact, because a window holds whole steps, which are a little shorter than the
-/// longest. Two cases need no search:
+/// Here g = e_max² - 1 is the largest gain for any phase of the steps at the instant of touch, with e_max the largest
+/// restitution. Step lengths are also varied, so that N_c to N_c + 1 steps fit into the contact. The reason is that a
+/// window contains a whole number of steps, which are therefore a little shorter than the longest. Two cases need no
+/// search:
 ///
-/// * Verlet on the step grid conserves v_(n+½)² + ω_0² q_n q_(n+1). Let a particle enter and leave a contact a
-///   fraction s and s' of a step after the touch. The invariant then changes by (1 - s(1-s) x²)/(1 - s'(1-s') x²), x
-///   = ω_0 Δt. So g is 1/(1 - x²/4) - 1 for a linear spring; damping only reduces it.
-/// * A step beyond stability (Verlet), or with fewer than five in a contact (Heun), explains nothing.
+/// * Verlet on the step grid conserves v_(n+½)² + ω_0² q_n q_(n+1). Let a contact begin and end at the fractions s and
+///   s' of a step. The invariant then changes by (1 - s(1-s) x²)/(1 - s'(1-s') x²), x = ω_0 Δt. So g is 1/(1 - x²/4) - 1
+///   for a linear spring; damping only reduces it.
+/// * For a step beyond the stability limit (Verlet), or with fewer than five steps in a contact (Heun), g is taken as
+///   0.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Bound {
     /// [-] largest g of pairs and walls, of contacts with local stepping.

@@ -5,9 +5,9 @@ use crate::fluid::{Fluid, Profile};
 use crate::scene::{Scene, Species};
 use serde::Serialize;
 
-/// [-] factor of the lifetime of eddies in Simonin's closure, T_L = 3/2 C_μ k/ε with C_μ = 0.09, as in the program MFIX
-/// (`Tau_1` in its drag_gs.f). Particles that slip leave eddies sooner, so results computed with this factor are upper
-/// limits.
+/// [-] factor in the lifetime of eddies by Simonin's closure, T_L = 3/2 C_μ k/ε with C_μ = 0.09, as in the program MFIX
+/// (`Tau_1` in its drag_gs.f). Particles with a slip velocity leave eddies sooner, so results with this factor are
+/// upper limits.
 const EDDY_TIME: f64 = 1.5 * 0.09;
 
 /// Response of one species of particles to the gas.
@@ -17,7 +17,7 @@ pub struct Flow {
     pub species: String,
     /// [s] Stokes response time.
     pub stokes_time: f64,
-    /// [m/s] terminal slip speed, at which drag carries the weight; 0 without gravity.
+    /// [m/s] terminal slip speed, at which drag balances the weight; 0 without gravity.
     pub terminal_slip: f64,
     /// [-] Reynolds number at the terminal slip speed.
     pub slip_reynolds: f64,
@@ -27,14 +27,14 @@ pub struct Flow {
     pub stokes_bulk: f64,
     /// [-] Stokes number with the friction velocity, τ_p u_τ/L_y; `None` if the gas profile has no walls.
     pub stokes_friction: Option<f64>,
-    /// [-] mass of this species over that of the gas in the box.
+    /// [-] mass of this species divided by the mass of the gas in the box.
     pub mass_loading: f64,
-    /// [m²/s²] variance of a velocity component that the turbulence would give the particles; `None` without a
-    /// turbulence model.
+    /// [m²/s²] variance of a velocity component of the particles that the turbulence of the gas would cause. `None`
+    /// without a turbulence model.
     pub turbulent_variance: Option<f64>,
 }
 
-/// Response of each species that has particles to the gas. `counts` holds the number of particles of each species.
+/// Response to the gas of each species that has particles. `counts` contains the number of particles of each species.
 pub fn flows(scene: &Scene, counts: &[usize]) -> Vec<Flow> {
     let Some(fluid) = &scene.fluid else { return Vec::new() };
     let (gravity, height, volume) = (scene.gravity.norm(), scene.domain.size.y, scene.domain.volume());
@@ -43,8 +43,8 @@ pub fn flows(scene: &Scene, counts: &[usize]) -> Vec<Flow> {
     present.filter_map(|(species, &count)| flow(fluid, species, density(count), gravity, height)).collect()
 }
 
-/// [m/s] gas velocity against gravity, minus the slip speed at which the gas carries the weight. If it is positive, the
-/// gas lifts the particles. `None` without drag or gravity. The gas flows along z.
+/// [m/s] component of the gas velocity against gravity, minus the slip speed at which drag balances the weight. If the
+/// difference is positive, the gas lifts the particles. `None` without drag or gravity. The gas flows along z.
 pub fn lift(scene: &Scene, flows: &[Flow]) -> Option<f64> {
     scene.fluid.as_ref().filter(|_| !flows.is_empty() && scene.gravity.norm() > 0.0).map(|fluid| {
         let against = -scene.gravity.z / scene.gravity.norm() * bulk_velocity(fluid, scene.domain.size.y);
@@ -52,8 +52,8 @@ pub fn lift(scene: &Scene, flows: &[Flow]) -> Option<f64> {
     })
 }
 
-/// Response to the gas of particles of `species` with `number_density` [1/m³], in a channel of width `height` [m] under
-/// gravity of magnitude `gravity` [m/s²]. `None` without drag.
+/// Response to the gas of one species, whose particles have the number density `number_density` [1/m³]. The channel has
+/// the width `height` [m], and gravity the magnitude `gravity` [m/s²]. `None` without drag.
 pub fn flow(fluid: &Fluid, species: &Species, number_density: f64, gravity: f64, height: f64) -> Option<Flow> {
     let drag = fluid.drag.as_ref()?;
     let sphere = fluid.sphere(species);
@@ -71,10 +71,10 @@ pub fn flow(fluid: &Fluid, species: &Species, number_density: f64, gravity: f64,
         mass_loading: number_density * species.mass() / fluid.density,
         turbulent_variance: channel.map(|flow| {
             let response = drag.law().response_time(&sphere, slip);
-            // particles are spread over the cross-section: the mean over it, by strips between nodes
+            // mean over the width, with trapezoids between nodes, since particles are spread over the cross-section
             let nodes = &flow.nodes;
-            // eddies have the correlation exp(-t/T_L); a linear response of time τ takes the share T_L/(T_L + τ) of
-            // their variance
+            // velocities of eddies have the correlation exp(-t/T_L); a particle with a linear response of time τ then
+            // has the fraction T_L/(T_L + τ) of their variance
             let induced = |k: f64, epsilon: f64| {
                 let eddy = if epsilon > 0.0 { EDDY_TIME * k / epsilon } else { 0.0 };
                 2.0 / 3.0 * k * eddy / (eddy + response)
@@ -90,10 +90,10 @@ pub fn flow(fluid: &Fluid, species: &Species, number_density: f64, gravity: f64,
     })
 }
 
-/// [m/s] terminal slip speed w at which drag balances the weight, w = g τ(w), without buoyancy (the paper's Eq. 1).
+/// [m/s] terminal slip speed w at which drag balances the weight: w = g τ(w), without buoyancy (the paper's Eq. 1).
 pub fn terminal_slip(drag: &Drag, fluid: &Fluid, species: &Species, gravity: f64) -> f64 {
     let sphere = fluid.sphere(species);
-    // w grows and g τ(w) does not: bisection between 0 and the slip speed of Stokes drag
+    // w increases along the interval and g τ(w) does not: bisection between 0 and the slip speed of Stokes drag
     let (mut low, mut high) = (0.0, gravity * sphere.stokes_time);
     for _ in 0..200 {
         let middle = 0.5 * (low + high);
@@ -118,8 +118,8 @@ mod tests {
     use crate::drag::SchillerNaumann;
     use crate::fluid::Profile;
 
-    /// Compares terminal slip and effective response time of the paper's spheres at g = 9.81 m/s² with an independent
-    /// root of the law. The Stokes numbers use U_b = 15.9075 m/s.
+    /// Compares terminal slip speed and response time of the paper's spheres at g = 9.81 m/s² with an independent root
+    /// of the drag law. The Stokes numbers use U_b = 15.9075 m/s.
     #[test]
     fn spheres_of_the_paper() {
         for (diameter, density, stokes, slip, reynolds, response, number) in [

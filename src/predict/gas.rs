@@ -1,50 +1,51 @@
 //! Kinetic theory of the particles, treated as a dense gas of hard spheres.
 //!
 //! Enskog's theory of hard spheres is exact in the dilute limit, and accurate to about 1 % up to a volume fraction of
-//! 0.45. It holds for many particles with nearly Maxwellian and uncorrelated velocities. It does not hold for a bed, a
-//! row or a few bodies.
+//! 0.45. The theory is valid for many particles with nearly Maxwellian and uncorrelated velocities. It is not valid for
+//! a bed, a row or a few bodies.
 
 use crate::contact_law::{Bodies, ContactLaw};
 use crate::scene::{Scene, Species, Surface};
 use serde::Serialize;
 use std::f64::consts::PI;
 
-/// [-] volume fraction above which spheres order: freezing (Hoover and Ree 1968, J. Chem. Phys. 49, 3609). The formula
-/// for the contact value is valid up to it.
+/// [-] volume fraction of freezing, above which spheres form an ordered state (Hoover and Ree 1968, J. Chem. Phys. 49,
+/// 3609). The formula for the contact value is valid up to this volume fraction.
 pub const FREEZING: f64 = 0.494;
 
 /// Predictions of kinetic theory for the particles. Rates per particle are means over all species.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Gas {
-    /// [-] volume fraction of the whole box.
+    /// [-] volume fraction of the particles in the whole box.
     pub volume_fraction: f64,
-    /// [-] contact value of the pair distribution: the mean over pairs, weighted by their collisions.
+    /// [-] contact value of the pair distribution: the factor by which density exceeds its mean at contact. It is the
+    /// mean over pairs, weighted by their collision rates.
     pub contact_value: f64,
-    /// [1/s] collisions of all pairs per time.
+    /// [1/s] number of collisions of all pairs per time.
     pub pair_rate: f64,
-    /// [1/s] impacts on all walls per time.
+    /// [1/s] number of impacts on all walls per time.
     pub wall_rate: f64,
-    /// [1/s] collisions of a particle with other particles per time.
+    /// [1/s] number of collisions of a particle with other particles per time.
     pub collision_rate: f64,
-    /// [m] mean free path between collisions with particles.
+    /// [m] mean free path between collisions with other particles.
     pub mean_free_path: f64,
 }
 
-/// One species of the gas, or the particles of one size of a species.
+/// One component of the gas: the particles of a species, or those of a species with nearly one size.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Component {
-    /// Number of particles.
+    /// Number of particles of the component.
     pub count: usize,
-    /// [m] diameter.
+    /// [m] diameter of the particles.
     pub diameter: f64,
-    /// [m²/s²] variance of a velocity component: granular temperature T.
+    /// [m²/s²] variance of a velocity component, which is the granular temperature T.
     pub variance: f64,
 }
 
 impl Component {
-    /// Components of `count` particles of a species, with one variance of velocity components [m²/s²]. If the sizes
-    /// differ, they are divided into sixteen components with equal numbers of particles, each with the median diameter
-    /// of its part.
+    /// Makes the components of `count` particles of a species, with one variance of the velocity components [m²/s²]. If
+    /// the sizes differ, there are sixteen components with equal numbers of particles. The particles of each have the
+    /// median diameter of a sixteenth of the size distribution.
     pub fn of(species: &Species, count: usize, variance: f64) -> Vec<Self> {
         const PARTS: usize = 16;
         let Some(sizes) = &species.sizes else { return vec![Self { count, diameter: species.diameter, variance }] };
@@ -57,40 +58,40 @@ impl Component {
     }
 }
 
-/// Measurements in a slice of the scene between two distances from the wall.
+/// Measurements in a slice of the scene between two distances from a wall.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Slice {
-    /// [-] share of the particles in the slice.
+    /// [-] fraction of all particles that is in the slice.
     pub particles: f64,
-    /// [-] volume available to centres in the slice, as a share of that in the whole scene.
+    /// [-] volume of the slice that is available to centres, over that of the whole scene.
     pub room: f64,
     /// [m²/s²] variances of the velocity components along x, y, z.
     pub variance: [f64; 3],
 }
 
-/// Spread of the agitation over positions and directions, relative to a uniform gas of equal mean agitation. All
-/// numbers are ratios [-]; s is the standard deviation of the normal relative velocity.
+/// Effect of agitation that differs between positions and directions, relative to a uniform gas with equal mean
+/// agitation. All numbers are ratios [-]; s is the standard deviation of the normal relative velocity.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AgitationSpread {
     /// Rate of pair collisions over that of the uniform gas.
     pub pair_rate: f64,
     /// Rate of wall impacts over that of the uniform gas, for walls perpendicular to y.
     pub wall_rate: f64,
-    /// Shares of the pair collisions; each share has one s, given over the mean s.
+    /// Parts of the pair collisions, each with its share of all collisions, and its s over the mean s.
     pub pairs: Vec<[f64; 2]>,
-    /// Shares of the wall impacts; each share has one s, given over the mean s.
+    /// Parts of the wall impacts, each with its share of all impacts, and its s over the mean s.
     pub walls: Vec<[f64; 2]>,
 }
 
 impl AgitationSpread {
-    /// Agitation that is equal everywhere and in all directions.
+    /// Returns the ratios for agitation that is equal everywhere and in all directions.
     pub fn even() -> Self {
         Self { pair_rate: 1.0, wall_rate: 1.0, pairs: vec![[1.0, 1.0]], walls: vec![[1.0, 1.0]] }
     }
 
-    /// Spread of the agitation over slices along y, the first and the last of which touch walls. Velocities are taken
-    /// as Gaussian with the variances of the slice and independent components. A collision with normal n then happens
-    /// at a rate ∝ s(n) = sqrt(Σ n_i² σ_i²).
+    /// Computes the ratios from measurements in slices along y, of which the first and the last are at walls.
+    /// Velocities are taken as Gaussian, with independent components that have the variances of the slice. Collisions
+    /// with the normal n then occur at a rate proportional to s(n) = sqrt(Σ n_i² σ_i²).
     pub fn of(slices: &[Slice]) -> Self {
         /// Number of values of each angle in the quadrature; the integrand is smooth.
         const ANGLES: usize = 12;
@@ -102,7 +103,8 @@ impl AgitationSpread {
         for slice in &slices {
             let weight = slice.particles * slice.particles / slice.room / (ANGLES * ANGLES) as f64;
             for (i, j) in (0..ANGLES * ANGLES).map(|k| (k / ANGLES, k % ANGLES)) {
-                // points of equal area on an octant of the unit sphere: cosine to z, and the angle around z
+                // directions at the centres of equal areas on an octant of the unit sphere, given by the cosine to z
+                // and the angle around z
                 let (cosine, (sine, other)) = (angle(i), (0.5 * PI * angle(j)).sin_cos());
                 let across = 1.0 - cosine * cosine;
                 let [x, y, z] = slice.variance;
@@ -120,41 +122,41 @@ impl AgitationSpread {
     }
 }
 
-/// Divides weights by their sum, and returns the sum.
+/// Divides the weights of a list by their sum, and returns the sum.
 fn normalise(parts: &mut [[f64; 2]]) -> f64 {
     let sum: f64 = parts.iter().map(|[weight, _]| weight).sum();
     parts.iter_mut().for_each(|[weight, _]| *weight /= sum);
     sum
 }
 
-/// [-] contact value of spheres of diameters a and b [m] in a mixture with volume fraction φ and ξ_2 = π/6 Σ n_i d_i²
-/// [1/m] (Boublík 1970, J. Chem. Phys. 53, 471; Mansoori, Carnahan, Starling and Leland 1971, J. Chem. Phys. 54,
-/// 1523). For equal spheres it is Carnahan and Starling's (1 - φ/2)/(1 - φ)³.
+/// [-] contact value of spheres with the diameters a and b [m] in a mixture with the volume fraction φ and
+/// `second_moment` ξ_2 = π/6 Σ n_i d_i² [1/m] (Boublík 1970, J. Chem. Phys. 53, 471; Mansoori, Carnahan, Starling and
+/// Leland 1971, J. Chem. Phys. 54, 1523). For equal spheres it is Carnahan and Starling's (1 - φ/2)/(1 - φ)³.
 pub fn contact_value(a: f64, b: f64, volume_fraction: f64, second_moment: f64) -> f64 {
     let free = 1.0 - volume_fraction;
     let ratio = a * b / (a + b) * second_moment;
     1.0 / free + 3.0 * ratio / (free * free) + 2.0 * ratio * ratio / (free * free * free)
 }
 
-/// Predicts rates and mean free path by kinetic theory, for these components in the box of the scene.
+/// Predicts collision rates and mean free path by kinetic theory, for these components in the box of the scene.
 ///
-/// Pairs collide at the rate n_i n_j σ² g sqrt(8π (T_i + T_j)) per volume, half of it for equal species, less 1/N for a
-/// finite number N. Here n is the number density, σ the collision distance and g the contact value. Flat walls keep
-/// centres half a diameter away. Within a distance σ of a wall they also hide a quarter of the directions, on average.
-/// The density is otherwise taken as uniform, unless `spread` was measured. Wall impacts: n Z sqrt(T/2π) per area (the
-/// contact theorem), Z = 1 + 4 φ g.
+/// The rate of pair collisions per volume is n_i n_j σ² g sqrt(8π (T_i + T_j)), and half of it for equal species, less
+/// 1/N for a finite number N. Here n is the number density, σ the collision distance and g the contact value. Flat
+/// walls keep centres half a diameter away. Within a distance σ of a wall, a quarter of the collision directions is
+/// impossible on average. The density is otherwise taken as uniform, unless `spread` was measured. The rate of wall
+/// impacts per area is n Z sqrt(T/2π), with Z = 1 + 4 φ g (the contact theorem).
 pub fn gas(scene: &Scene, components: &[Component], spread: &AgitationSpread) -> Gas {
     let volume = scene.domain.volume();
     let total: f64 = components.iter().map(|c| c.count as f64).sum();
     let sphere = |c: &Component| c.count as f64 * PI / 6.0 * c.diameter.powi(3);
     let volume_fraction = components.iter().map(sphere).sum::<f64>() / volume;
-    // the centres of a species have less room than the box
+    // the volume available to the centres of a component is smaller than the box
     let room: Vec<CentreVolume> = components.iter().map(|c| CentreVolume::of(scene, c.diameter)).collect();
     let density: Vec<f64> = components.iter().zip(&room).map(|(c, room)| c.count as f64 / room.volume).collect();
     let moment = |power: i32| -> f64 {
         components.iter().zip(&density).map(|(c, n)| PI / 6.0 * n * c.diameter.powi(power)).sum()
     };
-    let (filled, second) = (moment(3).min(0.74), moment(2)); // no packing is denser: Kepler's 0.7405
+    let (filled, second) = (moment(3).min(0.74), moment(2)); // no packing is denser than 0.7405 (Kepler)
     let (mut pairs, mut weighted) = (0.0, 0.0);
     for (i, a) in components.iter().enumerate() {
         for (j, b) in components.iter().enumerate().skip(i) {
@@ -200,7 +202,8 @@ struct CentreVolume {
 }
 
 impl CentreVolume {
-    /// Volume of the domain without half a diameter at each flat wall along an axis. Other walls are ignored.
+    /// Computes the volume of the domain without half a diameter at each flat wall perpendicular to an axis. Other
+    /// walls are ignored.
     fn of(scene: &Scene, diameter: f64) -> Self {
         let mut size = scene.domain.size;
         let mut area = 0.0;
@@ -215,16 +218,17 @@ impl CentreVolume {
         Self { volume: size.product(), wall_area: area }
     }
 
-    /// Share of the collision directions that walls hide: within `reach` [m] of a wall it is 1/4 on average.
+    /// [-] fraction of the collision directions that walls make impossible. Within `reach` [m] of a wall it is 1/4 on
+    /// average.
     fn hidden(&self, reach: f64) -> f64 {
         (0.25 * reach * self.wall_area / self.volume).min(1.0)
     }
 }
 
 /// [-] apparent decrease of the diameter of soft spheres of one species, over the diameter d. The apparent diameter is
-/// that of Barker and Henderson (1967, J. Chem. Phys. 47, 4714) at the temperature T [m²/s²]. For a linear spring the
-/// decrease is sqrt(π m T/(2 k))/d. The cross-section is smaller by twice that. The effect on the collision rate
-/// depends on the density of the gas (docs/theory/softness.md).
+/// that of Barker and Henderson (1967, J. Chem. Phys. 47, 4714) at the granular temperature T [m²/s²]. For a linear
+/// spring the decrease is sqrt(π m T/(2 k))/d. The relative decrease of the cross-section is twice as large. The effect
+/// on the collision rate depends on the density of the gas (docs/theory/softness.md).
 pub fn softness(law: &ContactLaw, species: &Species, temperature: f64) -> f64 {
     // the stored energy does not depend on the restitution
     let surface = Surface { restitution: 1.0, friction: 0.0 };
@@ -232,17 +236,19 @@ pub fn softness(law: &ContactLaw, species: &Species, temperature: f64) -> f64 {
     law.thermal_overlap(&spring, species.mass() * temperature) / species.diameter
 }
 
-/// [-] factor by which a law must be stiffer so that the cross-section decreases by no more than the share `error` [-].
+/// [-] factor by which a law must become stiffer, so that the relative decrease of the cross-section is at most `error`
+/// [-].
 pub fn stiffening_for(law: &ContactLaw, species: &Species, temperature: f64, error: f64) -> f64 {
     law.stiffening(2.0 * softness(law, species, temperature) / error)
 }
 
-/// Size of the largest cluster of particles that collisions join within a time in which each particle suffers
-/// `collisions` [-]. Among `count` particles, fewer than one larger cluster is expected. `None` if clusters grow
-/// without bound (one collision per particle or more).
+/// Size of the largest cluster of particles that collisions connect within a certain time, in which each particle has
+/// `collisions` [-] collisions. Among `count` particles, fewer than one larger cluster is expected. `None` if clusters
+/// grow without bound (one collision per particle or more).
 ///
-/// The clusters are those of a random graph of mean degree c. Seen from a particle, their sizes s have Borel's
-/// distribution, P(s) = (cs)^(s-1) e^(-cs)/s! (Borel 1942). Counted per cluster, it is P(s)/s.
+/// The clusters are those of a random graph with the mean degree c. The probability that a particle is in a cluster of
+/// size s is that of Borel's distribution, P(s) = (cs)^(s-1) e^(-cs)/s! (Borel 1942). The number of clusters of size s
+/// is proportional to P(s)/s.
 pub fn largest_island(collisions: f64, count: usize) -> Option<usize> {
     if collisions >= 1.0 {
         return None;
@@ -256,7 +262,7 @@ pub fn largest_island(collisions: f64, count: usize) -> Option<usize> {
         let s = size as f64;
         factorial += s.ln();
         rest -= ((s - 1.0) * (collisions * s).ln() - collisions * s - factorial).exp();
-        // number of larger clusters: the particles in them over their size
+        // number of larger clusters: the number of particles in them, divided by their size
         if count as f64 * rest.max(0.0) / (s + 1.0) < 1.0 {
             return Some(size);
         }
@@ -295,8 +301,8 @@ mod tests {
         }
     }
 
-    /// Collision rate Γ σ/sqrt(T) by Enskog's theory with Carnahan and Starling's contact value, tabulated
-    /// independently.
+    /// Compares the collision rate Γ σ/sqrt(T) by Enskog's theory, with Carnahan and Starling's contact value, with
+    /// values tabulated independently.
     #[test]
     fn collision_rates() {
         for (fraction, rate) in
@@ -312,24 +318,24 @@ mod tests {
         }
     }
 
-    /// Compares with event-driven runs of another code in a slit 12 diameters wide: pair rate 0.996 and 2.365, wall
-    /// pressure 0.1633 and 0.4262 (both walls, P = 2 m u n u per impact). The tolerance allows for their error of 1 %,
-    /// and for a density that is not uniform.
+    /// Compares with event-driven runs of another code in a slit 12 diameters wide. The pair rates are 0.996 and 2.365,
+    /// and the wall pressures 0.1633 and 0.4262 (both walls, P = 2 m u n u per impact). The tolerance allows for their
+    /// error of 1 %, and for a density that is not uniform.
     #[test]
     fn a_slit() {
         for (count, rate, pressure) in [(200, 0.996, 0.1633), (400, 2.365, 0.4262)] {
             let found =
                 gas(&cube(12.0, true), &[Component { count, diameter: 1.0, variance: 1.0 }], &AgitationSpread::even());
             assert!((found.collision_rate / rate - 1.0).abs() < 0.04, "{found:?}");
-            // momentum per impact 2 sqrt(π/2) on average
+            // the mean momentum per impact is 2 sqrt(π/2)
             let found = found.wall_rate * 2.0 * (0.5 * PI).sqrt() / (2.0 * 144.0);
             assert!((found / pressure - 1.0).abs() < 0.06, "{found}");
         }
     }
 
-    /// Motion along one axis only: s = sqrt(3) |cos θ|, so rates are sqrt(3)/2 of those of the uniform gas. The mean of
-    /// s over collisions is <s²>/<s> = 2/sqrt(3). In a gas twice as dense in one half as in the other, the rate is (4 +
-    /// 1)/2 over (3/2)² that of the uniform gas.
+    /// Checks two uneven gases. For motion along one axis only, s = sqrt(3) |cos θ|, so rates are sqrt(3)/2 of those of
+    /// the uniform gas, and the mean of s over collisions is <s²>/<s> = 2/sqrt(3). In a gas twice as dense in one half
+    /// as in the other, the rate is (4 + 1)/2 over (3/2)² that of the uniform gas.
     #[test]
     fn uneven_gases() {
         let even = Slice { particles: 0.5, room: 0.5, variance: [2.0; 3] };
@@ -358,7 +364,8 @@ mod tests {
         assert!((mixed.contact_value / pure.contact_value - 1.0).abs() < 1e-12);
     }
 
-    /// Decrease 1 - d_eff/σ in the paper's cases B, D, E, G, computed independently to two digits.
+    /// Compares the decrease 1 - d_eff/σ in the paper's cases B, D, E, G with values computed independently to two
+    /// digits.
     #[test]
     fn soft_spheres_are_smaller() {
         for (mass, t, stiffness, diameter, shrink) in [
@@ -382,7 +389,7 @@ mod tests {
     fn islands() {
         assert_eq!(largest_island(0.0, 1000), Some(1));
         assert_eq!(largest_island(1.0, 1000), None);
-        // clusters of two: N c/2 are expected; 1000 particles with 1e-3 collisions each make half a pair
+        // number of clusters of two: N c/2 are expected; 1000 particles with 1e-3 collisions each make half a pair
         assert_eq!(largest_island(1e-4, 1000), Some(1));
         assert_eq!(largest_island(1e-2, 1000), Some(2));
         assert!(largest_island(0.5, 100_000) > largest_island(0.1, 100_000));

@@ -1,19 +1,20 @@
-//! Accuracy with which time steps resolve a contact.
+//! Accuracy with which time steps of the soft engine resolve a contact.
 //!
-//! A time step maps overlap and approach speed (x, v) of a contact to their values Δt later. In the units of a contact
+//! A time step maps overlap and approach speed (x, v) of a contact to their values after Δt. In the units of a contact
 //! law (mass and elastic constant 1, see [`Law::unit`]) this map depends only on the restitution and the number of
-//! steps per contact N_c. So the results in this file do not depend on the size of the particles, and on the speed of
-//! impact only through N_c. The motion is along the normal only. In an oblique impact the normal also turns during the
-//! contact, by about the overlap over the diameter.
+//! steps per contact N_c. So the results of this file do not depend on the size of the particles, and depend on the
+//! speed of impact only through N_c. The motion is along the normal only. In an oblique impact the normal also turns
+//! during the contact, by about the overlap over the diameter.
 
 use crate::contact_law::{ContactLaw, Spring, damping_ratio};
 use crate::experiment::{Integrator, SoftStepping};
 use std::f64::consts::PI;
 
-/// Number of impacts over which results are averaged. They differ in phase: the time from the last step to the touch.
+/// Number of impacts over which results are averaged. The impacts differ in phase, which is the time from the last step
+/// to the touch.
 const PHASES: usize = 200;
 
-/// Factor on the contact time after which a contact is taken not to end.
+/// [-] ratio of time to contact time, after which a contact counts as endless.
 const ENDLESS: f64 = 20.0;
 
 /// Method that advances a contact by one time step.
@@ -27,19 +28,19 @@ pub enum Method {
     FourthOrder,
 }
 
-/// Method of the time step, and way in which the beginning and the end of a contact are found.
+/// Method of the time step, together with the way in which the beginning and the end of a contact are found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Scheme {
     /// Method of one time step.
     pub method: Method,
-    /// True if contacts begin and end at their exact instants (local stepping), false if they do so at the next step
-    /// (uniform stepping).
+    /// True if contacts begin and end at their exact instants (local stepping). False if they begin and end at the next
+    /// step (uniform stepping).
     pub exact_instants: bool,
 }
 
 impl Scheme {
-    /// The scheme that the soft engine uses with these settings. `Auto` is treated as local stepping, which `Auto` uses
-    /// unless the scene is crowded.
+    /// Returns the scheme that the soft engine uses with these settings. `Auto` is treated as local stepping, which it
+    /// uses unless the scene is crowded.
     pub fn of(integrator: Integrator, stepping: SoftStepping) -> Self {
         let exact_instants = stepping != SoftStepping::Uniform;
         let method = match (integrator, exact_instants) {
@@ -51,38 +52,40 @@ impl Scheme {
     }
 }
 
-/// Restitution that a scheme realises when the law is set to `restitution`. All values are ratios of speeds [-].
+/// Restitution that results from a scheme, if the law is set to the restitution `restitution`. All values are ratios of
+/// speeds [-].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Realised {
-    /// Mean of the restitution over the phases, that is, over the times from the last step to the touch.
+    /// Mean of the restitution over the phases, which are the times from the last step to the touch.
     pub mean: f64,
-    /// Smallest value over the phases.
+    /// Smallest restitution for any phase.
     pub least: f64,
-    /// Largest value over the phases.
+    /// Largest restitution for any phase.
     pub largest: f64,
-    /// Mean square over the phases, on which the energy of a gas depends.
+    /// Mean square of the restitution over the phases, on which the energy of a gas depends.
     pub mean_square: f64,
 }
 
-/// [-] ω_0 Δt for a step that is 1/N_c of the contact time of a linear spring and dashpot: π / (N_c sqrt(1 - ζ²)) (Eqs.
-/// 7 and 9).
+/// [-] reduced step ω_0 Δt, if Δt is 1/N_c of the contact time of a linear spring and dashpot: π / (N_c sqrt(1 - ζ²))
+/// (Eqs. 7 and 9), with ζ the damping ratio.
 pub fn reduced_step(restitution: f64, steps_per_contact: f64) -> f64 {
     let ratio = damping_ratio(restitution);
     PI / (steps_per_contact * (1.0 - ratio * ratio).sqrt())
 }
 
-/// State of one contact in the units of its law: x is the gap (negative: overlap), v the rate of the gap.
+/// State of one contact in the units of its law: x is the gap (negative for an overlap), v the rate of the gap.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct GapState {
     x: f64,
     v: f64,
 }
 
-/// Contact force, by which the gap is accelerated.
+/// Contact force that accelerates the gap.
 struct GapForce<'a> {
     law: &'a ContactLaw,
     spring: Spring,
-    /// True if the force acts only while there is an overlap; false if it acts always, as in the middle of a contact.
+    /// True if the force acts only while there is an overlap. False if it acts always, as during the middle of a
+    /// contact.
     one_sided: bool,
 }
 
@@ -95,11 +98,11 @@ impl GapForce<'_> {
         (elastic + viscous) / self.spring.effective_mass
     }
 
-    /// State of the contact after a step `dt`.
+    /// State of the contact after a step of length `dt`.
     fn step(&self, method: Method, from: GapState, dt: f64) -> GapState {
         let GapState { x, v } = from;
         match method {
-            // velocities belong to half steps, where two half-kicks make one kick
+            // velocities belong to half steps, and two half-kicks make one kick
             Method::VelocityVerlet => {
                 let x = x + v * dt;
                 GapState { x, v: v + self.acceleration(x, v) * dt }
@@ -126,13 +129,13 @@ impl GapForce<'_> {
     }
 }
 
-/// [-] spectral radius of the step map of the linear oscillator with damping ratio `damping` ζ [-]. Above 1,
-/// oscillations grow. `step` is ω_0 Δt [-].
+/// [-] spectral radius of the map of one step, for the linear oscillator with the damping ratio `damping` ζ [-]. If it
+/// exceeds 1, oscillations grow. `step` is ω_0 Δt [-].
 pub fn growth(method: Method, damping: f64, step: f64) -> f64 {
     let law = ContactLaw::linear(1.0);
     let spring = Spring { effective_mass: 1.0, restitution: 0.0, stiffness: 1.0, dashpot: 2.0 * damping };
     let spring = GapForce { law: &law, spring, one_sided: false };
-    // columns of the 2 x 2 map
+    // columns of the 2 x 2 matrix of the map
     let a = spring.step(method, GapState { x: 1.0, v: 0.0 }, step);
     let b = spring.step(method, GapState { x: 0.0, v: 1.0 }, step);
     let half_trace = 0.5 * (a.x + b.v);
@@ -141,15 +144,14 @@ pub fn growth(method: Method, damping: f64, step: f64) -> f64 {
     if discriminant < 0.0 { determinant.sqrt() } else { half_trace.abs() + discriminant.sqrt() }
 }
 
-/// [-] largest ω_0 Δt up to which no oscillation with damping ratio `damping` ζ [-] grows; 0 if there is no such step
-/// above 0.01.
+/// [-] largest ω_0 Δt for which no oscillation with the damping ratio `damping` ζ [-] grows. It is 0 if there is no
+/// such step above 0.01.
 ///
-/// For velocity Verlet it is 2 (sqrt(1+ζ²) - ζ). For Heun's method it is the root of θ³/4 - ζ θ² + 2 ζ² θ - 2 ζ, θ =
-/// ω_0 Δt. Without damping there is no such step of Heun's method, because each step increases the amplitude by the
-/// share θ⁴/8.
+/// For velocity Verlet it is 2 (sqrt(1+ζ²) - ζ). For Heun's method it is the root θ = ω_0 Δt of θ³/4 - ζ θ² + 2 ζ² θ -
+/// 2 ζ. Without damping Heun's method has no such step, because each step increases the amplitude by the fraction θ⁴/8.
 pub fn stability_limit(method: Method, damping: f64) -> f64 {
-    /// Rounding of the trace and the determinant of the map. It is far below the gain of Heun's method at the smallest
-    /// step (1.25e-9).
+    /// Bound on the rounding of the trace and the determinant of the map. It is far below the gain of Heun's method at
+    /// the smallest step (1.25e-9).
     const ROUNDING: f64 = 1e-12;
     const SMALLEST: f64 = 0.01;
     let grows = |step: f64| growth(method, damping, step) > 1.0 + ROUNDING;
@@ -167,11 +169,11 @@ pub fn stability_limit(method: Method, damping: f64) -> f64 {
     low
 }
 
-/// Restitution of one isolated impact of two bodies under the law at a normal speed [m/s], with `steps` steps per
-/// contact N_c. `None` if the contact does not end: the step is unstable, or the restitution is 0.
+/// Restitution of one isolated impact of two bodies under the law, at a normal speed [m/s], with `steps` steps per
+/// contact N_c. `None` if the contact does not end, because the step is unstable or the restitution is 0.
 ///
-/// In uniform steps the touch may fall anywhere within a step, so 200 equally spaced phases are computed. With exact
-/// instants there is one phase.
+/// In uniform steps the touch may occur at any time within a step, so 200 equally spaced phases are computed. With
+/// exact instants there is only one phase.
 pub fn realised_restitution(
     scheme: Scheme,
     law: &ContactLaw,
@@ -201,8 +203,8 @@ pub fn realised_restitution(
     Some(realised)
 }
 
-/// [-] rebound speed over approach speed in uniform steps. The approach at `speed` [m/s] touches a fraction `before` of
-/// a step [s] after the end of a step.
+/// [-] rebound speed over approach speed in uniform steps. The approach is at `speed` [m/s]. The touch occurs at the
+/// fraction `before` of a step `step` [s] after the end of the previous step.
 fn on_the_grid(force: &GapForce, speed: f64, method: Method, (step, before): (f64, f64), longest: u64) -> Option<f64> {
     let mut state = GapState { x: before * (speed * step), v: -speed };
     for _ in 0..longest {
@@ -214,8 +216,8 @@ fn on_the_grid(force: &GapForce, speed: f64, method: Method, (step, before): (f6
     None
 }
 
-/// [-] rebound speed over approach speed, with exact instants. The contact lasts from the instant of touch, at `speed`
-/// [m/s], to the instant at which the overlap is gone.
+/// [-] rebound speed over approach speed, with exact instants. The contact begins at the instant of touch, at `speed`
+/// [m/s], and ends at the instant at which the overlap is zero again.
 fn with_exact_instants(force: &GapForce, speed: f64, method: Method, step: f64, longest: u64) -> Option<f64> {
     let mut state = GapState { x: 0.0, v: -speed };
     for _ in 0..longest {
@@ -234,18 +236,19 @@ fn with_exact_instants(force: &GapForce, speed: f64, method: Method, step: f64, 
     None
 }
 
-/// [-] relative change of the granular temperature of a homogeneous gas per collision that a particle suffers: (<e²> -
-/// 1)/3, with the mean square of the realised restitution. If positive, the scheme heats the gas.
+/// [-] relative change of the granular temperature of a homogeneous gas per collision of a particle: (<e²> - 1)/3, with
+/// <e²> the mean square of the restitution that results from the scheme. If the change is positive, the scheme heats
+/// the gas.
 ///
-/// A collision removes (1 - e²)/4 of m u_n², and the mean of u_n² over collisions is 4T (Maxwellian). Two particles of
-/// mean energy 3mT/2 share the loss. The law is linear, so e does not depend on the speed. Oblique impacts count with
-/// their normal velocity.
+/// A collision removes the energy (1 - e²)/4 m u_n², and the mean of u_n² over collisions is 4T (Maxwellian). The loss
+/// is divided between two particles of mean energy 3mT/2. The law is linear, so e does not depend on the speed. In
+/// oblique impacts the normal velocity counts.
 pub fn heating_per_collision(realised: &Realised) -> f64 {
     (realised.mean_square - 1.0) / 3.0
 }
 
 /// Linear spring and dashpot with a given restitution, in units of mass and stiffness. In these units all linear
-/// impacts of one restitution are equal.
+/// impacts with equal restitution are equal.
 pub fn unit_spring(restitution: f64) -> Spring {
     let dashpot = 2.0 * damping_ratio(restitution);
     Spring { effective_mass: 1.0, restitution, stiffness: 1.0, dashpot }
@@ -264,8 +267,8 @@ mod tests {
         realised_restitution(scheme, &LINEAR, (&unit_spring(e), 1.0), steps).expect("the contact ends")
     }
 
-    /// Compares with amplification factors of the methods at λ = -ζ ± i sqrt(1-ζ²), computed independently to three
-    /// digits.
+    /// Compares the stability limits with amplification factors of the methods at λ = -ζ ± i sqrt(1-ζ²), computed
+    /// independently to three digits.
     #[test]
     fn stability_limits() {
         for (method, e, limit) in [
@@ -292,7 +295,7 @@ mod tests {
         for e in [1.0, 0.8, 0.3, 0.05] {
             let z = damping_ratio(e);
             let closed = 2.0 * ((1.0 + z * z).sqrt() - z);
-            // without damping, the tolerance on the radius moves the crossing by its square root
+            // without damping, the tolerance of the spectral radius shifts the limit by its square root
             assert!((stability_limit(Method::VelocityVerlet, z) - closed).abs() < 2e-6, "{e}");
         }
     }
@@ -305,9 +308,9 @@ mod tests {
         assert!((growth(Method::Heun, 0.0, step).powf(7.7) - 1.02694).abs() < 1e-5);
     }
 
-    /// Compares with an independent computation: rows "Heun" and "Verlet (half)" for steps of Tc/5 to Tc/50 with mean,
-    /// least and largest value over 200 phases. Tolerances: 0.002 from Nc = 10 on, 0.01 below (other phases); 0.01 for
-    /// the extremes where few digits are known.
+    /// Compares with an independent computation: rows "Heun" and "Verlet (half)" for steps of Tc/5 to Tc/50, with mean,
+    /// least and largest value over 200 phases. The tolerance is 0.002 from Nc = 10 on, and 0.01 below, where the
+    /// phases differ. It is 0.01 for the extremes of which few digits are known.
     #[test]
     fn realised_restitution_on_the_grid() {
         for (scheme, e, steps, mean, least, largest) in [
@@ -339,13 +342,14 @@ mod tests {
                 "{scheme:?} {e} {steps}: {found:?}"
             );
         }
-        // one-sided force: strongly damped contacts
+        // a one-sided force: strongly damped contacts
         assert!((of(ON_GRID_HEUN, 0.1, 10.0).mean - 0.091).abs() < 0.01);
         assert!((of(ON_GRID_VERLET, 0.1, 10.0).mean - 0.0596).abs() < 0.01);
     }
 
-    /// Compares with linear maps computed independently: the energy gained per elastic contact with Heun's method at
-    /// the step ratios of the channel cases. Where e < 1, the share of the dissipation that is left.
+    /// Compares with linear maps computed independently. For e = 1 the energy gained per contact with Heun's method is
+    /// compared, at the step ratios of the channel cases. For e < 1, it is the fraction of the dissipation that
+    /// remains.
     #[test]
     fn heating() {
         for (steps, gain) in [(7.735, 0.0465), (10.94, 0.0169)] {
@@ -360,14 +364,14 @@ mod tests {
         assert!(heating_per_collision(&of(ON_GRID_VERLET, 1.0, 7.735)).abs() < 5e-4);
     }
 
-    /// With exact instants the error is that of the integrator, of fourth order. Without damping it is of fifth order:
-    /// a step loses θ⁶/144 of the amplitude, and a contact has π/θ steps.
+    /// Checks the order of the error with exact instants: it is the fourth, that of the integrator. Without damping it
+    /// is the fifth: a step reduces the amplitude by the fraction θ⁶/144, and a contact has π/θ steps.
     #[test]
     fn local_stepping_converges_with_its_order() {
         let miss = |e: f64, steps: f64| (of(LOCAL, e, steps).mean - e).abs();
         for (e, ratio) in [(1.0, 32.0), (0.5, 16.0)] {
             let found = miss(e, 20.0) / miss(e, 40.0);
-            // the next order of the step is subtracted
+            // the next order in the step is subtracted
             assert!((found / ratio - 1.0).abs() < 0.15, "{e}: {found}");
         }
         assert!((miss(1.0, 20.0) / ((PI / 20.0).powi(5) * PI / 144.0) - 1.0).abs() < 0.02);

@@ -1,8 +1,8 @@
-//! Predictions before a run.
+//! Predictions that are made before a run.
 //!
-//! Predictions are closed forms and quadratures of a scene's numbers; they need no run and write no file. The
-//! documentation of each prediction names its source and the effects that it leaves out. A [`RunPrediction`] combines
-//! predictions with the measurements of a short calibration run, and a [`Recommendation`] is derived from it.
+//! Predictions are closed forms and quadratures that use only the numbers of a scene. They need no run and write no
+//! file. The documentation of each prediction names its source and the effects that it neglects. A [`RunPrediction`]
+//! combines predictions with the measurements of a short calibration run, and a [`Recommendation`] is derived from it.
 
 pub mod closed_form;
 pub mod collision_integral;
@@ -27,28 +27,29 @@ use serde::Serialize;
 /// Strength of the random motion of the particles.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Agitation {
-    /// [m²/s²] granular temperature: mean variance of a velocity component over all particles.
+    /// [m²/s²] granular temperature: variance of a velocity component, averaged over all particles.
     pub variance: f64,
-    /// Source of the variance.
+    /// Source of the variance, in words: an estimate or a measurement.
     pub source: String,
 }
 
-/// Short run of the case with its own physics in a smaller periodic box, and the results of this run.
+/// Short run of the case, with all its physics, in a smaller periodic box, and the results of this run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Calibration {
     /// Number of particles in the short run.
     pub particles: usize,
-    /// [s] simulated time.
+    /// [s] simulated time of the short run.
     pub simulated: f64,
     /// True if the state was steady during the averaging time.
     pub steady: bool,
-    /// [1/s] collisions of a particle with others per time, and the standard error; each is `None` if unknown.
+    /// [1/s] number of collisions of a particle with other particles per time, and its standard error; each is `None`
+    /// if unknown.
     pub collision_rate: [Option<f64>; 2],
-    /// [1/s] wall impacts of a particle per time, and the standard error; each is `None` if unknown.
+    /// [1/s] number of wall impacts of a particle per time, and its standard error; each is `None` if unknown.
     pub wall_rate: [Option<f64>; 2],
     /// [-] relative standard error of the granular temperature of a slice (median over slices).
     pub temperature_error: Option<f64>,
-    /// [s] averaging time.
+    /// [s] time over which the results were averaged.
     pub averaged: f64,
     /// [m] edges of the smaller box.
     pub size: [f64; 3],
@@ -56,14 +57,14 @@ pub struct Calibration {
     pub failure: Option<String>,
 }
 
-/// Cost of a model on this machine.
+/// Computing time and memory of a model on this machine.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PredictedCost {
-    /// The model.
+    /// The model: kind of engine and stepping.
     pub model: EngineChoice,
-    /// [s] wall time of the whole run; `None` if the model fails.
+    /// [s] wall-clock time of the whole run; `None` if the model fails.
     pub wall_seconds: Option<f64>,
-    /// Number of windows that were timed.
+    /// Number of windows (times between two exchanges with the gas) that were timed.
     pub windows_timed: u64,
     /// [byte] largest memory of the process; `None` if the system does not report it.
     pub memory: Option<f64>,
@@ -71,20 +72,20 @@ pub struct PredictedCost {
     pub failure: Option<String>,
 }
 
-/// Size and length of a run with which averages reach the desired error.
+/// Size and length of a run in which averages reach the desired error.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Averaging {
     /// [m] smallest edges along periodic axes; the other edges are those of the case.
     pub size: [f64; 3],
-    /// Number of particles in that box.
+    /// Number of particles in the box of this size.
     pub particles: usize,
-    /// [s] averaging time in that box.
+    /// [s] averaging time in the box of this size.
     pub duration: f64,
     /// [s] averaging time in the box of the case, for an equal error.
     pub duration_as_given: f64,
 }
 
-/// All predictions for a run, made before it.
+/// All predictions for a run, made before the run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RunPrediction {
     /// [-] relative error desired for averages.
@@ -93,7 +94,7 @@ pub struct RunPrediction {
     pub particles: usize,
     /// [s] simulated time.
     pub duration: f64,
-    /// [s] window h.
+    /// [s] window h: time between two exchanges of momentum with the gas.
     pub window: f64,
     /// Strength of the random motion of the particles.
     pub agitation: Agitation,
@@ -101,22 +102,23 @@ pub struct RunPrediction {
     pub contact_law: String,
     /// Integrator of the soft time steps for which contacts are predicted.
     pub integrator: String,
-    /// Predicted contacts under the contact law of the case, or under the recommended law if the case has none.
+    /// Predicted contacts under the contact law of the case. If the case has no contact law, they are under the
+    /// recommended law.
     pub contacts: Vec<contact::ContactPrediction>,
-    /// Limits on the soft time step, the binding one first.
+    /// Limits on the soft time step, the shortest first; the first one determines the step.
     pub step_limits: Vec<contact::StepLimit>,
     /// Predictions of kinetic theory; `None` for a few bodies.
     pub gas: Option<gas::Gas>,
-    /// [-] fraction of the time that a particle is in contact.
+    /// [-] mean fraction of the time in which a particle is in contact.
     pub time_in_contact: Option<f64>,
-    /// Number of particles in the largest island (group of particles that may meet) expected in a window. `None` if
-    /// islands join without bound or the theory does not apply.
+    /// Number of particles expected in the largest island (group of particles that may meet) of a window. `None` if
+    /// islands unite without bound, or if the theory is not valid.
     pub largest_island: Option<usize>,
-    /// [-] apparent decrease of the diameter of soft spheres, over the diameter.
+    /// [-] apparent decrease of the diameter of soft spheres, divided by the diameter.
     pub softness: Option<f64>,
     /// Floor on which particles gather under gravity; `None` if there is none.
     pub rest: Option<rest::Rest>,
-    /// [-] overlap of the lowest contact under the weight of the particles above it, over the diameter.
+    /// [-] overlap of the lowest contact due to the weight of the particles above it, divided by the diameter.
     pub static_overlap: Option<f64>,
     /// True if particles overlap at the start.
     pub starts_overlapping: bool,
@@ -126,11 +128,11 @@ pub struct RunPrediction {
     pub lying: usize,
     /// Response of each species to the gas.
     pub flow: Vec<flow::Flow>,
-    /// Physical effects, with their sizes, and which of them can be left out.
+    /// Physical effects, with their sizes, and the decision which of them can be neglected.
     pub effects: Vec<effects::Effect>,
     /// Results of the short calibration run; `None` if there was none.
     pub calibration: Option<Calibration>,
-    /// Cost of each model.
+    /// Computing cost of each model.
     pub costs: Vec<PredictedCost>,
     /// Size and length of a run for the desired error; `None` if the scene has no steady state.
     pub averaging: Option<Averaging>,

@@ -1,4 +1,4 @@
-//! Obstacles to each model that scene and start show before a run. `plan` and `check` both use them.
+//! Obstacles to each model that are visible in scene and start before a run. The commands `plan` and `check` use them.
 
 use super::contact::{ContactKind, ImpactSpeeds, contacts};
 use super::flow::{flows, lift};
