@@ -174,7 +174,8 @@ impl HalfChannel {
         if phi.iter().sum::<f64>().is_finite() { change } else { f64::NAN }
     }
 
-    /// Velocity on the centre plane: the parabola through the last two cells, with zero slope on the plane.
+    /// Velocity on the centre plane, or on the axis. It is that of a parabola through the last two cells with zero
+    /// slope on the plane.
     pub fn centre_velocity(&self) -> f64 {
         let last = self.u.len() - 1;
         let near = (self.reynolds_tau - self.y[last]).powi(2);

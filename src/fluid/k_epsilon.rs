@@ -115,8 +115,8 @@ pub struct ChannelFlow {
     pub reynolds_tau: f64,
     /// State of the gas at the cell centres, from the wall to the centre plane.
     pub nodes: Vec<GridNode>,
-    /// U(y) from the wall (0, 0) to the centre plane, as (y [m], U [m/s]): the nodes and, for wall functions, the law
-    /// of the wall below the first of them and interpolated points between them.
+    /// Velocity profile U(y) from the wall (0, 0) to the centre plane, as (y [m], U [m/s]). It contains the nodes. With
+    /// wall functions it also contains the law of the wall below the first node, and interpolated points between nodes.
     pub profile: Vec<(f64, f64)>,
     /// Number of sweeps over k and ε, summed over all corrections of Re_τ.
     pub iterations: usize,
@@ -134,7 +134,7 @@ pub struct KBudget {
     pub production: f64,
     /// [-] ∫ ε dy, with the full dissipation rate ε.
     pub dissipation: f64,
-    /// [-] ν dk/dy at the wall, or at the lowest face of the grid: flux of k out of the flow.
+    /// [-] ν dk/dy at the wall, which is the flux of k into the wall; 0 with wall functions.
     pub wall_flux: f64,
 }
 

@@ -104,7 +104,7 @@ impl Diameters {
 struct Normals {
     /// Random generator in the state before the next value.
     random: Xoshiro256PlusPlus,
-    /// [-] mean of all drawn numbers.
+    /// [-] mean of all drawn numbers, for each component.
     drawn: Vector3<f64>,
     /// Required mean, in the unit of the values.
     mean: Vector3<f64>,

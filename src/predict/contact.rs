@@ -306,8 +306,8 @@ pub const AGITATION: f64 = 0.025;
 /// For laws whose contacts last longer at lower speed, the time step is computed from this speed. The duration of a
 /// Hertzian contact is proportional to u^(-1/5), so an error of a factor of two in the speed changes the step by 13 %.
 pub fn fastest_impact(experiment: &Experiment) -> f64 {
-    /// Ratio u/s of speed to standard deviation that one in a million collisions in a Maxwellian gas exceeds:
-    /// exp(-u²/(2 s²)) with the variance s² = 2T, written as exp(-u²/4s²).
+    /// Ratio u/σ that one in a million collisions in a Maxwellian gas exceeds: exp(-u²/(4σ²)). Here u is the relative
+    /// normal velocity, and σ the standard deviation of a velocity component of a particle.
     const FASTEST: f64 = 7.5;
     /// [m/s] speed used for bodies that do not move at all: the speed after a fall from 1 µm.
     const AT_REST: f64 = 5e-3;

@@ -38,7 +38,7 @@ fn contacts(scene: &Scene, particles: usize) -> Vec<PossibleContact> {
     scene.at_extremes().iter().flat_map(|scene| contacts_of(scene, particles)).collect()
 }
 
-/// All kinds of contact of a scene of `particles` particles. The extreme sizes of a species must be separate species.
+/// All kinds of contact of a scene in which every species has one size; `particles` is the number of particles.
 fn contacts_of(scene: &Scene, particles: usize) -> Vec<PossibleContact> {
     let pairs = scene.meetings().filter(|_| particles > 1);
     let pairs = pairs.map(|(one, other, _)| PossibleContact { wall: None, bodies: Bodies::between(scene, one, other) });
@@ -129,8 +129,8 @@ pub fn broken_contract(experiment: &Experiment, particles: usize) -> Option<Fail
 /// * The normal of a mesh may jump by Δn under a sphere. The force, at most ω_0 M u_n, then has a wrong direction for
 ///   up to one step, and its work is wrong by |Δn| ω_0 M u_n u Δt. With u about u_n this is s M u_n²/2 with s = 2 |Δn|
 ///   ω_0 Δt.
-/// * An overlap is the difference of coordinates, whose relative rounding is ε of the box L. In each step the work of
-///   the force f is wrong by ε L f. Over all steps this gives ε L/Δt times the impulse of all contacts, ∫f dt.
+/// * An overlap is a difference of coordinates, which are rounded at ε L, with L the edge of the box. In each step the
+///   work of the force f is wrong by ε L f. Over all steps this gives ε L/Δt times the impulse of all contacts, ∫f dt.
 /// * Rounding of the energy balance (ledger) itself.
 ///
 /// A larger growth cannot be due to isolated contacts.
@@ -141,13 +141,13 @@ pub fn broken_contract(experiment: &Experiment, particles: usize) -> Option<Fail
 /// search:
 ///
 /// * Verlet on the step grid conserves v_(n+½)² + ω_0² q_n q_(n+1). Let a contact begin and end at the fractions s and
-///   s' of a step. The invariant then changes by (1 - s(1-s) x²)/(1 - s'(1-s') x²), x = ω_0 Δt. So g is 1/(1 - x²/4) - 1
-///   for a linear spring; damping only reduces it.
+///   s' of a step. The invariant then changes by (1 - s(1-s) x²)/(1 - s'(1-s') x²), x = ω_0 Δt. So g is
+///   1/(1 - x²/4) - 1 for a linear spring; damping only reduces it.
 /// * For a step beyond the stability limit (Verlet), or with fewer than five steps in a contact (Heun), g is taken as
 ///   0.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Bound {
-    /// [-] largest g of pairs and walls, of contacts with local stepping.
+    /// [-] largest g of contacts, between pairs and at walls, with local stepping.
     local: f64,
     /// [-] largest g of pairs and walls once all particles have been stepped.
     uniform: f64,

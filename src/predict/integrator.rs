@@ -300,8 +300,8 @@ mod tests {
         }
     }
 
-    /// An undamped spring gains the factor (1 + θ⁴/4)^½ per step of Heun's method. After half a period the gain is this
-    /// factor to the power π/θ.
+    /// Checks the growth by Heun's method. The amplitude of an undamped spring grows by the factor (1 + θ⁴/4)^½ per
+    /// step. After half a period the growth is this factor to the power π/θ.
     #[test]
     fn growth_of_heun_without_damping() {
         let step = PI / 7.7;

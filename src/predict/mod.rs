@@ -141,7 +141,7 @@ pub struct RunPrediction {
 }
 
 impl RunPrediction {
-    /// Obstacles to each model at the start, which `check` finds too.
+    /// Obstacles to each model that the start shows; the command `check` also lists them.
     pub fn obstacles(&self) -> Obstacles {
         Obstacles {
             rest: self.rest.clone(),
@@ -151,15 +151,15 @@ impl RunPrediction {
         }
     }
 
-    /// [-] share of the run in which particles lie on a floor.
+    /// [-] fraction of the run in which particles lie at rest on a floor.
     pub fn share_at_rest(&self) -> f64 {
         self.rest.as_ref().map_or(0.0, |rest| (1.0 - rest.time / self.duration).max(0.0))
     }
 }
 
-/// Shortest side of a box for which its particles are taken as independent [m]. It is at least 10 diameters, and at
-/// least two mean free paths or the width between the walls, whichever is less. This is a rule of this program: within
-/// two free paths a particle loses most of the memory of its velocity.
+/// Shortest edge [m] of a box whose particles are taken as independent of their own images. It is at least 10
+/// diameters, and at least two mean free paths or the width between the walls, whichever is less. This rule was chosen
+/// for this program: within two free paths a particle loses most of the memory of its velocity.
 pub fn shortest_side(diameter: f64, mean_free_path: f64, height: f64) -> f64 {
     let path = if mean_free_path.is_finite() { 2.0 * mean_free_path } else { height };
     (10.0 * diameter).max(path.min(height))

@@ -7,7 +7,7 @@ use crate::experiment::{Amount, Experiment};
 use crate::particles::Particles;
 use nalgebra::Vector3;
 
-/// Properties of the start of a run that may rule out an engine.
+/// Properties of the start of a run that may exclude an engine.
 #[derive(Clone, Debug)]
 pub struct Obstacles {
     /// Floor on which particles gather under gravity; `None` if there is none.
@@ -16,13 +16,13 @@ pub struct Obstacles {
     pub overlapping: bool,
     /// True if the start has rows of touching particles.
     pub in_a_row: bool,
-    /// Number of particles that lie on a wall or on other particles.
+    /// Number of particles that lie on a wall or on other particles at the start.
     pub lying: usize,
 }
 
 impl Obstacles {
-    /// Obstacles at a start. If the case names a contact law, neighbours in a row count as near by the overlaps of this
-    /// law.
+    /// Finds the obstacles at the start of an experiment. If the case has a contact law, the overlaps under this law
+    /// determine which neighbours in a row count as near.
     pub fn of(experiment: &Experiment, start: &Particles) -> Self {
         let scene = &experiment.scene;
         let given = experiment.start.iter().flat_map(|population| match &population.amount {
@@ -42,7 +42,7 @@ impl Obstacles {
             rest,
             overlapping: overlapping(scene, start),
             in_a_row: placed && in_a_row(scene, start, deepest),
-            // particles that the gas lifts do not lie
+            // particles that the gas lifts do not lie on the floor
             lying: if given.contains(&true) && lift.is_none_or(|lift| lift <= 0.0) {
                 lying(scene, start, &given)
             } else {
@@ -51,11 +51,11 @@ impl Obstacles {
         }
     }
 
-    /// Reasons against hard spheres.
+    /// Reasons why hard spheres cannot be used.
     pub fn against_hard(&self, experiment: &Experiment) -> Vec<String> {
         let duration = experiment.run.duration;
         let mut list = Vec::new();
-        // with a contact time, collisions in quick succession are elastic: a bed hovers instead of resting
+        // with a contact time, collisions in quick succession are elastic, so a bed hovers above the floor
         let rests = |rest: &&Rest| rest.time < duration && experiment.hard.contact_time.is_none();
         if let Some(rest) = self.rest.as_ref().filter(rests) {
             list.push(if rest.time > 0.0 {
@@ -85,7 +85,7 @@ impl Obstacles {
     }
 }
 
-/// Reasons against soft spheres at any stiffness.
+/// Reasons why soft spheres cannot be used, whatever their stiffness.
 pub fn against_soft(experiment: &Experiment) -> Vec<String> {
     let scene = &experiment.scene;
     let mut list = Vec::new();
@@ -95,23 +95,23 @@ pub fn against_soft(experiment: &Experiment) -> Vec<String> {
     list
 }
 
-/// Reasons as lines of text, each with the name of the model that it rules out.
+/// Reasons as lines of text, each preceded by the name of the model that it excludes.
 pub fn named(hard: &[String], soft: &[String]) -> Vec<String> {
     let of = |name: &str, list: &[String]| list.iter().map(|why| format!("{name}: {why}")).collect::<Vec<_>>();
     [of("hard spheres", hard), of("soft spheres", soft)].concat()
 }
 
-/// All kinds of contact of a few bodies, with the fastest impact that the start allows, or `fall` [m/s] if that is
-/// faster.
+/// All kinds of contact of a few bodies. Their speed is that of the fastest impact that the start allows, or `fall`
+/// [m/s] if this is faster.
 pub fn bodies(experiment: &Experiment, start: &Particles, fall: f64) -> Vec<ContactKind> {
     let (apart, fastest) = speeds(start);
     let pair = |_: usize, _: usize| ImpactSpeeds::Bodies { speed: apart.max(fall) };
     contacts(&experiment.scene, &experiment.counts(), pair, |_| ImpactSpeeds::Bodies { speed: fastest.max(fall) })
 }
 
-/// [m/s] upper limit of the difference of two velocities, and largest speed of a particle.
+/// [m/s] upper limit of the relative velocity of two particles, and largest speed of any particle.
 fn speeds(particles: &Particles) -> (f64, f64) {
-    /// Largest number of particles for which all pairs are examined.
+    /// Largest number of particles for which the relative velocities of all pairs are computed.
     const ALL_PAIRS: usize = 2000;
     let velocities = &particles.velocity;
     let largest = |frame: Vector3<f64>| velocities.iter().map(|v| (v - frame).norm()).fold(0.0, f64::max);

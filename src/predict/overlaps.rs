@@ -1,10 +1,10 @@
 //! Distribution of the overlaps of contacts in a Maxwellian gas.
 //!
-//! Impacts have normal speeds u with the density u/s² exp(-u²/(2s²)). Here s² = 2T between equal spheres and T at a
-//! wall. The largest overlap of an impact is proportional to a power of its speed. For a linear spring this is the
-//! first power (the paper's Eq. 10), so overlaps are Rayleigh distributed as the speeds are. An engine that tests for
-//! contacts every Δt first detects a contact at a random phase of its steps. The overlap is then u times a time that is
-//! uniform between 0 and Δt, for every contact law.
+//! Impacts have normal speeds u with the density u/s² exp(-u²/(2s²)). Here s² is 2T between equal spheres and T at a
+//! wall. The largest overlap of an impact is proportional to a power of its speed. For a linear spring it is
+//! proportional to the speed itself (the paper's Eq. 10), so overlaps have a Rayleigh distribution as the speeds have.
+//! If an engine tests for contacts only every Δt, it first detects a contact at a random phase of its steps. The
+//! overlap is then u times a time that is uniformly distributed between 0 and Δt, for every contact law.
 
 use super::contact::{ContactKind, ImpactSpeeds};
 use crate::contact_law::ContactLaw;
@@ -12,22 +12,22 @@ use libm::erfc;
 use serde::Serialize;
 use std::f64::consts::{PI, SQRT_2};
 
-/// Distribution of the overlaps of one kind of contact, over the diameter [-].
+/// Distribution of the overlaps of one kind of contact, divided by the diameter [-].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Overlaps {
-    /// [-] largest overlap of an impact at the normal speed s.
+    /// [-] largest overlap, over the diameter, of an impact at the normal speed s.
     maximum: f64,
-    /// [-] distance covered in one time step at the speed s.
+    /// [-] distance covered in one time step at the speed s, over the diameter.
     first: f64,
-    /// [-] exponent p with speed ∝ overlap^p: (n+1)/2 for an elastic force ∝ overlap^n.
+    /// [-] exponent p in speed ∝ overlap^p: it is (n+1)/2 for an elastic force ∝ overlap^n.
     power: f64,
-    /// [-] overlap number κ_n = u_r/(ω_0 d) of the paper's Eq. 9, u_r = s sqrt(2/π).
+    /// [-] overlap number κ_n = u_r/(ω_0 d) of the paper's Eq. 9, with u_r = s sqrt(2/π).
     pub kappa: f64,
 }
 
 impl Overlaps {
-    /// Distribution for a kind of contact under a contact law, where contacts are tested every `time_step` [s]. `None`
-    /// unless the speeds are those of a Maxwellian gas, equal everywhere and in all directions.
+    /// Computes the distribution for one kind of contact under a contact law, if contacts are tested every `time_step`
+    /// [s]. `None` unless the speeds are those of a Maxwellian gas that is equal everywhere and in all directions.
     pub fn of(contact: &ContactKind, law: &ContactLaw, time_step: f64) -> Option<Self> {
         let ImpactSpeeds::Gas { variance, parts } = &contact.speeds else { return None };
         let even = parts.iter().all(|[_, s]| *s == 1.0);
@@ -40,24 +40,24 @@ impl Overlaps {
         })
     }
 
-    /// [-] probability density of the largest overlap at `x` [-].
+    /// [-] probability density of the largest overlap over the diameter at the value `x` [-].
     pub fn maximum_density(&self, x: f64) -> f64 {
         let z = x / self.maximum;
         let speed = z.powf(self.power);
         self.power * z.powf(self.power - 1.0) * speed / self.maximum * (-0.5 * speed * speed).exp()
     }
 
-    /// [-] share of the impacts whose largest overlap is below `x` [-].
+    /// [-] fraction of the impacts whose largest overlap over the diameter is below `x` [-].
     pub fn maximum_share(&self, x: f64) -> f64 {
         -(-0.5 * (x / self.maximum).powf(2.0 * self.power)).exp_m1()
     }
 
-    /// [-] probability density of the first detected overlap at `x` [-].
+    /// [-] probability density of the first detected overlap over the diameter at the value `x` [-].
     pub fn first_density(&self, x: f64) -> f64 {
         (0.5 * PI).sqrt() / self.first * erfc(x / (SQRT_2 * self.first))
     }
 
-    /// [-] share of the impacts whose first detected overlap is below `x` [-].
+    /// [-] fraction of the impacts whose first detected overlap over the diameter is below `x` [-].
     pub fn first_share(&self, x: f64) -> f64 {
         let z = x / (SQRT_2 * self.first);
         PI.sqrt() * z * erfc(z) - (-z * z).exp_m1()
@@ -69,7 +69,7 @@ mod tests {
     use super::*;
     use crate::contact_law::Bodies;
 
-    /// Overlaps in case D of the paper: 406 um, 1038 kg/m³, u_r = 0.79 m/s, T = π/4 u_r².
+    /// Overlaps in case D of the paper: 406 µm, 1038 kg/m³, u_r = 0.79 m/s, T = π/4 u_r².
     fn case_d(stiffness: f64) -> Overlaps {
         let (d, temperature) = (406e-6_f64, 0.25 * PI * 0.79 * 0.79);
         let mass = 1038.0 * PI / 6.0 * d.powi(3);
@@ -89,7 +89,7 @@ mod tests {
         Overlaps::of(&contact, &ContactLaw::linear(stiffness), 1e-6).expect("a gas")
     }
 
-    /// Mean of a distribution, as the integral of the share above: ∫ (1 - F) dx.
+    /// Mean of a distribution, computed from the fraction F below x as the integral ∫ (1 - F) dx.
     fn mean(share: impl Fn(f64) -> f64, until: f64) -> f64 {
         let h = until / 20_000.0;
         (0..20_000).map(|k| h * (1.0 - share((f64::from(k) + 0.5) * h))).sum()
@@ -119,8 +119,8 @@ mod tests {
             let slope = |share: &dyn Fn(f64) -> f64| (share(x + 1e-7) - share(x - 1e-7)) / 2e-7;
             let largest = slope(&|x| overlaps.maximum_share(x)) - overlaps.maximum_density(x);
             let first = slope(&|x| overlaps.first_share(x)) - overlaps.first_density(x);
-            // tolerance: rounding of a share over the step of the difference, 1e-16/1e-7, and densities of the order of
-            // 100
+            // tolerance: rounding of the fraction over the step of the difference, 1e-16/1e-7, for densities of the
+            // order of 100
             assert!(largest.abs() < 1e-6 && first.abs() < 1e-4, "{largest} {first}");
         }
     }

@@ -1,6 +1,6 @@
-//! Recommendation of an engine, a stiffness and a time step, with reasons.
+//! Recommendation of an engine, a stiffness and a time step for a case, with reasons.
 //!
-//! The recommendation depends on the scene, not on measured times: every machine gives one answer for a case.
+//! The recommendation depends on the scene, not on measured times, so it is equal on every machine.
 
 use super::RunPrediction;
 use super::contact::ContactKind;
@@ -12,49 +12,50 @@ use crate::contact_law::ContactLaw;
 use crate::experiment::Experiment;
 use serde::Serialize;
 
-/// [-] mean overlap over diameter up to which the flow did not change in the paper: λ* (Eq. 13).
+/// [-] ratio λ* of mean overlap to diameter up to which the flow in the paper did not change (Eq. 13).
 const DEEPEST: f64 = 0.05;
 
-/// Numbers of steps per contact from which the recommendation chooses. They begin at the lower end of the paper's range
-/// T_c/50 ... T_c/15 (section 3.4).
+/// Numbers of steps per contact from which the recommendation chooses one. The paper's range is T_c/50 to T_c/15
+/// (section 3.4).
 const STEPS: [f64; 6] = [15.0, 20.0, 30.0, 50.0, 100.0, 200.0];
 
-/// [-] share of the time in contact from which local stepping costs more than uniform stepping. Costs of local over
+/// [-] fraction of the time in contact above which local stepping costs more than uniform stepping. Costs of local over
 /// uniform stepping were measured with `diptych plan cases/dense-gas.toml` at lower stiffnesses (medians of four on a
-/// busy machine). They were 0.9 at a share of 0.04, 1.0 at 0.06 and 1.6 at 0.12. At a volume fraction of 0.4 they were
-/// 0.7 at 0.02, 0.8 at 0.04 and 5.7 at 0.12.
+/// busy machine). They were 0.9 at a fraction of 0.04, 1.0 at 0.06 and 1.6 at 0.12. At a volume fraction of 0.4 they
+/// were 0.7 at 0.02, 0.8 at 0.04 and 5.7 at 0.12.
 const CROWDED: f64 = 0.06;
 
-/// Cost per particle of a search for particles that may touch in a window, in time steps. Local stepping searches at
-/// least once per window. A search costs about 60 pair checks, like a build of the neighbour list (see `neighbours`).
+/// Cost per particle of a search for particles that may touch in a window, over the cost of one time step of a
+/// particle. Local stepping searches at least once per window (time between two exchanges with the gas). A search costs
+/// about as much as 60 pair checks, like building the neighbour list (see `neighbours`).
 const SEARCH: f64 = 60.0;
 
-/// [-] share of particles that lie at the start, up to which hybrid spheres may cost less than uniform steps of all.
-/// The window must also have at least `LONG_WINDOW` time steps. Measured costs, over those of uniform steps:
-/// `cases/hybrid/rain-on-a-bed.toml` (share 0.024) 0.36 at 4300 steps a window and 0.8 at 480; gas-above-bed.toml
-/// (share 0.11) 1.2 at 200.
+/// [-] largest fraction of particles that lie at the start for which hybrid spheres are recommended. At larger
+/// fractions they may cost more than uniform steps of all particles. The window must also have at least `LONG_WINDOW`
+/// time steps. Costs over those of uniform steps were measured. In `cases/hybrid/rain-on-a-bed.toml` (fraction 0.024)
+/// they were 0.36 at 4300 steps per window and 0.8 at 480. In gas-above-bed.toml (fraction 0.11) they were 1.2 at 200.
 const FEW_LIE: f64 = 0.05;
 const LONG_WINDOW: f64 = 300.0;
 
 /// Number of time steps per contact at which local and uniform stepping are compared; 20 is the default of a case.
 const USUAL_STEPS: f64 = 20.0;
 
-/// A kind of engine together with its way of stepping.
+/// A kind of engine, together with its way of time stepping.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum EngineChoice {
-    /// Hard spheres, event-driven.
+    /// Event-driven hard spheres.
     Hard,
-    /// Soft spheres; only particles in contact move in time steps.
+    /// Soft spheres with local stepping: only particles in contact move in time steps.
     SoftLocal,
-    /// Soft spheres; every particle moves in every time step.
+    /// Soft spheres with uniform stepping: every particle moves in every time step.
     SoftUniform,
-    /// Instantaneous collisions where two particles meet alone, soft contacts elsewhere.
+    /// Hybrid spheres: instantaneous collisions if two particles meet alone, soft contacts otherwise.
     Hybrid,
 }
 
 impl EngineChoice {
-    /// All kinds of engines.
+    /// All kinds of engines, in the order of their declaration.
     pub const ALL: [Self; 4] = [Self::Hard, Self::SoftLocal, Self::SoftUniform, Self::Hybrid];
 }
 
@@ -72,22 +73,22 @@ impl std::fmt::Display for EngineChoice {
 /// The recommended engine, law and time step, with reasons.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Recommendation {
-    /// Recommended engine; `None` if no engine of this program can do the case.
+    /// Recommended engine; `None` if no engine of this program is suitable for the case.
     pub engine: Option<EngineChoice>,
-    /// Contact law for the soft engine, or for a comparison with hard spheres; `None` if no parameter of the law can be
+    /// Contact law for the soft engine, or for a comparison with hard spheres. `None` if no stiffness can be
     /// recommended.
     pub law: Option<ContactLaw>,
-    /// [-] time steps per contact, N_c.
+    /// [-] number of time steps per contact, N_c.
     pub steps_per_contact: f64,
-    /// [s] time step computed from N_c; `None` without a law.
+    /// [s] time step computed from N_c; `None` without a contact law.
     pub time_step: Option<f64>,
-    /// [s] window h.
+    /// [s] window h: time between two exchanges of momentum with the gas.
     pub window: f64,
     /// True if the whole model, including that of the gas, is adequate.
     pub adequate: bool,
     /// Reasons for the recommended engine.
     pub reasons: Vec<String>,
-    /// Engines that are ruled out, with reasons.
+    /// Engines that cannot be used, with reasons.
     pub refused: Vec<String>,
     /// Assumptions that are doubtful for this scene.
     pub doubts: Vec<String>,
@@ -110,8 +111,8 @@ impl Recommendation {
     }
 }
 
-/// Makes the recommendation. `contacts` holds all kinds of contact, and `temperatures` the granular temperature T
-/// [m²/s²] of each species.
+/// Makes the recommendation. `contacts` contains all kinds of contact of the scene, and `temperatures` the granular
+/// temperature T [m²/s²] of each species.
 pub fn recommend(
     experiment: &Experiment,
     plan: &RunPrediction,
@@ -167,15 +168,15 @@ pub fn recommend(
     }
 }
 
-/// Engine against which there is no reason, and why it was chosen. `against` holds the reasons against hard and against
-/// soft spheres.
+/// Chooses the engine, and returns it with the reason for this choice; `None` if no engine is suitable. `against`
+/// contains the reasons against hard spheres and those against soft spheres.
 fn engine(
     plan: &RunPrediction,
     contacts: &[ContactKind],
     law: Option<ContactLaw>,
     against: (&[String], &[String]),
 ) -> Option<(EngineChoice, String)> {
-    // a bed is dense long before its last bounce ends
+    // the particles form a dense bed long before the last bounce ends
     let bed = plan.particles > 1 && (plan.share_at_rest() > 0.0 || plan.lying > 0);
     let lasting = bed || plan.time_in_contact.is_some_and(|share| share > CROWDED);
     let steps_per_window = || shortest(contacts, law).map(|time| plan.window * USUAL_STEPS / time);
@@ -210,7 +211,7 @@ fn engine(
     }
 }
 
-/// [s] shortest contact under a law; `None` without contacts or without a law.
+/// [s] duration of the shortest contact under a law; `None` without contacts or without a law.
 fn shortest(contacts: &[ContactKind], law: Option<ContactLaw>) -> Option<f64> {
     contacts.iter().filter_map(|contact| Some(contact.contact_time(&law?))).reduce(f64::min)
 }
@@ -227,7 +228,7 @@ fn why_hard(plan: &RunPrediction) -> String {
     }
 }
 
-/// Reasons against hard spheres: those found at the start, or else the failure of the short run.
+/// Reasons against hard spheres. If the start shows none, the failure of the short run is the reason, if it failed.
 fn against_hard(experiment: &Experiment, plan: &RunPrediction) -> Vec<String> {
     let mut list = plan.obstacles().against_hard(experiment);
     if list.is_empty()
@@ -238,11 +239,12 @@ fn against_hard(experiment: &Experiment, plan: &RunPrediction) -> Vec<String> {
     list
 }
 
-/// Law that is stiffened if a case names none. Its stiffness is 1, so that factors of stiffening are stiffnesses.
+/// Law that is stiffened if a case contains no contact law. Its stiffness is 1 N/m, so that factors of stiffening are
+/// stiffnesses.
 const UNNAMED: ContactLaw = ContactLaw::linear(1.0);
 
-/// Softest adequate law of the kind that the case names, and the requirement that determines it; `None` if nothing
-/// moves.
+/// Softest adequate law of the type in the case, and the requirement that determines its stiffness, in words. `None` if
+/// no particle moves.
 pub fn softest(
     experiment: &Experiment,
     plan: &RunPrediction,
@@ -275,8 +277,8 @@ pub fn softest(
     Some((law.stiffened(factor), why))
 }
 
-/// Number of steps per contact at which the error of the energy after collisions stays below the target. The error is
-/// summed over all collisions until drag has renewed the motion, or over the whole run.
+/// Number of steps per contact at which the error of the energy after collisions is below the desired error. The error
+/// is summed over all collisions until drag has renewed the motion, or over the whole run.
 fn steps(
     plan: &RunPrediction,
     contacts: &[ContactKind],
@@ -296,7 +298,7 @@ fn steps(
         });
         remembered * misses.fold(0.0, f64::max)
     };
-    // if no number of steps is enough (a restitution of 0), the largest is used, and no accuracy is promised
+    // if no number of steps is enough (for a restitution of 0), the largest is used, and no accuracy is stated
     let chosen = STEPS.into_iter().find(|&steps| error(steps) <= plan.target_error).unwrap_or(STEPS[STEPS.len() - 1]);
     if error(chosen).is_finite() {
         let over = match remembered.round() {
@@ -311,7 +313,7 @@ fn steps(
     chosen
 }
 
-/// Assumptions about the scene that are doubtful.
+/// Assumptions of the predictions that are doubtful for this scene.
 fn doubts(plan: &RunPrediction) -> Vec<String> {
     let mut list = Vec::new();
     for effect in plan.effects.iter().filter(|effect| !effect.modelled && !effect.negligible()) {
@@ -339,7 +341,7 @@ fn doubts(plan: &RunPrediction) -> Vec<String> {
     list
 }
 
-/// Law whose parameter is rounded up to 1, 2 or 5 times a power of ten.
+/// Returns the law with its parameter rounded up to 1, 2 or 5 times a power of ten.
 pub fn rounded_up(law: &ContactLaw) -> ContactLaw {
     let value = law.parameter().value;
     law.stiffened(round_up(value) / value)
@@ -352,7 +354,7 @@ pub fn round_up(value: f64) -> f64 {
     digits.unwrap_or(10.0) * power
 }
 
-/// A number in decimal notation with `digits` significant digits, without a power of ten.
+/// A number in decimal notation with `digits` significant digits, without an exponent.
 fn plain(value: f64, digits: usize) -> String {
     format!("{value:.*e}", digits.saturating_sub(1)).parse().unwrap_or(value).to_string()
 }

@@ -1,4 +1,4 @@
-//! Particles at rest, and particles that touch more than one neighbour.
+//! Particles at rest on a floor, and particles that touch more than one neighbour.
 
 use crate::encounter::{FrameTime, Other};
 use crate::neighbours::NeighbourList;
@@ -7,36 +7,37 @@ use crate::scene::{Kind, Scene};
 use nalgebra::Vector3;
 use serde::Serialize;
 
-/// Gap between neighbours at the start, in overlaps of the impact, below which their contacts overlap in time. The
-/// number is from solutions of the three-sphere equations. Three spheres in a row with a gap of twice u sqrt(m/k) agree
-/// with a sequence of two impacts to 1e-6. With half of that gap they do not agree to 1e-2.
+/// [-] gap between neighbours at the start, in overlaps of an impact, below which their contacts overlap in time. The
+/// number follows from solutions of the three-sphere equations. Three spheres in a row with a gap of twice u sqrt(m/k)
+/// agree with a sequence of two impacts to 1e-6. With half of that gap they do not agree to 1e-2.
 const SEPARATE: f64 = 2.0;
 
 /// Largest number of particles for which all pairs are examined at the start.
 const ALL_PAIRS: usize = 2000;
 
-/// Floor on which particles gather under gravity, and the time until they rest.
+/// Floor on which particles gather under gravity, with the time until they are at rest.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Rest {
-    /// [m/s²] component of gravity normal to the floor.
+    /// [m/s²] component of gravity normal to the floor, towards it.
     pub gravity: f64,
-    /// [m] longest fall at the start: down to the floor, or to the particles on it.
+    /// [m] longest fall at the start: down to the floor, or to the particles that lie on the floor.
     pub height: f64,
-    /// [m/s] largest speed at which a particle can reach the floor.
+    /// [m/s] largest speed with which a particle can reach the floor.
     pub speed: f64,
-    /// [s] time of the end of the last bounce; infinite if impacts lose no energy.
+    /// [s] time at which the last bounce ends; infinite if impacts lose no energy.
     pub time: f64,
-    /// [-] restitution from which the time is computed; 0 if impacts lose no energy.
+    /// [-] restitution with which the time is computed; 0 if impacts lose no energy.
     pub restitution: f64,
-    /// [N] weight on one contact with the floor.
+    /// [N] weight that one contact with the floor carries at rest.
     pub weight: f64,
 }
 
-/// Floor of a scene: the flat wall against which gravity presses most. `None` if there is no such wall, or if gas lifts
-/// the particles off it. `lift` [m/s] is the gas velocity against gravity minus the terminal slip speed.
+/// Finds the floor of a scene: the flat wall against which gravity presses most. `None` if there is no such wall, or if
+/// the gas lifts the particles off it. `lift` [m/s] is the component of the gas velocity against gravity, minus the
+/// terminal slip speed.
 ///
-/// The time until rest is that of a sphere dropped from h, which bounces for (1+e)/(1-e) sqrt(2h/g) in total (a
-/// geometric series). A bed of N spheres takes less.
+/// The time until rest is that of a sphere dropped from the height h. Its bounces last (1+e)/(1-e) sqrt(2h/g) in total
+/// (a geometric series). A bed of N spheres needs less time.
 pub fn rest(scene: &Scene, particles: &Particles, lift: Option<f64>) -> Option<Rest> {
     if lift.is_some_and(|lift| lift > 0.0) || particles.is_empty() {
         return None;
@@ -53,13 +54,13 @@ pub fn rest(scene: &Scene, particles: &Particles, lift: Option<f64>) -> Option<R
     let below = |x: &Vector3<f64>, r: f64| stacked(scene, particles, &plane.normal, x, r);
     let (mut height, mut speed) = (0.0f64, 0.0f64);
     for ((x, v), &r) in places() {
-        // a distance below the rounding of positions is no fall
+        // a distance below the rounding of positions does not count as a fall
         let fall = gap(x, r) - below(x, r);
         let fall = if fall > 1e-9 * r { fall } else { 0.0 };
         height = height.max(fall);
         speed = speed.max((v.dot(&plane.normal).powi(2) + 2.0 * gravity * fall).sqrt());
     }
-    // the pair that loses least energy bounces longest
+    // the pair of bodies that loses least energy bounces longest
     let pairs = scene.meetings().filter(|_| particles.len() > 1).map(|(_, _, meeting)| meeting);
     let at_floor = (0..scene.species.len() as u16).map(|species| scene.meeting(species, Kind::Wall(floor)));
     let restitutions: Vec<f64> = pairs.chain(at_floor).map(|meeting| meeting.surface.restitution).collect();
@@ -67,7 +68,7 @@ pub fn rest(scene: &Scene, particles: &Particles, lift: Option<f64>) -> Option<R
     let loses = restitutions.iter().any(|e| *e < 1.0);
     let fall = speed / gravity;
     let time = if !loses { f64::INFINITY } else { (1.0 + lossy) / (1.0 - lossy) * fall };
-    // particles on the floor: those within a radius of it; if there are none, as many as have room on it
+    // number of particles on the floor: those within a radius of it; if there are none, as many as fit on the floor
     let near = places().filter(|((x, _), r)| gap(x, **r) < **r).count();
     let area = (0..3).map(|k| scene.domain.size[k]).product::<f64>() / scene.domain.size.dot(&plane.normal.abs());
     let widest = particles.radius.iter().fold(0.0, |a: f64, &r| a.max(2.0 * r));
@@ -78,7 +79,7 @@ pub fn rest(scene: &Scene, particles: &Particles, lift: Option<f64>) -> Option<R
     Some(Rest { gravity, height, speed, time, weight, restitution: lossy })
 }
 
-/// [m] part of the height of a sphere over the floor that other spheres below it fill: the sum of their diameters.
+/// [m] part of the height of a sphere above the floor that other spheres below it occupy: the sum of their diameters.
 fn stacked(scene: &Scene, particles: &Particles, up: &Vector3<f64>, x: &Vector3<f64>, radius: f64) -> f64 {
     if particles.len() > ALL_PAIRS {
         return 0.0;
@@ -92,22 +93,22 @@ fn stacked(scene: &Scene, particles: &Particles, up: &Vector3<f64>, x: &Vector3<
 }
 
 impl Rest {
-    /// Number of bounces, within `duration` [s], of the sphere that falls furthest. Flight k lasts 2 e^k times the
-    /// first fall.
+    /// Number of bounces, within `duration` [s], of the sphere that falls farthest. Flight number k lasts 2 e^k times
+    /// as long as the first fall.
     pub fn bounces(&self, duration: f64) -> f64 {
         let (e, fall) = (self.restitution, self.speed / self.gravity);
         if fall <= 0.0 || duration <= fall {
             return 0.0;
         }
         let left = 1.0 - (duration / fall - 1.0) * (1.0 - e) / (2.0 * e);
-        // after the end of the series: the number of bounces above a millionth of the first speed
+        // after the end of the series, the bounces are counted whose speed is above a millionth of the first speed
         1.0 + (left.max(1e-6).ln() / e.ln()).floor()
     }
 }
 
-/// True if some spheres overlap each other or a wall by more than rounding.
+/// True if any spheres overlap each other or a wall by more than rounding.
 pub fn overlapping(scene: &Scene, particles: &Particles) -> bool {
-    /// [-] share of a diameter by which typed positions may be rounded.
+    /// [-] rounding of typed positions, divided by the diameter.
     const ROUNDING: f64 = 1e-9;
     let mut list = NeighbourList::default();
     let mut sorted = particles.clone();
@@ -120,13 +121,13 @@ pub fn overlapping(scene: &Scene, particles: &Particles) -> bool {
     })
 }
 
-/// Number of particles that lie on something. A particle lies if a wall or another slow particle is below it, nearer
-/// than a thousandth of a diameter. Neither of the two may be faster than after a fall from that height. `given` states
-/// for each id if its position was given. Particles at random positions do not count, because they may be as near by
-/// chance.
+/// Number of particles that lie on something. A particle lies if a wall or another slow particle is less than a
+/// thousandth of a diameter below it. Neither of the two may be faster than after a fall from that height. `given`
+/// contains, for each id, true if the position was given in the case. Particles at random positions do not count,
+/// because they may be as near by chance.
 pub fn lying(scene: &Scene, particles: &Particles, given: &[bool]) -> usize {
-    /// [-] largest gap of a particle that lies, as a share of its diameter. Glass beads of 1 mm at 10 kN/m sink 1e-6 d
-    /// into each other under their weight, and 1e-3 d under a thousand layers.
+    /// [-] largest gap below a particle that lies, over its diameter. Overlaps of glass beads of 1 mm at 10 kN/m are
+    /// 1e-6 of a diameter under their weight, and 1e-3 under a thousand layers.
     const NEAR: f64 = 1e-3;
     let mut list = NeighbourList::default();
     let mut sorted = particles.clone();
@@ -154,9 +155,9 @@ pub fn lying(scene: &Scene, particles: &Particles, given: &[bool]) -> usize {
     lies.into_iter().filter(|lies| *lies).count()
 }
 
-/// True if at the start some particle has two neighbours (or a neighbour and a wall) so near that an impact of length
-/// `overlap` [m] reaches both at once. Hard spheres would pass this impulse on one by one. The test is for starts with
-/// given positions, since random positions keep a distance.
+/// True if some particle at the start has two neighbours (or a neighbour and a wall) so near that one impact reaches
+/// both at once. `overlap` [m] is the depth of such an impact. Hard spheres would transmit the impulse in successive
+/// collisions. The test is for starts with given positions, since particles at random positions have larger distances.
 pub fn in_a_row(scene: &Scene, particles: &Particles, overlap: f64) -> bool {
     let count = particles.len();
     if count > ALL_PAIRS {

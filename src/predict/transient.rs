@@ -1,4 +1,5 @@
-//! Scenes that have no steady state, and quantities that can be predicted for them in place of averages.
+//! Scenes that have no steady state, and quantities that can be predicted for them. Averages over time have no meaning
+//! for such scenes.
 
 use super::gas::Gas;
 use super::rest::Rest;
@@ -6,51 +7,54 @@ use crate::experiment::{Amount, Experiment};
 use crate::fluid::Profile;
 use serde::Serialize;
 
-/// [-] shares of the energy of agitation for whose loss a time is given.
+/// [-] fractions of the energy of agitation for whose loss a time is predicted.
 const SHARES: [f64; 3] = [0.5, 0.9, 0.99];
 
-/// A scene in which nothing keeps the particles moving. A time average would be of a quantity that keeps changing.
+/// Predictions for a scene in which nothing keeps the particles moving. A time average would be that of a quantity that
+/// keeps changing.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Transient {
-    /// Description of the course of the scene, in a sentence.
+    /// Description of the course of the motion, in one sentence.
     pub course: String,
-    /// Times at which shares of the energy of agitation are lost; empty if they are not known.
+    /// Times at which certain fractions of the energy of agitation are lost; empty if they are not known.
     pub losses: Vec<Loss>,
     /// [s] upper limit of the time until all particles lie on the floor; `None` without a floor, or without energy
     /// losses on it.
     pub at_rest: Option<f64>,
-    /// [-] relative standard deviation of the granular temperature at one instant of one run.
+    /// [-] relative standard deviation of the granular temperature at one instant of one run, due to random starts.
     pub scatter: f64,
     /// Number of runs with different seeds whose mean has the desired error at every instant.
     pub replicas: u64,
 }
 
-/// A share of the energy of agitation, and the time at which it is lost.
+/// A fraction of the energy of agitation, and the time at which it is lost.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Loss {
-    /// [-] share of the kinetic energy of agitation at the start.
+    /// [-] lost fraction of the kinetic energy of agitation at the start.
     pub share: f64,
-    /// [s] time from the start.
+    /// [s] time of the loss, from the start.
     pub time: f64,
 }
 
-/// Decay of the agitation of the particles: dT/dt = -2 drag T - 2 impacts sqrt(T/T_0) T, T_0 the value at the start.
+/// Decay of the agitation of the particles: dT/dt = -2 drag T - 2 impacts sqrt(T/T_0) T, with T_0 the granular
+/// temperature at the start.
 ///
-/// An impact of a pair removes (1-e²)/4 m u_n², where the mean of u_n² over impacts is 4 T (flux-weighted). So N (3/2)
-/// m dT/dt = -(1-e²) m T Ṅ. An impact on a wall removes (1-e²)/2 m u_n², where the mean of u_n² is 2 T; the rate is
-/// equal. Impact rates are proportional to sqrt(T): Haff 1983, J. Fluid Mech. 134, 401. Drag removes 2/τ of T per time.
-/// Friction, which makes the decay faster, is left out.
+/// An impact of a pair removes (1-e²)/4 m u_n², where the mean of u_n² over impacts is 4 T (weighted by flux). So N
+/// (3/2) m dT/dt = -(1-e²) m T Ṅ, with Ṅ the number of impacts per time. An impact on a wall removes (1-e²)/2 m u_n²,
+/// where the mean of u_n² is 2 T, so the loss per impact is equal. Impact rates are proportional to sqrt(T): Haff 1983,
+/// J. Fluid Mech. 134, 401. Drag removes the fraction 2/τ of T per time. Friction, which makes the decay faster, is
+/// neglected.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Decay {
-    /// [1/s] rate 1/τ of drag.
+    /// [1/s] rate 1/τ at which drag reduces the root of T, with τ the response time.
     drag: f64,
-    /// [1/s] rate at which impacts reduce the root of T at the start.
+    /// [1/s] relative rate at which impacts reduce the root of T at the start.
     impacts: f64,
 }
 
 impl Decay {
-    /// [s] time until the share of the energy is lost. With y = sqrt(T/T_0) the equation is y' = -a y - b y², with a =
-    /// `drag` and b = `impacts`.
+    /// [s] time until the fraction `share` of the energy is lost. With y = sqrt(T/T_0) the equation is y' = -a y - b
+    /// y², where a is `drag` and b is `impacts`.
     fn time(&self, share: f64) -> f64 {
         let (a, b, left) = (self.drag, self.impacts, (1.0 - share).sqrt());
         if a == 0.0 {
@@ -60,8 +64,8 @@ impl Decay {
     }
 }
 
-/// True if something removes energy from the particles and nothing keeps them moving. Averages over time are then of a
-/// quantity that keeps changing. This is a first guess, for which no rates are needed.
+/// True if energy is removed from the particles and nothing keeps them moving, so that averages over time are those of
+/// changing quantities. This is a first estimate, for which no rates are needed.
 pub fn fades(experiment: &Experiment) -> bool {
     let scene = &experiment.scene;
     let drag = scene.fluid.as_ref().and_then(|fluid| fluid.drag.as_ref());
@@ -71,16 +75,16 @@ pub fn fades(experiment: &Experiment) -> bool {
     !(drag.is_some() && sheared) && (drag.is_some() || lossy)
 }
 
-/// Weighted mean of pairs of weight and number; 0 for an empty list.
+/// Weighted mean of numbers, given as pairs of weight and number; 0 for an empty list.
 fn mean(numbers: impl Iterator<Item = [f64; 2]>) -> f64 {
     let [weights, sum] =
         numbers.fold([0.0; 2], |[weights, sum], [weight, number]| [weights + weight, sum + weight * number]);
     if weights > 0.0 { sum / weights } else { 0.0 }
 }
 
-/// Predictions for a scene without steady state. `None` if something keeps the particles moving, if no energy is lost,
-/// or for a few bodies. `at_start` is T [m²/s²] at the start, and `of_the_rates` is the T for which the rates of `gas`
-/// hold. `target` [-] is the desired relative error.
+/// Makes predictions for a scene without a steady state. `None` if something keeps the particles moving, if no energy
+/// is lost, or for a few bodies. `at_start` is the granular temperature T [m²/s²] at the start, and `of_the_rates` is
+/// the T at which the rates of `gas` are valid. `target` [-] is the desired relative error.
 pub fn transient(
     experiment: &Experiment,
     gas: &Gas,
@@ -92,7 +96,7 @@ pub fn transient(
     let kinds = experiment.start.iter().filter(|population| population.amount.count() > 0).count();
     let falls = scene.gravity.norm() > 0.0;
     let drag = scene.fluid.as_ref().and_then(|fluid| fluid.drag.as_ref());
-    // a sheared gas keeps the particles moving; so does a fall at different speeds, which only drag ends
+    // a sheared gas keeps the particles moving; so does a fall of species with different speeds, which only drag limits
     let driven = drag.is_some()
         && (!scene.fluid.as_ref().is_some_and(|fluid| matches!(fluid.profile, Profile::Uniform(_)))
             || falls && kinds > 1 && rest.is_none());
@@ -112,11 +116,11 @@ pub fn transient(
     let rates = (mean(of_pairs) * gas.pair_rate + mean(at_walls) * gas.wall_rate) / count;
     let decay = Decay {
         drag: if drag.is_some() { response(experiment).map_or(0.0, |time| 1.0 / time) } else { 0.0 },
-        // dT/dt = -(2/3) (1-e²) (rate/N) T, and the rate of y is half of that
+        // dT/dt = -(2/3) (1-e²) (rate/N) T, and the relative rate of y = sqrt(T/T_0) is half of the relative rate of T
         impacts: rates / 3.0 * (at_start / of_the_rates).sqrt(),
     };
     let lost = decay.drag > 0.0 || decay.impacts > 0.0;
-    // gravity replaces energy unless it brings all particles to the floor
+    // gravity adds energy unless it brings all particles to the floor
     if driven || !lost {
         return None;
     }
@@ -128,11 +132,11 @@ pub fn transient(
     } else {
         "Impacts take the agitation, and nothing brings it back: a cooling gas."
     };
-    // T is a sum of 3 N squares: for Gaussian velocities its relative variance is 2/(3N); it is less if the run starts
-    // with exactly the requested T
+    // T is a sum of 3 N squares, so for Gaussian velocities its relative variance is 2/(3N); it is less if the run
+    // starts with exactly the requested T
     let scatter = (2.0 / (3.0 * count)).sqrt();
     let losses = if falls && rest.is_some() {
-        // falling particles gain energy
+        // no times are given, since falling particles gain energy
         Vec::new()
     } else {
         SHARES.map(|share| Loss { share, time: decay.time(share) }).into()
@@ -146,7 +150,7 @@ pub fn transient(
     })
 }
 
-/// [s] shortest response time of drag to the agitation at the start, over all species.
+/// [s] shortest response time of drag, over all species, at the agitation of the start.
 fn response(experiment: &Experiment) -> Option<f64> {
     let fluid = experiment.scene.fluid.as_ref()?;
     let law = fluid.drag.as_ref()?.law();
@@ -157,7 +161,7 @@ fn response(experiment: &Experiment) -> Option<f64> {
     of.reduce(f64::min)
 }
 
-/// [m²/s²] mean variance of a velocity component of random starts, over all particles.
+/// [m²/s²] variance of a velocity component of random starts, averaged over all particles.
 pub fn variance_at_start(experiment: &Experiment) -> f64 {
     let random = |population: &&crate::experiment::Population| matches!(population.amount, Amount::Count(_));
     let of = experiment.start.iter().filter(random);
@@ -169,7 +173,7 @@ pub fn variance_at_start(experiment: &Experiment) -> f64 {
 mod tests {
     use super::*;
 
-    /// Compares the closed form with the equation, integrated in steps.
+    /// Compares the closed form with the equation, which is integrated in steps.
     #[test]
     fn the_closed_form_solves_its_equation() {
         for decay in
@@ -180,7 +184,7 @@ mod tests {
                 let slope = |y: f64| -decay.drag * y - decay.impacts * y * y;
                 let dt = end / f64::from(steps);
                 let y = (0..steps).fold(1.0, |y, _| y + dt * slope(y + 0.5 * dt * slope(y)));
-                // the midpoint rule, of second order in steps of 1e-5
+                // the step is that of the midpoint rule, with an error of second order in 1e-5
                 assert!((1.0 - y * y - share).abs() < 1e-6, "{decay:?}: {share} lost, {}", 1.0 - y * y);
             }
         }
