@@ -1,7 +1,7 @@
 //! Accuracy with which time steps of the soft engine resolve a contact.
 //!
 //! A time step maps overlap and approach speed (x, v) of a contact to their values after Δt. In the units of a contact
-//! law (mass and elastic constant 1, see [`Law::unit`]) this map depends only on the restitution and the number of
+//! law (mass and elastic constant 1, see [`unit_spring`]) this map depends only on the restitution and the number of
 //! steps per contact N_c. So the results of this file do not depend on the size of the particles, and depend on the
 //! speed of impact only through N_c. The motion is along the normal only. In an oblique impact the normal also turns
 //! during the contact, by about the overlap over the diameter.

@@ -20,7 +20,7 @@ use nalgebra::Vector3;
 pub struct DeflectedFlight {
     /// Index of the particle that flies.
     pub place: u32,
-    /// Time of the impulse [s since the start of the window], at which the flight begins.
+    /// Time [s] of the impulse, at which the flight begins, since the start of the window.
     pub time: f64,
     /// Position [m] of the flight's straight line, extended backwards, at the start of the window.
     pub origin: Vector3<f64>,
