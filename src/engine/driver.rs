@@ -21,25 +21,25 @@ use crate::stored::{StoreError, Stored};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-/// Data that an engine reads and changes during a window.
+/// Data that an engine reads and changes during a time window.
 pub struct Work<'a, C> {
     /// The particles, which the engine moves.
     pub particles: &'a mut Particles,
     /// The scene with walls, gravity and materials.
     pub scene: &'a Scene,
-    /// State carried from one window to the next, such as contacts; it contains indices of particles in the store.
+    /// State carried from one time window to the next, such as contacts; it contains indices of particles in the store.
     pub lasting: &'a mut Vec<C>,
-    /// Log of the impacts in the window.
+    /// Log of the impacts in the time window.
     pub log: &'a mut Log,
-    /// Record of the run, to which the log is added at the end of the window. A solver with a full log may add it
+    /// Record of the run, to which the log is added at the end of the time window. A solver with a full log may add it
     /// earlier.
     pub record: &'a mut Record,
 }
 
-/// State that a solver of type `S` carries from one window to the next, such as a contact.
+/// State that a solver of type `S` carries from one time window to the next, such as a contact.
 pub type Lasting<S> = <<S as Solver>::Islands as Solve>::Carried;
 
-/// Result of trying to solve islands in a window.
+/// Result of trying to solve islands in a time window.
 #[derive(Clone, Copy)]
 pub struct Trial {
     /// Simulated time [s] that was covered by solving islands.
@@ -55,7 +55,7 @@ pub trait Solver {
     /// Type that solves one island; several threads use it at the same time.
     type Islands: Solve;
 
-    /// State other than carried contacts or collisions that the solver keeps from one window to the next.
+    /// State other than carried contacts or collisions that the solver keeps from one time window to the next.
     type State: Serialize + DeserializeOwned;
 
     /// Returns the solver of islands.
@@ -64,7 +64,7 @@ pub trait Solver {
     /// Makes the carried state at the start of a run, such as contacts of particles that overlap at the start.
     fn begin(&mut self, _work: &mut Work<Lasting<Self>>, _window: Window) {}
 
-    /// Largest cost at which islands are used in this window, per particle and simulated time [ns/s]. With `None`
+    /// Largest cost at which islands are used in this time window, per particle and simulated time [ns/s]. With `None`
     /// islands are not tried. With infinity they are used whenever possible.
     fn fallback_cost(
         &mut self,
@@ -77,8 +77,8 @@ pub trait Solver {
     /// Decides, from the result of a trial of islands, for how long islands are not tried again.
     fn judge(&mut self, _population: &PopulationSummary, _scene: &Scene, _trial: &Trial) {}
 
-    /// Moves the carried state that the classical algorithm has stored to `lasting`. The driver calls this function
-    /// only when islands or other processes need the state, because a copy would double its memory.
+    /// Moves the carried state (such as contacts) that the classical algorithm has stored to `lasting`. The driver
+    /// calls this function only when islands or other processes need the state, because a copy would double its memory.
     fn hand_over(&mut self, lasting: &mut Vec<Lasting<Self>>);
 
     /// Calls `visit` with each item of state that [`hand_over`](Self::hand_over) would move.
@@ -96,7 +96,7 @@ pub trait Solver {
     /// Counts of all work: that of the classical algorithm plus that in islands.
     fn counters(&self, islands: &IslandCounters) -> Counters;
 
-    /// Frees, at the end of the run, memory that is needed only for a further window.
+    /// Frees, at the end of the run, memory that is needed only for a further time window.
     fn forget(&mut self) {}
 
     /// Energy [J] stored in contacts, if the classical algorithm moved the particles last. The result is `None` after
@@ -109,19 +109,19 @@ pub trait Solver {
     /// Returns `spent` plus the time of the classical algorithm so far.
     fn spent(&self, spent: EngineTimes) -> EngineTimes;
 
-    /// Returns the state that the solver keeps from one window to the next, except carried contacts or collisions.
+    /// Returns the state that the solver keeps from one time window to the next, except carried contacts or collisions.
     fn state(&self) -> Self::State;
 
     /// Continues from a stored state of the solver.
     fn resume(&mut self, state: Self::State);
 }
 
-/// State of an engine between windows, in the form in which it is stored.
+/// State of an engine between time windows, in the form in which it is stored.
 #[derive(Serialize, Deserialize)]
 struct DriverState<C, S> {
     /// Contacts in progress, or times of recent collisions.
     lasting: Vec<C>,
-    /// True after the first window.
+    /// True after the first time window.
     begun: bool,
     /// Counts of the work in islands.
     islands: IslandCounters,
@@ -131,19 +131,19 @@ struct DriverState<C, S> {
     solver: S,
 }
 
-/// An engine: a solver together with the handling of windows that all engines have in common.
+/// An engine: a solver together with the handling of time windows that all engines have in common.
 pub struct Driver<S: Solver> {
     pub(super) solver: S,
     pub(super) islands: Islands<Lasting<S>>,
     pub(super) lasting: Vec<Lasting<S>>,
     begun: bool,
-    /// True if the classical algorithm moved the particles at the end of the last window.
+    /// True if the classical algorithm moved the particles at the end of the last time window.
     everyone_last: bool,
     log: Log,
 }
 
 impl<S: DistributedSolver> Driver<S> {
-    /// Makes an engine before its first window.
+    /// Makes an engine before its first time window.
     pub(super) fn with(solver: S) -> Self {
         Self {
             solver,
@@ -155,7 +155,7 @@ impl<S: DistributedSolver> Driver<S> {
         }
     }
 
-    /// Makes the carried state in the first window, in the lead process.
+    /// Makes the carried state (such as contacts) in the first time window, in the lead process.
     fn begin(&mut self, work: &mut Work<Lasting<S>>, window: Window) {
         if !std::mem::replace(&mut self.begun, true) && self.islands.processes.is_lead() {
             self.solver.begin(work, window);
@@ -186,7 +186,7 @@ impl<S: DistributedSolver> Driver<S> {
         }
     }
 
-    /// Calls `visit` with each item of carried state, stored in the driver or in the solver.
+    /// Calls `visit` with each item of carried state (such as contacts), stored in the driver or in the solver.
     pub(super) fn for_each_lasting(&self, visit: &mut dyn FnMut(Lasting<S>)) {
         self.lasting.iter().copied().for_each(&mut *visit);
         self.solver.for_each_kept(visit);

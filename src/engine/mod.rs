@@ -30,9 +30,9 @@ use std::time::Duration;
 /// An interval of simulated time through which an engine moves the particles, between two exchanges with the gas.
 #[derive(Clone, Copy, Debug)]
 pub struct Window {
-    /// Simulated time [s] at the start of the window.
+    /// Simulated time [s] at the start of the time window.
     pub start: f64,
-    /// Length h [s] of the window.
+    /// Length h [s] of the time window.
     pub duration: f64,
 }
 
@@ -71,8 +71,8 @@ pub trait Engine {
         record: &mut Record,
     ) -> Result<(), Failure>;
 
-    /// Frees, at the end of the run, memory that is needed only for a further window. A further window would then begin
-    /// without stored contacts or collisions. Counts and times are kept.
+    /// Frees, at the end of the run, memory that is needed only for a further time window. A further window would then
+    /// begin without stored contacts or collisions. Counts and times are kept.
     fn forget(&mut self) {}
 
     /// Work done so far: counts, which are equal on every machine, and wall-clock times. The times are those of the
@@ -86,11 +86,11 @@ pub trait Engine {
     /// contacts that were in progress at the last check. If contacts are instantaneous, `visit` is not called.
     fn for_each_touching(&self, visit: &mut dyn FnMut(Couple));
 
-    /// Indices of the particles that were members of islands (groups solved separately) in the last window. `None` if
-    /// the classical algorithm moved all particles.
+    /// Indices of the particles that were members of islands (groups solved separately) in the last time window. `None`
+    /// if the classical algorithm moved all particles.
     fn in_islands(&self) -> Option<&[u32]>;
 
-    /// Sets the clock with which the engine measures times, and to which it reports the simulated time within long
+    /// Sets the clock with which the engine measures times, and to which it reports the simulated time within long time
     /// windows. Without a clock the engine measures no time.
     fn use_clock(&mut self, clock: Clock);
 
@@ -267,7 +267,7 @@ pub enum Failure {
         particle: u32,
         /// The particle or wall with which `particle` keeps colliding.
         partner: Partner,
-        /// Number of impacts of that particle within the window.
+        /// Number of impacts of that particle within the time window.
         impacts: u64,
         /// Time [s] between the last two impacts.
         interval: f64,
@@ -323,7 +323,7 @@ pub enum Failure {
     },
 }
 
-/// Time [s] for messages, rounded to nine digits. Further digits are rounding errors of the sum of windows.
+/// Time [s] for messages, rounded to nine digits. Further digits are rounding errors of the sum of time windows.
 fn nine(time: &f64) -> f64 {
     format!("{time:.8e}").parse().unwrap_or(*time)
 }

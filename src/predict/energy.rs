@@ -49,8 +49,8 @@ fn contacts_of(scene: &Scene, particles: usize) -> Vec<PossibleContact> {
     pairs.chain(walls).collect()
 }
 
-/// Integration schemes that a run with these settings may use. If islands become too large, local stepping is replaced
-/// by uniform stepping.
+/// Integration schemes that a run with these settings may use. If islands (groups of particles that may meet) become
+/// too large, local stepping is replaced by uniform stepping.
 fn schemes(experiment: &Experiment) -> Vec<Scheme> {
     let of = |stepping| Scheme::of(experiment.soft.integrator, stepping);
     match experiment.soft.stepping {

@@ -111,8 +111,8 @@ pub struct RunPrediction {
     pub gas: Option<gas::Gas>,
     /// [-] mean fraction of the time in which a particle is in contact.
     pub time_in_contact: Option<f64>,
-    /// Number of particles expected in the largest island (group of particles that may meet) of a window. `None` if
-    /// islands unite without bound, or if the theory is not valid.
+    /// Number of particles expected in the largest island (group of particles that may meet) of a time window. `None`
+    /// if islands unite without bound, or if the theory is not valid.
     pub largest_island: Option<usize>,
     /// [-] apparent decrease of the diameter of soft spheres, divided by the diameter.
     pub softness: Option<f64>,

@@ -31,9 +31,10 @@ const CROWDED: f64 = 0.06;
 const SEARCH: f64 = 60.0;
 
 /// [-] largest fraction of particles that lie at the start for which hybrid spheres are recommended. At larger
-/// fractions they may cost more than uniform steps of all particles. The window must also have at least `LONG_WINDOW`
-/// time steps. Costs over those of uniform steps were measured. In `cases/hybrid/rain-on-a-bed.toml` (fraction 0.024)
-/// they were 0.36 at 4300 steps per window and 0.8 at 480. In gas-above-bed.toml (fraction 0.11) they were 1.2 at 200.
+/// fractions they may cost more than uniform steps of all particles. The time window must also have at least
+/// `LONG_WINDOW` time steps. Costs over those of uniform steps were measured. In `cases/hybrid/rain-on-a-bed.toml`
+/// (fraction 0.024) they were 0.36 at 4300 steps per window and 0.8 at 480. In gas-above-bed.toml (fraction 0.11) they
+/// were 1.2 at 200.
 const FEW_LIE: f64 = 0.05;
 const LONG_WINDOW: f64 = 300.0;
 

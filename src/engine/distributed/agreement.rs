@@ -11,32 +11,35 @@ use crate::engine::islands::{IslandFinder, Reach};
 /// part. Repeating a part costs more than borrowing a few particles too many.
 const SPARE: f64 = 1.25;
 
-/// Decision of all processes about a part of a window, after each has tried to solve its islands.
+/// Decision of all processes about a part of a time window, after each has tried to solve its islands (groups of
+/// particles that may meet).
 pub enum PartDecision {
-    /// The results of the part are valid.
+    /// The results of the part of the time window are valid.
     Done,
-    /// The part must be repeated, with particles borrowed from farther away.
+    /// The part of the time window must be repeated, with particles borrowed from farther away.
     Again,
-    /// An island is too large or an engine failed, so islands are not solved in this part.
+    /// An island (group of particles that may meet) is too large or an engine failed, so islands are not solved in this
+    /// part.
     Failed,
 }
 
-/// Result of one process for a part of a window, on which the joint decision is based.
+/// Result of one process for a part of a time window, on which the joint decision is based.
 struct LocalStatus {
-    /// Largest distances [m] that particles reach in flights and in islands.
+    /// Largest distances [m] that particles reach in flights and in islands (groups of particles that may meet).
     reach: Reach,
-    /// Smallest distance [m] from the islands of own particles to the end of the region whose particles this process
-    /// stores.
+    /// Smallest distance [m] from the islands (groups of particles that may meet) of own particles to the end of the
+    /// region whose particles this process stores.
     room: f64,
-    /// True if an island is too large, or the engine failed.
+    /// True if an island (group of particles that may meet) is too large, or the engine failed.
     failed: bool,
-    /// True if other processes have obtained equal results for the islands of this process.
+    /// True if other processes have obtained equal results for the islands (groups of particles that may meet) of this
+    /// process.
     agrees: bool,
 }
 
 impl<C> Domains<C> {
     /// Returns the joint decision of all processes about a part that they have tried. `failed` is true if, in this
-    /// process, an island is too large or the engine failed.
+    /// process, an island (group of particles that may meet) is too large or the engine failed.
     pub fn decide<'a>(
         &mut self,
         islands: &impl IslandFinder<'a>,
@@ -49,8 +52,9 @@ impl<C> Domains<C> {
         self.vote(&status, islands.half_period(), islands.domain().size.amax())
     }
 
-    /// True if other processes have obtained equal results for the islands of this process. All processes must call
-    /// this function at the same time; a process for which `failed` is true sends no results.
+    /// True if other processes have obtained equal results for the islands (groups of particles that may meet) of this
+    /// process. All processes must call this function at the same time; a process for which `failed` is true sends no
+    /// results.
     fn compare<'a>(&self, islands: &impl IslandFinder<'a>, view: &LocalParticles<C>, failed: bool) -> bool {
         let mut told: Vec<Vec<HotParticleDigest>> = vec![Vec::new(); self.communicator.size()];
         if !failed {

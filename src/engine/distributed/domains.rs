@@ -29,7 +29,7 @@ use std::sync::Arc;
 const SEEN: f64 = 4.0;
 
 /// [-] smallest distance from the block within which particles are borrowed in the first part of a run, divided by the
-/// largest reach of a flight. Case D with 10⁶ particles needs 8, and a repeated part costs as much as a window.
+/// largest reach of a flight. Case D with 10⁶ particles needs 8, and a repeated part costs as much as a time window.
 const SEEN_AT_FIRST: f64 = 10.0;
 
 /// Number of particles per process below which processes do not share uniform steps, because most particles would be
@@ -53,18 +53,18 @@ pub struct Domains<C> {
     pub population: Arc<PopulationSummary>,
 }
 
-/// Particles that a process stores in a part of a window: its own and the borrowed ones.
+/// Particles that a process stores in a part of a time window: its own and the borrowed ones.
 pub struct LocalParticles<C> {
     /// For each particle, true if this process owns it; empty if this process owns all particles.
     pub(super) mine: Vec<bool>,
-    /// Number of particles in the store when the part began, before others were borrowed.
+    /// Number of particles in the store when the part of the time window began, before others were borrowed.
     pub(super) count: usize,
-    /// Carried state, such as contacts, when the part began. The first list is that among own particles, the second
-    /// that between an own particle and one of another process.
+    /// Carried state, such as contacts, when the part of the time window began. The first list is that among own
+    /// particles, the second that between an own particle and one of another process.
     pub(super) lasting: (Vec<C>, Vec<CrossRankContact<C>>),
     /// Index of each borrowed particle, by its id.
     pub(super) strangers: FxHashMap<u32, u32>,
-    /// True if all particles to which carried state belongs are stored.
+    /// True if all particles to which carried state (such as contacts) belongs are stored.
     pub complete: bool,
     /// Region that contains all stored particles.
     pub region: Region,

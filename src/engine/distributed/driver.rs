@@ -29,8 +29,8 @@ impl<S: DistributedSolver> Driver<S> {
         (fallback_cost, speeds)
     }
 
-    /// Moves all particles through the window by the classical algorithm. If several processes share the run, they do
-    /// so together where this pays. Otherwise the lead process receives all particles and moves them.
+    /// Moves all particles through the time window by the classical algorithm. If several processes share the run, they
+    /// do so together where this pays. Otherwise the lead process receives all particles and moves them.
     pub(in crate::engine) fn by_all(&mut self, work: &mut Work<Lasting<S>>, window: Window) -> Result<(), Failure> {
         if let Some(domains) = self.islands.processes.domains() {
             if domains.is_worth_it() && self.solver.shares_steps() {
@@ -48,7 +48,7 @@ impl<S: DistributedSolver> Driver<S> {
         self.solver.everyone(work, window)
     }
 
-    /// Calls `change` with this engine and its carried state (such as contacts), between two windows.
+    /// Calls `change` with this engine and its carried state (such as contacts), between two time windows.
     fn between_windows(
         &mut self,
         (particles, scene): (&mut Particles, &Scene),

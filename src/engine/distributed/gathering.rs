@@ -28,14 +28,16 @@ pub struct GatheredPart<C> {
     pub particles: Particles,
     /// Carried state, such as contacts, among the own particles of the lead process.
     pub lasting: Vec<C>,
-    /// Carried state between an own particle of the lead process and a particle of another process.
+    /// Carried state (such as contacts) between an own particle of the lead process and a particle of another process.
     pub abroad: Vec<CrossRankContact<C>>,
-    /// Indices of the own particles that were members of islands in the last part of a window.
+    /// Indices of the own particles that were members of islands (groups of particles that may meet) in the last part
+    /// of a time window.
     pub members: Vec<u32>,
 }
 
 impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
-    /// Distributes all particles and their carried state from the lead process to the processes that own their blocks.
+    /// Distributes all particles and their carried state (such as contacts) from the lead process to the processes that
+    /// own their blocks.
     pub fn cut<S: Solve<Carried = C>>(&mut self, solver: &S, work: &mut Work<C>) {
         let (domain, size) = (&work.scene.domain, self.communicator.size());
         work.particles.wrap(domain);
@@ -87,8 +89,8 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
         self.gathered = self.bring_together(solver, work, members, every);
     }
 
-    /// Restores the own particles of the lead process and their carried state. Returns false if they had not been
-    /// replaced by copies.
+    /// Restores the own particles of the lead process and their carried state (such as contacts). Returns false if they
+    /// had not been replaced by copies.
     pub fn hide(&mut self, particles: &mut Particles, lasting: &mut Vec<C>, members: &mut Vec<u32>) -> bool {
         let Some(part) = self.gathered.take() else { return false };
         (*particles, *lasting, self.abroad, *members) = (part.particles, part.lasting, part.abroad, part.members);
@@ -102,7 +104,7 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
     }
 
     /// Moves the borders of the blocks if one process has many more particles than the others. Particles whose block
-    /// changes in this way are sent to its process in the next part of a window.
+    /// changes in this way are sent to its process in the next part of a time window.
     pub fn balance(&mut self, particles: &Particles, domain: &Domain) {
         let (mut most, count) = ([particles.len() as f64], self.population.count);
         self.communicator.largest(&mut most);
@@ -180,7 +182,7 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
 }
 
 /// Indices, in ascending order, of the particles whose id is divisible by `every`, and of those in contact with them.
-/// Also returns the carried state of these particles, with ids instead of indices.
+/// Also returns the carried state (such as contacts) of these particles, with ids instead of indices.
 fn chosen<S: Solve>(
     work: &Work<S::Carried>,
     abroad: &[CrossRankContact<S::Carried>],

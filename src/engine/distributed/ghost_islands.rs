@@ -10,11 +10,12 @@ use std::hash::Hasher;
 /// Result of one process for one of its hot particles (members of islands), sent to other processes for comparison.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct HotParticleDigest {
-    /// Id of the hot particle.
+    /// Id of the hot particle (member of an island).
     pub id: u32,
-    /// Checksum of the data of the island to which the particle belongs.
+    /// Checksum of the data of the island (group of particles that may meet) to which the particle belongs.
     mark: u64,
-    /// The ball that contains the particle during the part of the window, after the first touch in its island.
+    /// The ball that contains the particle during the part of the time window, after the first touch in its island
+    /// (group of particles that may meet).
     ball: BoundingSphere,
     /// Velocity changes of the particle; `None` if the engine does not report them.
     turns: Option<Vec<VelocityChange>>,
@@ -94,7 +95,8 @@ fn late_near<'i, 'a: 'i>(
     islands.late().iter().filter(|member| own[member.cluster as usize]).filter(is_near).collect()
 }
 
-/// Checksum of all data that determine the result of an island, except the state of its particles.
+/// Checksum of all data that determine the result of an island (group of particles that may meet), except the state of
+/// its particles.
 fn mark(islands: &Clusters, which: usize) -> u64 {
     let cluster = &islands.list[which];
     let id = |place: u32| u64::from(islands.particles.id[place as usize]);

@@ -14,7 +14,7 @@ use nalgebra::Vector3;
 use rustc_hash::{FxHashMap, FxHashSet};
 use serde::{Deserialize, Serialize};
 
-/// Type that solves the islands of soft spheres, whose contacts are exchanged.
+/// Type that solves the islands (groups of particles that may meet) of soft spheres, whose contacts are exchanged.
 type Solving = SoftIslands;
 
 /// Own and borrowed particles (ghosts) of a process while processes share uniform steps.
@@ -30,7 +30,7 @@ pub struct Halo {
     pub borrowed: Vec<Vec<u32>>,
     /// [m] positions of the particles at the time when the neighbour list was built.
     pub built_at: Vec<Vector3<f64>>,
-    /// Own and borrowed particles at the end of the last window.
+    /// Own and borrowed particles at the end of the last time window.
     pub seen: Particles,
     /// Scratch memory: for each particle, true if a force acted on it. Between uses all entries are false.
     pushed: Vec<bool>,
@@ -141,7 +141,7 @@ impl Halo {
         bytes
     }
 
-    /// Returns own and borrowed particles at the beginning of a window. The velocities of own particles may have
+    /// Returns own and borrowed particles at the beginning of a time window. The velocities of own particles may have
     /// changed since the last window, for instance by drag. Therefore they are sent to the processes that borrow these
     /// particles.
     pub fn look(&mut self, own: &Particles, domains: &Domains<Contact>) -> Particles {
@@ -166,8 +166,8 @@ impl Halo {
         seen
     }
 
-    /// Writes the own particles and their contacts into `work` at the end of a window. Returns the contacts between an
-    /// own particle and a particle of another process.
+    /// Writes the own particles and their contacts into `work` at the end of a time window. Returns the contacts
+    /// between an own particle and a particle of another process.
     pub fn leave(
         &self,
         seen: &Particles,

@@ -45,12 +45,13 @@ pub trait Distributed: Engine {
     /// True if the run is cut: each process stores only the particles of its domain.
     fn is_cut(&self) -> bool;
 
-    /// Changes the domains from the next window on, if one process owns many more particles than others. All processes
-    /// must call this function, between two windows.
+    /// Changes the domains from the next time window on, if one process owns many more particles than others. All
+    /// processes must call this function, between two windows.
     fn balance(&mut self, particles: &Particles, scene: &Scene);
 
     /// Replaces the particles of the lead process by copies of particles of all processes: those with an id divisible
-    /// by `every` (1: all), and those in contact with them. All processes must call this function, between two windows.
+    /// by `every` (1: all), and those in contact with them. All processes must call this function, between two time
+    /// windows.
     fn show(&mut self, particles: &mut Particles, scene: &Scene, every: u32);
 
     /// Restores the own particles of the lead process, which [`show`](Self::show) has replaced. The run then continues
@@ -61,13 +62,13 @@ pub trait Distributed: Engine {
     /// all particles must first be copied to the lead process, which then stores the state.
     fn gives_parts(&self) -> bool;
 
-    /// Packs the particles of this process and their carried state into bytes for [`take_parts`](Self::take_parts),
-    /// while the run is cut.
+    /// Packs the particles of this process and their carried state (such as contacts) into bytes for
+    /// [`take_parts`](Self::take_parts), while the run is cut.
     fn packed(&self, particles: &Particles) -> Vec<u8>;
 
-    /// Replaces all particles and carried state by `count` parts of a stored run, which processes have packed by
-    /// [`packed`](Self::packed). `next` returns the parts one by one to the lead process, or to the only process. All
-    /// processes must call this function.
+    /// Replaces all particles and carried state (such as contacts) by `count` parts of a stored run, which processes
+    /// have packed by [`packed`](Self::packed). `next` returns the parts one by one to the lead process, or to the only
+    /// process. All processes must call this function.
     fn take_parts(
         &mut self,
         particles: &mut Particles,
@@ -81,11 +82,11 @@ pub trait Distributed: Engine {
     fn touching_abroad(&self) -> Vec<(u32, Overlap)>;
 }
 
-/// A solver whose run several processes can share. By default processes share only the islands, and the lead process
-/// alone moves all particles by the classical algorithm.
+/// A solver whose run several processes can share. By default processes share only the islands (groups of particles
+/// that may meet), and the lead process alone moves all particles by the classical algorithm.
 pub trait DistributedSolver: Solver {
-    /// Largest cost of one island [ns/s], if this limit changes from window to window. All processes use the value of
-    /// the lead process.
+    /// Largest cost of one island (group of particles that may meet) [ns/s], if this limit changes from window to
+    /// window. All processes use the value of the lead process.
     fn allowance(&mut self) -> Option<&mut f64> {
         None
     }
@@ -124,10 +125,10 @@ pub trait DistributedSolver: Solver {
 /// Carried state (such as a contact) between a particle of this process and one of another process.
 #[derive(Clone)]
 pub struct CrossRankContact<C> {
-    /// The carried state, which contains ids of particles instead of indices.
+    /// The carried state (such as contacts), which contains ids of particles instead of indices.
     pub carried: C,
     /// Index in the store of the particle of this process.
     pub own: u32,
-    /// Overlap of the two bodies at the end of the last part of a window; `None` if they are not in contact.
+    /// Overlap of the two bodies at the end of the last part of a time window; `None` if they are not in contact.
     pub overlap: Option<Overlap>,
 }

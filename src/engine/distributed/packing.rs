@@ -26,8 +26,8 @@ pub fn packed_part<S: Solve>(
     pack(particles, &(0..particles.len() as u32).collect::<Vec<u32>>(), &lasting)
 }
 
-/// Replaces ids by indices in carried state, in the process that stores its particles. Returns the state between a
-/// particle of this process and one of another process.
+/// Replaces ids by indices in carried state (such as contacts), in the process that stores its particles. Returns the
+/// state between a particle of this process and one of another process.
 pub fn settle<S: Solve>(lasting: Vec<S::Carried>, work: &mut Work<S::Carried>) -> Vec<CrossRankContact<S::Carried>> {
     let mut abroad = Vec::new();
     let places: FxHashMap<u32, u32> = work.particles.id.iter().copied().zip(0..).collect();
@@ -47,7 +47,7 @@ pub fn settle<S: Solve>(lasting: Vec<S::Carried>, work: &mut Work<S::Carried>) -
 
 impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
     /// Distributes a part of a stored run that the lead process has read. Each process receives its particles and their
-    /// carried state as bytes. The other processes call this function with empty `bytes`.
+    /// carried state (such as contacts) as bytes. The other processes call this function with empty `bytes`.
     pub fn deal<S: Solve<Carried = C>>(&self, bytes: &[u8], domain: &Domain) -> Vec<u8> {
         let mut outgoing = vec![Vec::new(); self.communicator.size()];
         let mut part = Particles::default();
@@ -68,8 +68,8 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
     }
 }
 
-/// Packs particles and carried state into bytes for sending. The bytes contain the length of the particles' data, these
-/// data, then the carried state.
+/// Packs particles and carried state (such as contacts) into bytes for sending. The bytes contain the length of the
+/// particles' data, these data, then the carried state.
 pub fn pack<C: Serialize>(particles: &Particles, places: &[u32], lasting: &[C]) -> Vec<u8> {
     let mut bytes = vec![0; LENGTH];
     particles.pack(places, &mut bytes);
@@ -81,8 +81,8 @@ pub fn pack<C: Serialize>(particles: &Particles, places: &[u32], lasting: &[C]) 
     bytes
 }
 
-/// Appends packed particles to `particles`, and returns their carried state. If the bytes are not those of packed
-/// particles, nothing is appended, and the result is `None`.
+/// Appends packed particles to `particles`, and returns their carried state (such as contacts). If the bytes are not
+/// those of packed particles, nothing is appended, and the result is `None`.
 pub fn take_aboard<C: DeserializeOwned>(bytes: &[u8], particles: &mut Particles) -> Option<Vec<C>> {
     let (length, rest) = bytes.split_first_chunk::<LENGTH>()?;
     let (of_particles, rest) = rest.split_at_checked(u64::from_le_bytes(*length) as usize)?;
@@ -93,7 +93,7 @@ pub fn take_aboard<C: DeserializeOwned>(bytes: &[u8], particles: &mut Particles)
     Some(lasting)
 }
 
-/// Copies carried state with ids of particles instead of indices.
+/// Copies carried state (such as contacts) with ids of particles instead of indices.
 pub fn ids_of<'a, S: Solve>(particles: &Particles, lasting: impl Iterator<Item = &'a S::Carried>) -> Vec<S::Carried>
 where
     S::Carried: 'a,

@@ -31,7 +31,7 @@ impl<C> Default for Processes<C> {
 
 impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
     /// Shares the run among processes. If each process already stores the particles of its block, `cut` is the box.
-    /// With `None` particles are distributed when islands are next tried.
+    /// With `None` particles are distributed when islands (groups of particles that may meet) are next tried.
     pub fn share(&mut self, communicator: Arc<dyn Communicator>, population: PopulationSummary, cut: Option<&Domain>) {
         let domains = self.domains.insert(Domains::new(communicator, population));
         cut.into_iter().for_each(|domain| domains.begin_cut(domain));
@@ -82,8 +82,8 @@ impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
         self.domains.iter().for_each(|domains| domains.largest(values));
     }
 
-    /// Adds to `sum` the energy [J] of carried state between processes, and then adds up the sums of all processes.
-    /// `energy` returns the energy of an item of carried state.
+    /// Adds to `sum` the energy [J] of carried state (such as contacts) between processes, and then adds up the sums of
+    /// all processes. `energy` returns the energy of an item of carried state.
     pub fn add_energy(&self, sum: &mut ExactSum, energy: impl Fn(&C) -> f64) {
         if let Some(domains) = self.cut_domains().filter(|_| !self.is_shown()) {
             // half, since both processes count it
@@ -143,9 +143,9 @@ impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
         }
     }
 
-    /// Replaces all particles and all carried state by `count` parts of a stored run, which processes have packed.
-    /// `next` returns the parts one by one to the lead process. Each process keeps the particles in its block, among
-    /// blocks of equal size. A single process keeps all particles.
+    /// Replaces all particles and all carried state (such as contacts) by `count` parts of a stored run, which
+    /// processes have packed. `next` returns the parts one by one to the lead process. Each process keeps the particles
+    /// in its block, among blocks of equal size. A single process keeps all particles.
     pub fn take_parts<S: Solve<Carried = C>>(
         &mut self,
         solver: &S,
@@ -170,9 +170,9 @@ impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
         in_order(solver, work);
     }
 
-    /// Borrows the particles of other processes that may take part in islands of own particles. Flights last `part` [s]
-    /// and are measured relative to a frame with the velocity `frame` [m/s]; `flight` [m] is the largest reach of a
-    /// flight.
+    /// Borrows the particles of other processes that may take part in islands (groups of particles that may meet) of
+    /// own particles. Flights last `part` [s] and are measured relative to a frame with the velocity `frame` [m/s];
+    /// `flight` [m] is the largest reach of a flight.
     pub fn borrow<S: Solve<Carried = C>>(
         &mut self,
         work: &mut Work<C>,
@@ -185,8 +185,8 @@ impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
         }
     }
 
-    /// Returns the joint decision of all processes about a part of a window that they have tried. `failed` is true if,
-    /// in this process, an island is too large or the engine failed.
+    /// Returns the joint decision of all processes about a part of a time window that they have tried. `failed` is true
+    /// if, in this process, an island (group of particles that may meet) is too large or the engine failed.
     pub fn decide<'a>(
         &mut self,
         islands: &impl IslandFinder<'a>,
@@ -200,8 +200,8 @@ impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
         }
     }
 
-    /// Removes the borrowed particles and their carried state after a successful part of a window. Updates the indices
-    /// in `members`.
+    /// Removes the borrowed particles and their carried state (such as contacts) after a successful part of a time
+    /// window. Updates the indices in `members`.
     pub fn keep<S: Solve<Carried = C>>(
         &mut self,
         solver: &S,
@@ -212,8 +212,8 @@ impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
         self.domains.iter_mut().for_each(|domains| domains.keep(solver, work, view, members));
     }
 
-    /// Removes the borrowed particles after a failed part. Restores the store and the carried state from before they
-    /// were borrowed.
+    /// Removes the borrowed particles after a failed part. Restores the store and the carried state (such as contacts)
+    /// from before they were borrowed.
     pub fn give_back(&mut self, work: &mut Work<C>, view: LocalParticles<C>) {
         if let Some(domains) = &mut self.domains {
             domains.give_back(work, view);

@@ -41,15 +41,15 @@ impl<'a> Stay<'a> {
 }
 
 impl<C: Copy> Domains<C> {
-    /// Removes the borrowed particles after a failed part. Restores the store and the carried state from before they
-    /// were borrowed.
+    /// Removes the borrowed particles after a failed part. Restores the store and the carried state (such as contacts)
+    /// from before they were borrowed.
     pub fn give_back(&mut self, work: &mut Work<C>, view: LocalParticles<C>) {
         work.particles.truncate(view.count);
         (*work.lasting, self.abroad) = view.lasting;
     }
 
-    /// Removes the borrowed particles and their carried state after a successful part of a window. Updates the indices
-    /// in `members`.
+    /// Removes the borrowed particles and their carried state (such as contacts) after a successful part of a time
+    /// window. Updates the indices in `members`.
     pub fn keep<S: Solve<Carried = C>>(
         &mut self,
         solver: &S,
@@ -61,13 +61,14 @@ impl<C: Copy> Domains<C> {
         *members = members.iter().filter_map(|&place| stay.place(place)).collect();
     }
 
-    /// Keeps only the particles for which `mine` (by index) is true, and the carried state that involves one of them.
+    /// Keeps only the particles for which `mine` (by index) is true, and the carried state (such as contacts) that
+    /// involves one of them.
     pub fn keep_own<S: Solve<Carried = C>>(&mut self, solver: &S, work: &mut Work<C>, mine: &[bool]) {
         drop(self.keep_some(solver, work, mine));
     }
 
-    /// Keeps only the particles for which `mine` (by index) is true, and the carried state that involves one of them.
-    /// Returns the new indices.
+    /// Keeps only the particles for which `mine` (by index) is true, and the carried state (such as contacts) that
+    /// involves one of them. Returns the new indices.
     pub(super) fn keep_some<'a, S: Solve<Carried = C>>(
         &mut self,
         solver: &S,

@@ -47,7 +47,7 @@ impl SharedSteps {
     }
 }
 
-/// Exchange of data on borrowed particles with other processes, during one window.
+/// Exchange of data on borrowed particles with other processes, during one time window.
 pub struct OtherProcesses<'a> {
     /// Division of the run among processes.
     domains: &'a mut Domains<Contact>,
@@ -202,7 +202,7 @@ impl GhostExchange for OtherProcesses<'_> {
 }
 
 impl SoftSolver {
-    /// Moves all particles through the window in uniform steps that all processes share.
+    /// Moves all particles through the time window in uniform steps that all processes share.
     fn uniform_together(
         &mut self,
         work: &mut Work<Contact>,

@@ -11,7 +11,8 @@ use std::cmp::Reverse;
 /// bodies. Of events at equal times, the one with the lower slot comes first, so that runs are reproducible.
 type DueEvent = Reverse<(OrderedFloat<f64>, u32)>;
 
-/// Event queue of an island, with at most one event per slot. Outdated events are replaced at once.
+/// Event queue of an island (group of particles that may meet), with at most one event per slot. Outdated events are
+/// replaced at once.
 #[derive(Clone, Default)]
 pub struct Calendar {
     queue: PriorityQueue<u32, DueEvent, FxBuildHasher>,

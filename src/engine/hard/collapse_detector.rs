@@ -45,11 +45,11 @@ pub struct Recent {
 pub struct LastCollision {
     /// Number of impacts since the count was last cleared.
     pub impacts: u32,
-    /// Number of successive impacts after unresolvably short flights, counted across windows; another impact resets it
-    /// to 0.
+    /// Number of successive impacts after unresolvably short flights, counted across time windows; another impact
+    /// resets it to 0.
     streak: u8,
-    /// Number of successive impacts, each after a shorter flight than the one before, counted across windows; at most
-    /// 255.
+    /// Number of successive impacts, each after a shorter flight than the one before, counted across time windows; at
+    /// most 255.
     shrinking: u8,
     /// Length of the last flight [m]: time since the previous impact, times the speed of approach.
     flown: f64,

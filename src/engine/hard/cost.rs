@@ -12,21 +12,21 @@ use std::f64::consts::{PI, SQRT_2};
 const TOUCH: f64 = 40.0;
 
 /// [ns] cost per particle of building the neighbour list: cells, order and walls. It equals the cost of the search for
-/// islands, which does the same work.
+/// islands (groups of particles that may meet), which does the same work.
 const BUILD: f64 = 90.0;
 
-/// [ns] cost of checking one pair while the list is built. The check is that of the search for islands, but in double
-/// precision.
+/// [ns] cost of checking one pair while the list is built. The check is that of the search for islands (groups of
+/// particles that may meet), but in double precision.
 const PAIR: f64 = 3.0;
 
-/// [-] volume fraction above which the persistent event queue costs less than islands. Measured with 10⁴ elastic
-/// spheres in a periodic box on one thread, as collisions per second of wall-clock time relative to islands. The ratios
-/// are 0.8 at a volume fraction of 0.05, 1.1 at 0.1, 1.7 at 0.2, and 2.3 at 0.3. Islands become faster with more
-/// threads, the queue does not.
+/// [-] volume fraction above which the persistent event queue costs less than islands (groups of particles that may
+/// meet). Measured with 10⁴ elastic spheres in a periodic box on one thread, as collisions per second of wall-clock
+/// time relative to islands. The ratios are 0.8 at a volume fraction of 0.05, 1.1 at 0.1, 1.7 at 0.2, and 2.3 at 0.3.
+/// Islands become faster with more threads, the queue does not.
 const DENSE: f64 = 0.2;
 
-/// Largest cost at which islands are used in this time window, per particle and simulated time [ns/s]; with `None`
-/// islands are not tried.
+/// Largest cost at which islands (groups of particles that may meet) are used in this time window, per particle and
+/// simulated time [ns/s]; with `None` islands are not tried.
 ///
 /// Without drag the event queue persists from window to window, and is used for dense systems. Drag changes velocities
 /// in every window, so that all events must be predicted again. For mixtures of sizes the costs of islands and queue
@@ -53,7 +53,7 @@ pub fn lasts(scene: &Scene) -> bool {
 
 /// Cost of moving all particles by one event queue, per particle and simulated time [ns/s].
 ///
-/// Every touch on the neighbour list is predicted at the start of a window, and the touches of both partners are
+/// Every touch on the neighbour list is predicted at the start of a time window, and the touches of both partners are
 /// predicted again after a collision. The list is rebuilt whenever the fastest particle has moved half the skin. The
 /// returned cost is that of the cheapest skin.
 fn one_calendar(population: &PopulationSummary, speeds: &SpeedSummary, window: Window) -> f64 {

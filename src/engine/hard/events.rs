@@ -20,26 +20,26 @@ use nalgebra::Vector3;
 pub struct DeflectedFlight {
     /// Index of the particle that flies.
     pub place: u32,
-    /// Time [s] of the impulse, at which the flight begins, since the start of the window.
+    /// Time [s] of the impulse, at which the flight begins, since the start of the time window.
     pub time: f64,
-    /// Position [m] of the flight's straight line, extended backwards, at the start of the window.
+    /// Position [m] of the flight's straight line, extended backwards, at the start of the time window.
     pub origin: Vector3<f64>,
     /// Velocity [m/s] of the particle after the impulse.
     pub velocity: Vector3<f64>,
 }
 
-/// The beginning of a window, up to a time at which the event loop stops.
+/// The beginning of a time window, up to a time at which the event loop stops.
 #[derive(Clone, Copy)]
 pub struct WindowPart {
-    /// The whole window.
+    /// The whole time window.
     pub window: Window,
-    /// Length of the part [s]: its end, counted from the start of the window.
+    /// Length of the part [s]: its end, counted from the start of the time window.
     pub end: f64,
 }
 
 /// Event loop over the candidates of an island's neighbour list: pairs, and particles with walls.
 ///
-/// A stored position is the origin of the straight flight, extended back to the start of the window. So
+/// A stored position is the origin of the straight flight, extended back to the start of the time window. So
 /// `x(t) = origin + v t` for every particle, whatever its collisions. No particle requires a separate time, and a
 /// collision changes only the data of its two partners.
 #[derive(Clone, Default)]
@@ -113,9 +113,9 @@ impl EventLoop {
         }
     }
 
-    /// Processes all events of a part of a window. The loop stops early if a particle is faster than `bounds` allow, or
-    /// if a collapse is detected. Returns the time reached [s since the start of the window], and the index of the
-    /// particle that was too fast.
+    /// Processes all events of a part of a time window. The loop stops early if a particle is faster than `bounds`
+    /// allow, or if a collapse is detected. Returns the time reached [s since the start of the window], and the index
+    /// of the particle that was too fast.
     pub fn run(
         &mut self,
         particles: &mut Particles,
@@ -170,7 +170,8 @@ impl EventLoop {
         near.and_then(|near| self.places.get(near)).copied().unwrap_or_default()
     }
 
-    /// Stores the next touch of the two bodies at a slot; the time of the touch is in s since the start of the window.
+    /// Stores the next touch of the two bodies at a slot; the time of the touch is in s since the start of the time
+    /// window.
     fn predict_events(&mut self, slot: usize, touch: Option<Touch>) {
         if let (Some(near), Some(touch)) = (slot.checked_sub(self.list.pairs.len()), touch) {
             self.places[near] = touch.place;
@@ -179,7 +180,7 @@ impl EventLoop {
     }
 
     /// Next touch of the two bodies at a slot, at `now` or later and before `end`; all times are in s since the start
-    /// of the window.
+    /// of the time window.
     fn touch(&self, slot: usize, particles: &Particles, scene: &Scene, now: f64, end: f64) -> Option<Touch> {
         let couple = self.list.couple(slot);
         let touch = couple.touch(particles, scene, FrameTime::ahead(now), end - now);
@@ -187,7 +188,7 @@ impl EventLoop {
         touch.filter(|touch| couple.is_wall() || touch.time < end)
     }
 
-    /// Fills the event queue with the touches between the start of the window and the time `end` [s].
+    /// Fills the event queue with the touches between the start of the time window and the time `end` [s].
     fn predict_all(&mut self, particles: &Particles, scene: &Scene, end: f64) {
         self.calendar.clear();
         self.places.clear();

@@ -32,18 +32,19 @@ use serde::{Deserialize, Serialize};
 /// all particles. Both methods give equal collisions.
 pub type Hard = Driver<HardSolver>;
 
-/// Method by which the engine moves the particles through windows.
+/// Method by which the engine moves the particles through time windows.
 #[derive(Clone, Copy, PartialEq)]
 enum WindowMethod {
-    /// In each window, the method with the lower estimated cost.
+    /// In each time window, the method with the lower estimated cost.
     Cheaper,
     /// Islands (groups of particles that may meet) whenever this is possible.
     Islands,
-    /// One event queue for all particles in every window.
+    /// One event queue for all particles in every time window.
     OneCalendar,
 }
 
-/// Solver of islands by small event queues, and of all particles by one event queue.
+/// Solver of islands (groups of particles that may meet) by small event queues, and of all particles by one event
+/// queue.
 pub struct HardSolver {
     together: GlobalCalendar,
     islands: HardIslands,
@@ -51,21 +52,22 @@ pub struct HardSolver {
     memory: Memory,
 }
 
-/// Data on earlier windows, from which the engine chooses between islands and the global event queue.
+/// Data on earlier time windows, from which the engine chooses between islands (groups of particles that may meet) and
+/// the global event queue.
 #[derive(Clone, Copy, Default, Serialize, Deserialize)]
 struct Memory {
-    /// True if islands have moved the particles, or a trial of islands has failed, since the global queue was last
-    /// used. The data of the queue are then outdated.
+    /// True if islands (groups of particles that may meet) have moved the particles, or a trial of islands has failed,
+    /// since the global queue was last used. The data of the queue are then outdated.
     outdated: bool,
-    /// Number of windows in which only the global queue is used after islands have failed. It is one, then two, four,
-    /// up to [`LONGEST_STAY`].
+    /// Number of time windows in which only the global queue is used after islands (groups of particles that may meet)
+    /// have failed. It is one, then two, four, up to [`LONGEST_STAY`].
     stay: u32,
-    /// Number of windows that remain until islands are tried again.
+    /// Number of time windows that remain until islands (groups of particles that may meet) are tried again.
     left: u32,
 }
 
-/// Largest number of windows in which islands are not tried. A failed trial makes the neighbour lists and the events of
-/// the global queue invalid, and these must be computed again.
+/// Largest number of time windows in which islands (groups of particles that may meet) are not tried. A failed trial
+/// makes the neighbour lists and the events of the global queue invalid, and these must be computed again.
 const LONGEST_STAY: u32 = 64;
 
 /// State of the engine that a snapshot of a run contains.
@@ -82,8 +84,8 @@ impl Default for Hard {
 }
 
 impl Hard {
-    /// Makes an engine that chooses between islands and one event queue by their cost. Restitution and friction are
-    /// those of the scene.
+    /// Makes an engine that chooses between islands (groups of particles that may meet) and one event queue by their
+    /// cost. Restitution and friction are those of the scene.
     pub fn new() -> Self {
         Self::with(HardSolver {
             together: GlobalCalendar::default(),
@@ -93,14 +95,15 @@ impl Hard {
         })
     }
 
-    /// Makes an engine that always uses one event queue for all particles. It is the reference for tests of islands.
+    /// Makes an engine that always uses one event queue for all particles. It is the reference for tests of islands
+    /// (groups of particles that may meet).
     pub fn with_one_calendar() -> Self {
         let mut engine = Self::new();
         engine.solver.way = WindowMethod::OneCalendar;
         engine
     }
 
-    /// Makes an engine that uses islands whenever possible.
+    /// Makes an engine that uses islands (groups of particles that may meet) whenever possible.
     pub fn with_islands() -> Self {
         let mut engine = Self::new();
         engine.solver.way = WindowMethod::Islands;
@@ -157,7 +160,7 @@ impl Solver for HardSolver {
         self.memory.outdated = true;
     }
 
-    /// Does nothing, because recent collisions are already returned at the end of each window.
+    /// Does nothing, because recent collisions are already returned at the end of each time window.
     fn hand_over(&mut self, _lasting: &mut Vec<Recent>) {}
 
     fn for_each_kept(&self, _visit: &mut dyn FnMut(Recent)) {}

@@ -17,7 +17,7 @@ use std::f64::consts::PI;
 /// Hard spheres with time steps. Particles fly for a step Δt. Then every pair that overlaps and approaches receives the
 /// impulse of hard spheres; positions are not corrected.
 ///
-/// The step is Δt < θ d/u_r (section 3.4 of the paper), with u_r = sqrt(8 q²/(3π)) (Eq. 8 with its root). In each
+/// The step is Δt < θ d/u_r (section 3.4 of the paper), with u_r = sqrt(8 q²/(3π)) (Eq. 8 with its root). In each time
 /// window the step is computed from the agitation q² of all particles, relative to one another and to the walls. The
 /// method misses grazing collisions that begin and end within a step, acts up to Δt late, and leaves overlaps. It is
 /// included to show these errors. Missed collisions are counted, and impacts record the overlaps.
@@ -34,8 +34,8 @@ impl SteppedHard {
         Self { theta, list: NeighbourList::default(), slots: Vec::new(), counters: Counters::default() }
     }
 
-    /// Longest step θ d/u_r [s] for a window of `duration` [s]. The result is infinite if no particle moves relative to
-    /// the others or to a wall.
+    /// Longest step θ d/u_r [s] for a time window of `duration` [s]. The result is infinite if no particle moves
+    /// relative to the others or to a wall.
     ///
     /// The agitation is that of the velocities relative to their mean along the walls. The mean velocity perpendicular
     /// to a wall is included, and the velocity that gravity adds until the end of the window. So the step is also

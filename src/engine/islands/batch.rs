@@ -15,12 +15,12 @@ use crate::work_sharing;
 use nalgebra::Vector3;
 use std::ops::Range;
 
-/// State of a hot particle (a member of an island) at the end of the part of a window, in the frame at rest.
+/// State of a hot particle (a member of an island) at the end of the part of a time window, in the frame at rest.
 #[derive(Clone, Copy, Debug)]
 pub struct HotParticle {
     /// Index of the particle in the store.
     pub place: u32,
-    /// Position, velocity and other moving quantities of the particle at the end of the part.
+    /// Position, velocity and other moving quantities of the particle at the end of the part of the time window.
     pub motion: Motion,
 }
 
@@ -30,7 +30,7 @@ pub struct HotParticle {
 pub struct Stop {
     /// Index of the particle in the store.
     pub place: u32,
-    /// True if the particle was a bystander, false if it was a member.
+    /// True if the particle was a bystander (particle that members might hit), false if it was a member.
     pub bystander: bool,
     /// Speed [m/s] of the particle relative to the frame in which speed limits are given.
     pub speed: f64,
@@ -39,11 +39,11 @@ pub struct Stop {
 /// Reason why a solver gave up an island.
 #[derive(Clone, Copy, Debug)]
 pub enum GivenUp {
-    /// The engine failed. The classical algorithm then moves all particles through the window, and stops at the time of
-    /// the failure.
+    /// The engine failed. The classical algorithm then moves all particles through the time window, and stops at the
+    /// time of the failure.
     Failed,
     /// The island costs too much. It becomes a crowd, an island that is moved by uniform steps. If the engine does not
-    /// take crowds, the classical algorithm moves all particles through the window.
+    /// take crowds, the classical algorithm moves all particles through the time window.
     TooExpensive,
 }
 
@@ -66,7 +66,8 @@ pub struct IslandResult {
 
 /// Change that is made to an unfinished island before it is solved again.
 pub enum Retry {
-    /// Particles left the bounds of the island: bystanders become members, or speed limits rise.
+    /// Particles left the bounds of the island: bystanders (particles that members might hit) become members, or speed
+    /// limits rise.
     Stops(Vec<Stop>),
     /// The island is too expensive: it becomes a crowd, which is moved by uniform steps.
     Crowd,
@@ -125,13 +126,14 @@ impl<C> Batch<C> {
     }
 }
 
-/// Results of all islands in a part of a window.
+/// Results of all islands in a part of a time window.
 pub struct IslandResults<'a, C> {
     /// Locations of the results of the islands.
     pub landing: &'a Landing,
     /// Batches with the results of the islands.
     pub batches: &'a [Batch<C>],
-    /// Velocity [m/s] that gravity has added to the velocities of the store's frame since the beginning of the window.
+    /// Velocity [m/s] that gravity has added to the velocities of the store's frame since the beginning of the time
+    /// window.
     pub fallen: Vector3<f64>,
 }
 
@@ -150,8 +152,8 @@ pub struct Notes<C> {
 }
 
 impl<C: Copy + Send + Sync> IslandResults<'_, C> {
-    /// Collects the events and the carried state of all islands, in their order. Each group of islands gives one
-    /// `Notes`.
+    /// Collects the events and the carried state (such as contacts) of all islands, in their order. Each group of
+    /// islands gives one `Notes`.
     pub fn notes(&self) -> Vec<Notes<C>> {
         work_sharing::map(self.landing.kept.chunks(BLOCK), |some| self.notes_of(some))
     }
@@ -229,15 +231,16 @@ impl<S: Solve> Default for Workbench<S> {
     }
 }
 
-/// Data that all islands of a part of a window have in common.
+/// Data that all islands of a part of a time window have in common.
 pub struct Task<'a, S: Solve> {
     /// The engine's solver of islands.
     pub solver: &'a S,
     pub scene: &'a Scene,
     pub window: Window,
-    /// Velocity [m/s] that gravity has added to the velocities of the store's frame since the beginning of the window.
+    /// Velocity [m/s] that gravity has added to the velocities of the store's frame since the beginning of the time
+    /// window.
     pub fallen: Vector3<f64>,
-    /// Length [s] of this part of the window.
+    /// Length [s] of this part of the time window.
     pub part: f64,
     /// State carried over from the previous part, such as contacts.
     pub carried: &'a [S::Carried],

@@ -30,11 +30,11 @@ pub struct IslandCost {
     pub fallback_cost: f64,
 }
 
-/// A part of a window, in which islands are solved.
+/// A part of a time window, in which islands are solved.
 pub struct WindowPiece<'a> {
-    /// Time [s] from the beginning of the window to the beginning of the part; the frame has fallen for this time.
+    /// Time [s] from the beginning of the time window to the beginning of the part; the frame has fallen for this time.
     pub elapsed: f64,
-    /// Length [s] of the part.
+    /// Length [s] of the part of the time window.
     pub part: f64,
     /// Number of pairs that the search for touches is expected to check.
     pub foreseen: u64,
@@ -55,7 +55,7 @@ impl WindowPiece<'_> {
 
 /// Limits and costs for the choice of the length of a part.
 pub struct PartLimits {
-    /// Time [s] from the beginning of the part to the end of the window.
+    /// Time [s] from the beginning of the part to the end of the time window.
     pub left: f64,
     /// Cost of the classical algorithm per particle and simulated time [ns/s].
     pub fallback_cost: f64,
@@ -66,7 +66,7 @@ pub struct PartLimits {
     pub costs: PartCosts,
 }
 
-/// Costs of solving islands in a part of a window, in ns on one core, and the density limit for islands. They were
+/// Costs of solving islands in a part of a time window, in ns on one core, and the density limit for islands. They were
 /// measured once (docs/design/islands.md), and serve only for the choice, not for a prediction of run times.
 pub struct PartCosts {
     /// [ns] cost per particle of its flight, and of sorting it into cells.
@@ -76,10 +76,10 @@ pub struct PartCosts {
     /// [ns] cost per hot particle (member of an island) of making and solving islands.
     island: f64,
     /// [-] distance within which a hot particle (member of an island) meets others, in units of the mean flight during
-    /// the part.
+    /// the part of the time window.
     reach: f64,
-    /// [-] number of other hot particles within this distance, above which nearly all islands unite. Islands within
-    /// reach of each other unite, and the united island reaches further.
+    /// [-] number of other hot particles (members of islands) within this distance, above which nearly all islands
+    /// unite. Islands within reach of each other unite, and the united island reaches further.
     crowded: f64,
 }
 
@@ -88,19 +88,20 @@ pub struct PartCosts {
 pub const BOUNDED: PartCosts = PartCosts { search: 90.0, pair: 1.2, island: 1400.0, reach: 1.5, crowded: 0.25 };
 
 /// Costs of islands that reach as far as their particles do fly ([`TracedIslands`](super::TracedIslands)). In scene S1,
-/// a hot particle costs 1.1 µs for parts of 0.375 ms, 1.2 µs for 0.5 ms, and 1.6 µs for 0.75 ms.
+/// a hot particle (member of an island) costs 1.1 µs for parts of 0.375 ms, 1.2 µs for 0.5 ms, and 1.6 µs for 0.75 ms.
 pub const TRACED: PartCosts = PartCosts { search: 80.0, pair: 1.2, island: 1000.0, reach: 0.5, crowded: 0.15 };
 
-/// The part of a window with the lowest cost per simulated time.
+/// The part of a time window with the lowest cost per simulated time.
 #[derive(Clone, Copy)]
 pub struct Cheapest {
-    /// Length [s] of the part.
+    /// Length [s] of the part of the time window.
     pub part: f64,
     /// Expected number [-] of pairs per particle that the search checks.
     pub pairs: f64,
 }
 
-/// Returns the part of the remaining window with the least cost per simulated time, or `None` if islands do not pay.
+/// Returns the part of the remaining time window with the least cost per simulated time, or `None` if islands do not
+/// pay.
 ///
 /// In a longer part, one search serves for more time, but it checks more pairs and finds more islands.
 pub fn cheapest_part(

@@ -39,13 +39,13 @@ pub struct Member {
     pub(in crate::engine) cluster: u32,
     /// The ball that contains the straight flight of the particle.
     pub(in crate::engine) flight: BoundingSphere,
-    /// The ball that contains the particle from the first touch in its island to the end of the part. Before that touch
-    /// the particle flies straight.
+    /// The ball that contains the particle from the first touch in its island to the end of the part of the time
+    /// window. Before that touch the particle flies straight.
     pub(in crate::engine) ball: BoundingSphere,
     /// Distance [m] from the middle of the straight flight, within which both balls (`flight` and `ball`) lie.
     around: f64,
-    /// Radius [m] that the ball had when particles next to this member were last added to the crowd; 0 if this has not
-    /// been done.
+    /// Radius [m] that the ball had when particles next to this member were last added to the crowd (large island moved
+    /// by uniform steps); 0 if this has not been done.
     took_in: f64,
     /// Range of the velocity changes of this particle in the list of all changes. It is `None` before the island is
     /// solved, and for engines that do not report velocity changes. With it, the ball contains the trajectory after the
@@ -63,7 +63,7 @@ pub struct Cluster {
     pub(in crate::engine) hot: Few,
     /// Indices in the store of the cold particles that the members might hit, in the order of their ids.
     pub(in crate::engine) bystanders: Few,
-    /// Numbers of the items of state carried from earlier parts of a window, such as contacts, that belong to the
+    /// Numbers of the items of state carried from earlier parts of a time window, such as contacts, that belong to the
     /// island. After `settle` they are in ascending order.
     carried: Few,
     /// The two largest kinetic energies [J] of the members, relative to the frame.
@@ -72,7 +72,7 @@ pub struct Cluster {
     pub(in crate::engine) speeds: [f64; 2],
     /// Energy [J] of all carried state of the island, such as that stored in its contacts.
     pub(in crate::engine) stored: f64,
-    /// Largest energy [J] of one item of carried state of the island.
+    /// Largest energy [J] of one item of carried state (such as contacts) of the island.
     deepest: f64,
     /// Lower limit [m/s] of the speed limits of the members. It rises when a member has exceeded its limit.
     pub(in crate::engine) floor: f64,
@@ -108,19 +108,19 @@ pub struct Landing {
     pub of_member: Vec<Option<(u32, u32)>>,
 }
 
-/// Settings with which islands are made in a part of a window.
+/// Settings with which islands are made in a part of a time window.
 pub struct Space<'a> {
     /// Scene with walls, domain and gravity.
     pub scene: &'a Scene,
     /// Velocity [m/s] of the frame in which speeds are measured.
     pub frame: Vector3<f64>,
-    /// Length [s] of this part of the window.
+    /// Length [s] of this part of the time window.
     pub part: f64,
     /// Mass [kg] of the lightest particle of the run.
     pub lightest: f64,
 }
 
-/// All islands of a part of a window.
+/// All islands of a part of a time window.
 pub struct Clusters<'a> {
     pub(in crate::engine) search: &'a mut Search,
     pub(in crate::engine) particles: &'a Particles,
@@ -133,8 +133,8 @@ pub struct Clusters<'a> {
     pub(in crate::engine) list: Vec<Cluster>,
     /// Energy [J] of each item of carried state, such as that stored in a contact.
     energy: Vec<f64>,
-    /// Speed [m/s] that gravity adds towards walls during the part of the window. In the falling frame, walls approach
-    /// the particles at this speed.
+    /// Speed [m/s] that gravity adds towards walls during the part of the time window. In the falling frame, walls
+    /// approach the particles at this speed.
     fall: f64,
     pub(in crate::engine) members: Vec<Member>,
     /// Largest distance [m] that any member may reach from the middle of its straight flight.
@@ -166,7 +166,7 @@ impl<'a> Clusters<'a> {
     }
 
     /// Makes islands from all touches and from the carried state (such as contacts), whose energies [J] are given. If
-    /// `many` is true, all carried state belongs to one crowd.
+    /// `many` is true, all carried state belongs to one crowd (large island moved by uniform steps).
     fn begin(&mut self, touches: &[FirstTouch], carried: &[[Option<u32>; 2]], energy: Vec<f64>, many: bool) {
         self.energy = energy;
         let mut crowd: Option<usize> = None;

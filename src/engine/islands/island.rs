@@ -11,7 +11,8 @@ use nalgebra::Vector3;
 /// Largest number of particles among which a linear search for one of them is faster than a binary search.
 const FEW: usize = 32;
 
-/// An island as a small separate scene for an engine. Local indices count the hot particles first, then the bystanders.
+/// An island as a small separate scene for an engine. Local indices count the hot particles (members of islands) first,
+/// then the bystanders (particles that members might hit).
 pub struct Island<C> {
     /// Copies of the particles, in the frame at rest; positions are those of the store.
     pub particles: Particles,
@@ -26,8 +27,8 @@ pub struct Island<C> {
     by_place: Vec<u32>,
     /// Pairs of particles, and particles with walls, that may touch.
     pub list: NeighbourList,
-    /// State carried over from the previous part of a window, such as contacts; it contains local indices of particles.
-    /// The engine replaces it by the state to be carried to the next part.
+    /// State carried over from the previous part of a time window, such as contacts; it contains local indices of
+    /// particles. The engine replaces it by the state to be carried to the next part.
     pub carried: Vec<C>,
     /// Log of the impacts in the island.
     pub log: Log,
@@ -54,15 +55,15 @@ pub struct Island<C> {
     /// Largest speed [m/s] so far, relative to the frame of the speed limits. It is set by solvers that cannot stop
     /// when a limit is exceeded; otherwise it is 0.
     pub fastest: f64,
-    /// Speed limit [m/s] of each hot particle, relative to the moving frame `frame`.
+    /// Speed limit [m/s] of each hot particle (member of an island), relative to the moving frame `frame`.
     pub(super) limits: Vec<f64>,
     /// Velocity [m/s] of the moving frame, relative to the frame at rest.
     frame: Vector3<f64>,
 }
 
-/// Speed limits of the hot particles of an island.
+/// Speed limits of the hot particles (members) of an island.
 pub struct Bounds<'a> {
-    /// Speed limit [m/s] of each hot particle, relative to the moving frame.
+    /// Speed limit [m/s] of each hot particle (member of an island), relative to the moving frame.
     limits: &'a [f64],
     /// Velocity [m/s] of the moving frame, relative to the frame at rest.
     frame: Vector3<f64>,
@@ -102,9 +103,9 @@ impl<C> Island<C> {
         }
     }
 
-    /// Replaces the content of the island by copies of hot particles, each with its speed limit [m/s], and of
-    /// bystanders. Particles are given by index in the store. `fallen` [m/s] is the velocity that gravity has added to
-    /// the velocities of the store since the window began.
+    /// Replaces the content of the island by copies of hot particles (members of islands), each with its speed limit
+    /// [m/s], and of bystanders (particles that members might hit). Particles are given by index in the store. `fallen`
+    /// [m/s] is the velocity that gravity has added to the velocities of the store since the time window began.
     pub(super) fn begin(
         &mut self,
         store: &Particles,
@@ -154,8 +155,8 @@ impl<C> Island<C> {
     }
 
     /// True if the velocity [m/s] of the particle at local index `place` is below its limit. The velocity is given in
-    /// the frame that falls with gravity from rest, beginning with the part of the window. For a bystander the result
-    /// is false, because a bystander must not be touched.
+    /// the frame that falls with gravity from rest, beginning with the part of the time window. For a bystander
+    /// (particle that members might hit) the result is false, because a bystander must not be touched.
     pub fn allows(&self, place: usize, velocity: &Vector3<f64>) -> bool {
         Bounds { limits: &self.limits, frame: self.frame }.allows(place, velocity)
     }
@@ -166,8 +167,9 @@ impl<C> Island<C> {
     }
 
     /// Records a velocity change of the particle at local index `place`, at `time` [s since the start of the part].
-    /// `origin` [m] is the position at the start of the part on the line of the new flight, extended backwards.
-    /// `velocity` [m/s] is the new velocity in the frame that falls with gravity from rest, beginning with the part.
+    /// `origin` [m] is the position at the start of the part of the time window on the line of the new flight, extended
+    /// backwards. `velocity` [m/s] is the new velocity in the frame that falls with gravity from rest, beginning with
+    /// the part.
     pub fn turn(&mut self, place: u32, time: f64, origin: Vector3<f64>, velocity: Vector3<f64>) {
         self.turns.push((place, VelocityChange { time, origin, velocity: velocity - self.frame }));
     }
@@ -183,7 +185,7 @@ impl<C> Island<C> {
         (frame - self.frame).norm()
     }
 
-    /// Smallest speed limit [m/s] of the hot particles, relative to the moving frame.
+    /// Smallest speed limit [m/s] of the hot particles (members of islands), relative to the moving frame.
     pub fn least_limit(&self) -> f64 {
         self.limits.iter().copied().fold(f64::INFINITY, f64::min)
     }

@@ -61,22 +61,23 @@ pub trait Solve: Sync {
     /// Way to find the particles of islands. With [`TracedIslands`], particles must fly straight between collisions,
     /// and the engine must report every velocity change by calling [`Island::turn`].
     type Finder<'a>: IslandFinder<'a>;
-    /// State carried from one part of a window to the next, such as a contact in progress. It contains indices of
+    /// State carried from one part of a time window to the next, such as a contact in progress. It contains indices of
     /// particles in the store.
     type Carried: Copy + Send + Sync + Serialize + DeserializeOwned;
     /// Working memory of the solver, one per thread.
     type Scratch: Default + Send;
 
-    /// Indices of the one or two particles to which an item of carried state belongs.
+    /// Indices of the one or two particles to which an item of carried state (such as contacts) belongs.
     fn places(carried: &Self::Carried) -> [Option<u32>; 2];
 
-    /// Returns an item of carried state with new indices of its particles, for instance after the store was sorted.
+    /// Returns an item of carried state (such as contacts) with new indices of its particles, for instance after the
+    /// store was sorted.
     fn moved(carried: &Self::Carried, place_of: &dyn Fn(u32) -> u32) -> Self::Carried;
 
-    /// Energy [J] that an item of carried state may give back to its particles.
+    /// Energy [J] that an item of carried state (such as contacts) may give back to its particles.
     fn energy(&self, carried: &Self::Carried) -> f64;
 
-    /// The two bodies in contact, if the carried state is a contact.
+    /// The two bodies in contact, if the item of carried state is a contact.
     fn touching(&self, carried: &Self::Carried) -> Option<Couple>;
 
     /// True if the engine takes crowds. A crowd is an island without a list of pairs, which is moved by uniform steps.
@@ -108,26 +109,26 @@ const WINDOWS_PER_SORT: u64 = 32;
 /// Largest number of particles of an island for which a list of all pairs costs less than uniform steps.
 pub const LARGEST_ISLAND: usize = 200;
 
-/// Number of members beyond which an island is too large for a long part of a window. Each step of an island checks all
-/// of its pairs, so the cost grows with the square of the number of members. If an island is too large, the part is
-/// halved, up to [`SHORTER`] times.
+/// Number of members beyond which an island is too large for a long part of a time window. Each step of an island
+/// checks all of its pairs, so the cost grows with the square of the number of members. If an island is too large, the
+/// part is halved, up to [`SHORTER`] times.
 const LARGE_ISLAND: usize = 48;
 
-/// Number of times that a part of a window with too large islands is halved before the classical algorithm moves all
-/// particles.
+/// Number of times that a part of a time window with too large islands is halved before the classical algorithm moves
+/// all particles.
 const SHORTER: i32 = 3;
 
 /// Number of islands in a piece of parallel work. It is fixed, so that results do not depend on the number of threads.
 const BATCH: usize = 64;
 
-/// Moves particles through a window in parts, by finding islands and solving them.
+/// Moves particles through a time window in parts, by finding islands and solving them.
 pub struct Islands<C> {
     /// Clock that measures the wall-clock time of searches and flights.
     pub clock: Clock,
     /// Wall-clock time spent on islands so far.
     pub spent: EngineTimes,
     pub(super) counters: IslandCounters,
-    /// Indices of the particles that were in islands in the last part of a window.
+    /// Indices of the particles that were in islands in the last part of a time window.
     pub(super) members: Vec<u32>,
     search: Search,
     frame: Vector3<f64>,
@@ -156,12 +157,12 @@ impl<C: Copy + Send + Sync + Serialize + DeserializeOwned> Islands<C> {
     }
 
     /// Continues a stored run with the given counts and times. The time of the next sort of the store depends on the
-    /// counts. Islands keep no other state between windows.
+    /// counts. Islands keep no other state between time windows.
     pub fn resume(&mut self, counters: IslandCounters, spent: EngineTimes) {
         (self.counters, self.spent) = (counters, spent);
     }
 
-    /// Indices of the particles that were in islands in the last part of a window.
+    /// Indices of the particles that were in islands in the last part of a time window.
     pub fn members(&self) -> &[u32] {
         &self.members
     }
@@ -248,7 +249,8 @@ impl<C: Copy + Send + Sync + Serialize + DeserializeOwned> Islands<C> {
         Ok(done)
     }
 
-    /// Prepares a part of a window: sorts the store after every [`WINDOWS_PER_SORT`] searches, and wraps positions.
+    /// Prepares a part of a time window: sorts the store after every [`WINDOWS_PER_SORT`] searches, and wraps
+    /// positions.
     fn prepare<S: Solve<Carried = C>>(&mut self, work: &mut Work<C>, piece: &WindowPiece) {
         let began = self.clock.now();
         if self.counters.neighbour_builds.is_multiple_of(WINDOWS_PER_SORT) {
@@ -260,8 +262,8 @@ impl<C: Copy + Send + Sync + Serialize + DeserializeOwned> Islands<C> {
         self.spent.neighbours += self.clock.now() - began;
     }
 
-    /// Moves all particles through a part of a window. Returns false, and changes no position or velocity, if an island
-    /// is too large or the engine fails.
+    /// Moves all particles through a part of a time window. Returns false, and changes no position or velocity, if an
+    /// island is too large or the engine fails.
     fn part<S: Solve<Carried = C>>(
         &mut self,
         solver: &S,
@@ -322,7 +324,7 @@ impl<C: Copy + Send + Sync + Serialize + DeserializeOwned> Islands<C> {
         }
     }
 
-    /// Finds all touches on straight flights in the next part of the window, for the particles in `region`.
+    /// Finds all touches on straight flights in the next part of the time window, for the particles in `region`.
     fn find(&mut self, work: &Work<C>, region: Region, piece: &WindowPiece) -> Vec<FirstTouch> {
         let began = self.clock.now();
         let span = SearchInterval::new(work.scene, piece.elapsed, piece.part);

@@ -49,13 +49,13 @@ impl BoundingSphere {
     }
 }
 
-/// A touch of two bodies on their straight flights in this part of a window.
+/// A touch of two bodies on their straight flights in this part of a time window.
 #[derive(Clone, Copy, Debug)]
 pub struct FirstTouch {
     pub place: u32,
     /// Index of the other particle; `None` for a wall.
     pub other: Option<u32>,
-    /// Time [s] of the touch since the start of the part of the window.
+    /// Time [s] of the touch since the start of the part of the time window.
     pub time: f64,
 }
 
@@ -67,7 +67,7 @@ pub struct SearchResult {
     pub checks: u64,
 }
 
-/// Straight flights of all particles in a part of a window, sorted into cells.
+/// Straight flights of all particles in a part of a time window, sorted into cells.
 #[derive(Default)]
 pub struct Search {
     pub levels: SizeLevels,
@@ -77,7 +77,7 @@ pub struct Search {
     pub flights: Vec<BoundingSphere>,
     packed: PackedBalls,
     /// Label of each hot particle (member of an island), by particle index. It is `None` for other particles, and for
-    /// all particles between windows.
+    /// all particles between time windows.
     pub label: Vec<Option<Label>>,
     /// Search structure for the walls near a point, from the last search.
     pub near_walls: NearWalls,
@@ -267,7 +267,7 @@ impl Search {
 
 /// The interval of time in which flights are compared with one another and with walls.
 pub struct SearchInterval {
-    /// Time [s] from the beginning of the window to the beginning of the interval.
+    /// Time [s] from the beginning of the time window to the beginning of the interval.
     elapsed: f64,
     /// Length of the interval [s].
     part: f64,
@@ -277,7 +277,7 @@ pub struct SearchInterval {
 }
 
 impl SearchInterval {
-    /// Makes an interval of `part` [s] that begins `elapsed` [s] after the beginning of the window.
+    /// Makes an interval of `part` [s] that begins `elapsed` [s] after the beginning of the time window.
     pub fn new(scene: &Scene, elapsed: f64, part: f64) -> Self {
         let falls = part * ((scene.gravity * elapsed).norm() + scene.gravity.norm() * part);
         Self { elapsed, part, falls }

@@ -42,7 +42,7 @@ pub struct EventTable<'a> {
 }
 
 impl EventTable<'_> {
-    /// Time [s] since the epoch of the next event of a particle.
+    /// Time [s] since the epoch (zero of the calendar's time) of the next event of a particle.
     #[inline]
     fn time(&self, place: u32) -> f64 {
         self.next_events[place as usize].time
@@ -130,7 +130,7 @@ impl EventQueue {
     }
 
     /// Removes the earliest event, and returns the index of its particle; `None` if no event is earlier than `before`
-    /// [s] since the epoch.
+    /// [s] since the epoch (zero of the calendar's time).
     #[inline]
     pub fn next(&mut self, book: EventTable, before: f64) -> Option<u32> {
         loop {

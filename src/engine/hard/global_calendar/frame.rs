@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 /// Falling frame, in which flights are straight. Positions are x = x' + offset + u t + g t²/2, and velocities are v =
-/// v' + u + g t. Primes denote values in the frame, and t is the time since the epoch.
+/// v' + u + g t. Primes denote values in the frame, and t is the time since the epoch (zero of the calendar's time).
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct FallingFrame {
     /// Position of the frame's origin [m] at the epoch.
@@ -18,18 +18,18 @@ pub struct FallingFrame {
 }
 
 impl FallingFrame {
-    /// Position of the frame's origin [m] at `time` [s] since the epoch.
+    /// Position of the frame's origin [m] at `time` [s] since the epoch (zero of the calendar's time).
     fn origin(&self, time: f64) -> Vector3<f64> {
         self.offset + (self.velocity + self.gravity * (0.5 * time)) * time
     }
 
-    /// Velocity of the frame [m/s] at `time` [s] since the epoch.
+    /// Velocity of the frame [m/s] at `time` [s] since the epoch (zero of the calendar's time).
     pub fn velocity_at(&self, time: f64) -> Vector3<f64> {
         self.velocity + self.gravity * time
     }
 
     /// Flight, relative to the scene, of a body with `position` [m] and `velocity` [m/s] in this frame at `time` [s]
-    /// since the epoch.
+    /// since the epoch (zero of the calendar's time).
     pub fn flight(&self, position: &Vector3<f64>, velocity: &Vector3<f64>, time: f64) -> Flight {
         Flight {
             position: position + self.origin(time),

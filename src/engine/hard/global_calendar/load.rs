@@ -247,7 +247,7 @@ impl GlobalCalendar {
         Ok(())
     }
 
-    /// True if the particle may touch a wall before it leaves its shell.
+    /// True if the particle may touch a wall before it leaves its shell (ball in which its neighbour list is valid).
     pub(super) fn at_wall(&self, place: usize, scene: &Scene) -> bool {
         if scene.walls.is_empty() {
             return false;
@@ -296,8 +296,8 @@ fn kinds(particles: &Particles) -> Vec<RadiusClass> {
     kinds
 }
 
-/// Divides particles into groups whose sizes are within a factor of two, as for the shells. Returns for each group the
-/// number density [1/m³] and the largest diameter [m].
+/// Divides particles into groups whose sizes are within a factor of two, as for the shells (balls in which neighbour
+/// lists are valid). Returns for each group the number density [1/m³] and the largest diameter [m].
 fn crowds(bodies: &[FlightState], kinds: &[RadiusClass], volume: f64) -> Vec<(f64, f64)> {
     let mut counts = vec![0u32; kinds.len()];
     for body in bodies {
@@ -315,9 +315,9 @@ fn crowds(bodies: &[FlightState], kinds: &[RadiusClass], volume: f64) -> Vec<(f6
     crowds
 }
 
-/// Distance [m] that a particle may move from the centre of its shell. It is the distance with the lowest cost,
-/// computed with fixed weights in ns on one core. The weights serve only for this choice, not for a prediction of run
-/// times.
+/// Distance [m] that a particle may move from the centre of its shell (ball in which its neighbour list is valid). It
+/// is the distance with the lowest cost, computed with fixed weights in ns on one core. The weights serve only for this
+/// choice, not for a prediction of run times.
 fn margin(particles: &Particles, crowds: &[(f64, f64)], scene: &Scene) -> f64 {
     /// [ns] cost of making a new shell: a fixed part, the cost per distance computed, and the cost per neighbour.
     const SHELL: [f64; 3] = [200.0, 3.0, 12.0];

@@ -40,20 +40,21 @@ use shells::Shells;
 use std::time::Duration;
 use walls::WallContacts;
 
-/// Number of impacts after which the log of impacts is added to the record. A window may have millions of impacts. A
-/// log of this length stays in the processor's cache.
+/// Number of impacts after which the log of impacts is added to the record. A time window may have millions of impacts.
+/// A log of this length stays in the processor's cache.
 const KEPT_IMPACTS: usize = 1 << 8;
 
-/// The event queue of all particles, with their flights, shells and collision histories.
+/// The event queue of all particles, with their flights, shells (balls in which neighbour lists are valid) and
+/// collision histories.
 #[derive(Clone, Default, Serialize, Deserialize)]
 pub struct GlobalCalendar {
     frame: FallingFrame,
-    /// Present time [s] since the epoch.
+    /// Present time [s] since the epoch (zero of the calendar's time).
     now: f64,
-    /// Time [s] since the epoch at which a new epoch must begin.
+    /// Time [s] since the epoch (zero of the calendar's time) at which a new epoch must begin.
     limit: f64,
-    /// Time [s] since the epoch up to which events are predicted and queued. It is the end of the window if drag
-    /// changes velocities in every window, otherwise infinite.
+    /// Time [s] since the epoch (zero of the calendar's time) up to which events are predicted and queued. It is the
+    /// end of the time window if drag changes velocities in every window, otherwise infinite.
     horizon: f64,
     bodies: Vec<FlightState>,
     next_events: Vec<NextEvents>,
@@ -63,7 +64,8 @@ pub struct GlobalCalendar {
     shells: Shells,
     /// True for axes along which the box is so short that a pair may touch through an image other than the nearest one.
     far_images: [bool; 3],
-    /// Total number of shells made at the time when the store was last sorted.
+    /// Total number of shells (balls in which neighbour lists are valid) made at the time when the store was last
+    /// sorted.
     sorted_at: u64,
     /// Number of impulses applied so far.
     pub events: u64,
@@ -88,21 +90,22 @@ pub struct GlobalCalendar {
     pub clock: Clock,
 }
 
-/// A window of the run, with its end also given as a time since the epoch.
+/// A time window of the run, with its end also given as a time since the epoch (zero of the calendar's time).
 #[derive(Clone, Copy)]
 struct CalendarWindow {
     window: Window,
-    /// End of the window [s] since the epoch.
+    /// End of the time window [s] since the epoch (zero of the calendar's time).
     end: f64,
 }
 
 impl CalendarWindow {
-    /// Time [s] that remains until the end of the window, at `now` [s] since the epoch.
+    /// Time [s] that remains until the end of the time window, at `now` [s] since the epoch (zero of the calendar's
+    /// time).
     fn left(&self, now: f64) -> f64 {
         self.end - now
     }
 
-    /// Simulated time [s] that corresponds to `now` [s] since the epoch.
+    /// Simulated time [s] that corresponds to `now` [s] since the epoch (zero of the calendar's time).
     fn time(&self, now: f64) -> f64 {
         self.window.start + (self.window.duration - self.left(now))
     }

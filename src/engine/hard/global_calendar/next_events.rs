@@ -44,13 +44,14 @@ pub enum EventKind {
     Look,
 }
 
-/// The next two events of one particle and its shell, in a second cache line.
+/// The next two events of one particle and its shell (ball in which its neighbour list is valid), in a second cache
+/// line.
 #[repr(align(64))]
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct NextEvents {
-    /// Time [s] of the next event since the epoch; infinite if there is none.
+    /// Time [s] of the next event since the epoch (zero of the calendar's time); infinite if there is none.
     pub time: f64,
-    /// Time [s] of the second event since the epoch.
+    /// Time [s] of the second event since the epoch (zero of the calendar's time).
     pub then: f64,
     /// Kind of the next event.
     pub next: EventKind,

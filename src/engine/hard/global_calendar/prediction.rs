@@ -111,8 +111,9 @@ impl GlobalCalendar {
         (card.detail, card.detail_after) = details;
     }
 
-    /// The earliest two events of a particle. Considered are the exit from its shell, the end of prediction (the
-    /// horizon), and all touches. A second event is stored only if the first is a touch.
+    /// The earliest two events of a particle. Considered are the exit from its shell (ball in which its neighbour list
+    /// is valid), the end of prediction (the horizon), and all touches. A second event is stored only if the first is a
+    /// touch.
     #[inline]
     fn next_events(&self, place: u32, scene: &Scene) -> Events {
         let (body, shell) = (&self.bodies[place as usize], &self.next_events[place as usize].shell);
@@ -268,7 +269,8 @@ impl GlobalCalendar {
     }
 }
 
-/// Time [s] until a particle is `margin` [m] away from the centre of its shell; infinite if the particle does not move.
+/// Time [s] until a particle is `margin` [m] away from the centre of its shell (ball in which its neighbour list is
+/// valid); infinite if the particle does not move.
 fn leave(body: &FlightState, centre: &Vector3<f64>, margin: f64) -> f64 {
     let from = body.position - centre;
     let (along, square) = (from.dot(&body.velocity), body.velocity.norm_squared());

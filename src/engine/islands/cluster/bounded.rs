@@ -20,16 +20,17 @@ const MANY_CONTACTS: usize = 16;
 /// Number of islands whose surroundings a thread searches in one piece of work.
 const BATCH: usize = 16;
 
-/// Number of islands whose bystanders a thread checks in one piece of work.
+/// Number of islands whose bystanders (particles that members might hit) a thread checks in one piece of work.
 const MANY: usize = 512;
 
 /// Result of searching the surroundings of an island.
 enum Surroundings {
     /// Indices of the cold particles that the island might hit.
     Bystanders(Few),
-    /// Numbers of other islands that this island might meet: all of them if islands may be crowds, otherwise one.
+    /// Numbers of other islands that this island might meet: all of them if islands may be crowds (large islands moved
+    /// by uniform steps), otherwise one.
     Islands(Vec<usize>),
-    /// The island is too large to be solved in this part of a window.
+    /// The island is too large to be solved in this part of a time window.
     TooLarge,
 }
 
@@ -124,7 +125,7 @@ impl BoundedIslands<'_> {
     }
 
     /// Ball that contains a particle of an island. The ball of a member contains its motion after the first touch, and
-    /// the ball of a bystander its whole straight flight.
+    /// the ball of a bystander (particle that members might hit) its whole straight flight.
     fn ball_of(&self, place: u32, is_member: bool) -> BoundingSphere {
         match self.search.label[place as usize] {
             Some(label) if is_member => self.members[label.member()].ball,
@@ -132,9 +133,10 @@ impl BoundedIslands<'_> {
         }
     }
 
-    /// Searches the surroundings of islands until no two of them meet; then the bystanders of each island are known.
-    /// Returns false if an island is too large. The searches of a round run in parallel, and islands change only
-    /// between rounds. Islands only grow, so the result does not depend on the order of the searches.
+    /// Searches the surroundings of islands until no two of them meet; then the bystanders (particles that members
+    /// might hit) of each island are known. Returns false if an island is too large. The searches of a round run in
+    /// parallel, and islands change only between rounds. Islands only grow, so the result does not depend on the order
+    /// of the searches.
     fn expand_all(&mut self, changed: Vec<usize>) -> bool {
         let mut waiting = changed;
         while !waiting.is_empty() {
@@ -180,8 +182,8 @@ impl BoundedIslands<'_> {
         }
     }
 
-    /// Adds all particles next to a crowd to the crowd, finds its bystanders, and unites the crowd with islands that it
-    /// may meet. Returns false if the crowd is too large.
+    /// Adds all particles next to a crowd (large island moved by uniform steps) to the crowd, finds its bystanders, and
+    /// unites the crowd with islands that it may meet. Returns false if the crowd is too large.
     fn expand_crowd(&mut self, which: usize) -> bool {
         let mut which = which;
         while self.list[which].has_to_look() {
@@ -201,7 +203,8 @@ impl BoundedIslands<'_> {
         others.into_iter().fold(which, |which, other| self.unite(which, other))
     }
 
-    /// Stores the bystanders of an island, after a search has shown that the island meets no other island.
+    /// Stores the bystanders (particles that members might hit) of an island, after a search has shown that the island
+    /// meets no other island.
     fn has_seen(&mut self, which: usize, bystanders: Few) {
         let cluster = &mut self.list[which];
         cluster.bystanders = bystanders;
@@ -255,8 +258,8 @@ impl BoundedIslands<'_> {
         Surroundings::Bystanders(bystanders)
     }
 
-    /// Unites each island with those of its bystanders that have become members of islands. `known` is the number of
-    /// the first new member. Returns one member of each changed island.
+    /// Unites each island with those of its bystanders (particles that members might hit) that have become members of
+    /// islands. `known` is the number of the first new member. Returns one member of each changed island.
     fn unite_with_bystanders(&mut self, known: usize) -> Vec<u32> {
         let mut changed = Vec::new();
         if self.members.len() == known {
@@ -292,9 +295,9 @@ impl BoundedIslands<'_> {
 }
 
 impl Cluster {
-    /// True if the island is a crowd, or if it has too many members and a shorter part of the window would reduce their
-    /// number. More than `most` members are too many. Contacts in progress exist in any part, so each of them allows
-    /// two more members.
+    /// True if the island is a crowd (large island moved by uniform steps), or if it has too many members and a shorter
+    /// part of the time window would reduce their number. More than `most` members are too many. Contacts in progress
+    /// exist in any part, so each of them allows two more members.
     fn is_too_large(&self, most: usize) -> bool {
         self.is_crowd() || self.hot.len() > most.max(2 * self.carried.len())
     }

@@ -5,8 +5,8 @@ use super::Member;
 use super::bounded::BoundedIslands;
 
 /// [-] gap between a crowd's member and another particle, divided by the distance of their centres at touch. Particles
-/// with a smaller gap are added to the crowd. In a gas few particles are so near, so this costs little. Without the
-/// rule, the crowd would be solved again for each particle that it pushes.
+/// with a smaller gap are added to the crowd (large island moved by uniform steps). In a gas few particles are so near,
+/// so this costs little. Without the rule, the crowd would be solved again for each particle that it pushes.
 const BESIDE: f64 = 0.05;
 
 /// Number of late members, in excess of an eighth of the members in cells, above which all members are sorted into
@@ -14,9 +14,10 @@ const BESIDE: f64 = 0.05;
 const MANY_LATE: usize = 64;
 
 impl BoundedIslands<'_> {
-    /// Adds to a crowd all particles next to its members, then those next to the new members, and so on. A new member
-    /// may raise the speed limits and so the reach of all members. The surroundings of members whose reach has grown
-    /// are searched again, so that the result does not depend on the order of the searches.
+    /// Adds to a crowd (large island moved by uniform steps) all particles next to its members, then those next to the
+    /// new members, and so on. A new member may raise the speed limits and so the reach of all members. The
+    /// surroundings of members whose reach has grown are searched again, so that the result does not depend on the
+    /// order of the searches.
     pub(super) fn take_in_beside(&mut self, which: usize) {
         loop {
             let before = self.list[which].hot.len();
@@ -48,8 +49,9 @@ impl BoundedIslands<'_> {
         }
     }
 
-    /// Indices of the particles in no island that are next to a member of a crowd and might be hit by this member.
-    /// Empty if the surroundings of the member were already searched with its present reach.
+    /// Indices of the particles in no island that are next to a member of a crowd (large island moved by uniform steps)
+    /// and might be hit by this member. Empty if the surroundings of the member were already searched with its present
+    /// reach.
     fn find_beside(&mut self, member: u32) -> Vec<u32> {
         let Member { place, ball, took_in, .. } = self.members[member as usize];
         let mut beside = Vec::new();

@@ -17,16 +17,16 @@ use std::ops::{DerefMut, Range};
 pub struct IslandLimits {
     /// True if islands may be crowds, which are large islands moved by uniform steps.
     pub crowds: bool,
-    /// Largest number of members of an island that is not a crowd.
+    /// Largest number of members of an island that is not a crowd (large island moved by uniform steps).
     pub most: usize,
 }
 
-/// Way to find the particles that may meet within a part of a window.
+/// Way to find the particles that may meet within a part of a time window.
 pub trait IslandFinder<'a>: DerefMut<Target = Clusters<'a>> + Sync + Sized {
     /// Costs of islands that are found in this way.
     const COSTS: PartCosts;
 
-    /// True if a part that had to be shortened limits the length of the later parts of the window.
+    /// True if a part that had to be shortened limits the length of the later parts of the time window.
     const KEEPS_SHORTER: bool;
 
     /// Makes a finder without islands.

@@ -19,7 +19,8 @@ pub struct Reach {
     pub flight: f64,
     /// Largest distance that a hot particle (member of an island) may reach from the middle of its straight flight.
     pub around: f64,
-    /// Largest radius of the ball in which a hot particle may be after the first touch of its island.
+    /// Largest radius of the ball in which a hot particle (member of an island) may be after the first touch of its
+    /// island.
     pub ball: f64,
 }
 

@@ -20,8 +20,8 @@ impl Clusters<'_> {
         retries.into_iter().map(|(member, _)| member).collect()
     }
 
-    /// Changes one island before it is solved again: a bystander becomes a member, a speed limit rises, or the island
-    /// becomes a crowd.
+    /// Changes one island before it is solved again: a bystander (particle that members might hit) becomes a member, a
+    /// speed limit rises, or the island becomes a crowd (large island moved by uniform steps).
     fn apply_retry(&mut self, member: u32, retry: &Retry) {
         let mut which = self.members[member as usize].cluster as usize;
         match retry {

@@ -164,8 +164,8 @@ impl TracedIslands<'_> {
         ParticleTrajectory { place: member.place, turns: member.turns.clone().map(|turns| &self.turns[turns]) }
     }
 
-    /// Trajectory of a hot particle, given by index, with the velocity changes `turns`. `first` is the number of the
-    /// first change in the list of all changes.
+    /// Trajectory of a hot particle (member of an island), given by index, with the velocity changes `turns`. `first`
+    /// is the number of the first change in the list of all changes.
     fn way(&self, place: u32, turns: &[VelocityChange], first: usize) -> PiecewiseTrajectory {
         let flight = self.search.flights[place as usize];
         let turned = first..first + turns.len();

@@ -9,15 +9,16 @@ use std::ops::Range;
 /// A change of a particle's velocity, which ends one straight flight and begins another.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct VelocityChange {
-    /// Time of the change [s] since the start of the part of the window.
+    /// Time of the change [s] since the start of the part of the time window.
     pub time: f64,
-    /// Position [m] at the start of the part on the straight line of the new flight, extended backwards.
+    /// Position [m] at the start of the part of the time window on the straight line of the new flight, extended
+    /// backwards.
     pub origin: Vector3<f64>,
     /// New velocity [m/s], relative to the moving frame in which speeds are measured.
     pub velocity: Vector3<f64>,
 }
 
-/// Trajectory of a particle through a part of a window.
+/// Trajectory of a particle through a part of a time window.
 #[derive(Clone, Copy)]
 pub struct ParticleTrajectory<'a> {
     /// Index of the particle in the store.
@@ -40,9 +41,10 @@ pub struct PiecewiseTrajectory {
 
 /// A straight piece of a trajectory between two successive velocity changes.
 pub struct Segment {
-    /// Times [s] of the beginning and the end of the piece, since the start of the part.
+    /// Times [s] of the beginning and the end of the piece, since the start of the part of the time window.
     pub span: [f64; 2],
-    /// Position [m] at the start of the part on the straight line of this piece, extended if necessary.
+    /// Position [m] at the start of the part of the time window on the straight line of this piece, extended if
+    /// necessary.
     pub origin: Vector3<f64>,
     /// Velocity [m/s] on this piece, relative to the moving frame in which speeds are measured.
     pub velocity: Vector3<f64>,
