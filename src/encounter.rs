@@ -38,7 +38,7 @@ impl std::fmt::Display for Partner {
 /// The second body of a couple: the body that a particle may meet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Other {
-    /// Another particle, by its index in the store.
+    /// Another particle, by its index in the particle store.
     Particle(u32),
     /// One of the contacts that a wall may have with a sphere.
     Wall(AtWall),
@@ -60,7 +60,7 @@ impl AtWall {
     }
 }
 
-/// A particle, by its index in the store, and a body that it may meet.
+/// A particle, by its index in the particle store, and a body that it may meet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Couple {
     /// Index of the particle.
@@ -69,14 +69,14 @@ pub struct Couple {
     pub other: Other,
 }
 
-/// Time at which two bodies are compared, relative to the time of the stored positions and velocities. The store may be
-/// in a falling frame, so two times of fall are also given. All times in s.
+/// Time at which two bodies are compared, relative to the time of the stored positions and velocities. The particle
+/// store may be in a falling frame, so two times of fall are also given. All times in s.
 ///
 /// Engines move particles in the frame that falls freely with gravity, in which gravity does not affect pairs. A wall
 /// does not fall, so the motion of a particle relative to a wall includes gravity.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FrameTime {
-    /// Time [s] from the time of the store to that of the comparison; particles fly straight meanwhile.
+    /// Time [s] from the time of the particle store to that of the comparison; particles fly straight meanwhile.
     pub ahead: f64,
     /// Time [s] of free fall whose displacement g t²/2 must be added to positions relative to a wall.
     pub sunk: f64,
@@ -85,24 +85,24 @@ pub struct FrameTime {
 }
 
 impl FrameTime {
-    /// Time of the store. Positions are relative to the walls, and velocities are in a frame that has fallen for `time`
-    /// [s].
+    /// Time of the particle store. Positions are relative to the walls, and velocities are in a frame that has fallen
+    /// for `time` [s].
     pub fn fallen(time: f64) -> Self {
         Self { ahead: 0.0, sunk: 0.0, fallen: time }
     }
 
-    /// Time of the store. Positions and velocities are in a frame that has fallen freely for `time` [s].
+    /// Time of the particle store. Positions and velocities are in a frame that has fallen freely for `time` [s].
     pub fn in_free_fall(time: f64) -> Self {
         Self { ahead: 0.0, sunk: time, fallen: time }
     }
 
-    /// Time that is `time` [s] after that of the store. The frame of positions and velocities begins to fall at the
-    /// time of the store.
+    /// Time that is `time` [s] after that of the particle store. The frame of positions and velocities begins to fall
+    /// at the time of the store.
     pub fn ahead(time: f64) -> Self {
         Self { ahead: time, sunk: time, fallen: time }
     }
 
-    /// [m] centre of the particle at index `place`, in the frame of the store.
+    /// [m] centre of the particle at index `place`, in the frame of the particle store.
     #[inline(always)]
     fn position(&self, particles: &Particles, place: usize) -> Vector3<f64> {
         let x = particles.position[place];
@@ -149,12 +149,12 @@ impl Encounter {
 }
 
 impl Couple {
-    /// A couple of two particles, by their indices in the store.
+    /// A couple of two particles, by their indices in the particle store.
     pub fn pair(i: u32, j: u32) -> Self {
         Self { i, other: Other::Particle(j) }
     }
 
-    /// A couple of a particle, by its index in the store, and a contact of a wall.
+    /// A couple of a particle, by its index in the particle store, and a contact of a wall.
     pub fn at_wall(i: u32, at: AtWall) -> Self {
         Self { i, other: Other::Wall(at) }
     }
@@ -200,7 +200,7 @@ impl Couple {
         [Some(self.i), self.j()]
     }
 
-    /// Returns this couple with new indices, after particles have moved in the store.
+    /// Returns this couple with new indices, after particles have moved in the particle store.
     pub fn moved(self, place_of: impl Fn(u32) -> u32) -> Self {
         let other = match self.other {
             Other::Particle(j) => Other::Particle(place_of(j)),

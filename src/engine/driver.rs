@@ -27,7 +27,8 @@ pub struct Work<'a, C> {
     pub particles: &'a mut Particles,
     /// The scene with walls, gravity and materials.
     pub scene: &'a Scene,
-    /// State carried from one time window to the next, such as contacts; it contains indices of particles in the store.
+    /// State carried from one time window to the next, such as contacts; it contains indices of particles in the
+    /// particle store.
     pub lasting: &'a mut Vec<C>,
     /// Log of the impacts in the time window.
     pub log: &'a mut Log,
@@ -77,8 +78,9 @@ pub trait Solver {
     /// Decides, from the result of a trial of islands, for how long islands are not tried again.
     fn judge(&mut self, _population: &PopulationSummary, _scene: &Scene, _trial: &Trial) {}
 
-    /// Moves the carried state (such as contacts) that the classical algorithm has stored to `lasting`. The driver
-    /// calls this function only when islands or other processes need the state, because a copy would double its memory.
+    /// Moves the carried state (such as contacts) that the classical algorithm (all particles at once) has stored to
+    /// `lasting`. The driver calls this function only when islands or other processes need the state, because a copy
+    /// would double its memory.
     fn hand_over(&mut self, lasting: &mut Vec<Lasting<Self>>);
 
     /// Calls `visit` with each item of state that [`hand_over`](Self::hand_over) would move.
@@ -93,20 +95,20 @@ pub trait Solver {
     /// The engine fails; the store then contains the state at the time of the failure.
     fn everyone(&mut self, work: &mut Work<Lasting<Self>>, window: Window) -> Result<(), Failure>;
 
-    /// Counts of all work: that of the classical algorithm plus that in islands.
+    /// Counts of all work: that of the classical algorithm (all particles at once) plus that in islands.
     fn counters(&self, islands: &IslandCounters) -> Counters;
 
     /// Frees, at the end of the run, memory that is needed only for a further time window.
     fn forget(&mut self) {}
 
-    /// Energy [J] stored in contacts, if the classical algorithm moved the particles last. The result is `None` after
-    /// islands, for which the energy is computed from the carried state.
+    /// Energy [J] stored in contacts, if the classical algorithm (all particles at once) moved the particles last. The
+    /// result is `None` after islands, for which the energy is computed from the carried state.
     fn elastic_energy(&self) -> Option<f64>;
 
-    /// Sets the clock that measures the time of the classical algorithm from now on.
+    /// Sets the clock that measures the time of the classical algorithm (all particles at once) from now on.
     fn use_clock(&mut self, clock: Clock);
 
-    /// Returns `spent` plus the time of the classical algorithm so far.
+    /// Returns `spent` plus the time of the classical algorithm (all particles at once) so far.
     fn spent(&self, spent: EngineTimes) -> EngineTimes;
 
     /// Returns the state that the solver keeps from one time window to the next, except carried contacts or collisions.
@@ -137,7 +139,7 @@ pub struct Driver<S: Solver> {
     pub(super) islands: Islands<Lasting<S>>,
     pub(super) lasting: Vec<Lasting<S>>,
     begun: bool,
-    /// True if the classical algorithm moved the particles at the end of the last time window.
+    /// True if the classical algorithm (all particles at once) moved the particles at the end of the last time window.
     everyone_last: bool,
     log: Log,
 }
@@ -162,7 +164,8 @@ impl<S: DistributedSolver> Driver<S> {
         }
     }
 
-    /// Data for the choice between islands and the classical algorithm; `None` if islands are not tried.
+    /// Data for the choice between islands and the classical algorithm (all particles at once); `None` if islands are
+    /// not tried.
     fn choice(&mut self, work: &mut Work<Lasting<S>>, window: Window) -> Option<IslandCost> {
         let population = self.islands.population(work);
         let speeds = self.islands.speeds(work, &population);

@@ -82,8 +82,8 @@ pub trait Engine {
     /// Energy [J] that is now stored in contacts (for soft spheres: in springs); 0 if contacts are instantaneous.
     fn elastic_energy(&self) -> f64;
 
-    /// Calls `visit` with the pairs that are now in contact, by index in the store. For soft spheres, these are the
-    /// contacts that were in progress at the last check. If contacts are instantaneous, `visit` is not called.
+    /// Calls `visit` with the pairs that are now in contact, by index in the particle store. For soft spheres, these
+    /// are the contacts that were in progress at the last check. If contacts are instantaneous, `visit` is not called.
     fn for_each_touching(&self, visit: &mut dyn FnMut(Couple));
 
     /// Indices of the particles that were members of islands (groups solved separately) in the last time window. `None`
@@ -366,8 +366,8 @@ fn speed(particles: &Particles, place: usize) -> f64 {
     particles.velocity.get(place).map_or(0.0, |velocity| velocity.amax())
 }
 
-/// Makes the failure for the first particle, in the order of the store, whose position or velocity is not a finite
-/// number. If there is none, the failure names the fastest particle.
+/// Makes the failure for the first particle, in the order of the particle store, whose position or velocity is not a
+/// finite number. If there is none, the failure names the fastest particle.
 fn not_a_number(particles: &Particles, time: f64) -> Failure {
     let bad = particles
         .position

@@ -30,7 +30,7 @@ use std::time::Duration;
 /// Number of rows of cells that one piece of parallel work contains.
 const ROWS: usize = 64;
 
-/// Two particles that may touch, by their indices in the store.
+/// Two particles that may touch, by their indices in the particle store.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Pair {
     /// Index of the first particle.
@@ -362,7 +362,7 @@ impl NeighbourList {
         slots.extend(parts.iter().flatten());
     }
 
-    /// Appends the slots of a range whose bodies overlap at present, in ascending order.
+    /// Appends the slots (numbers of candidates) of a range whose bodies overlap at present, in ascending order.
     pub fn overlapping_within(&self, range: Range<usize>, particles: &Particles, scene: &Scene, slots: &mut Vec<u32>) {
         let end = range.end;
         let walls = range.start.max(self.pairs.len());
@@ -370,7 +370,8 @@ impl NeighbourList {
         self.walls_within(walls..end, particles, scene, slots);
     }
 
-    /// Appends the slots of a range that are pairs with a gap below `gap` [m], in ascending order.
+    /// Appends the slots (numbers of candidates) of a range that are pairs with a gap below `gap` [m], in ascending
+    /// order.
     pub fn pairs_within(
         &self,
         range: Range<usize>,
@@ -387,7 +388,8 @@ impl NeighbourList {
         }
     }
 
-    /// Appends those slots of `some`, all of which are pairs, whose particles overlap at present. Their order is kept.
+    /// Appends those slots (numbers of candidates) of `some`, all of which are pairs, whose particles overlap at
+    /// present. Their order is kept.
     pub fn overlapping_of(&self, some: &[u32], particles: &Particles, scene: &Scene, slots: &mut Vec<u32>) {
         let some = some.iter().map(|&slot| (slot, &self.pairs[slot as usize]));
         match self.common_reach {
@@ -396,7 +398,8 @@ impl NeighbourList {
         }
     }
 
-    /// Appends the slots of a range at which a particle and a wall overlap at present, in ascending order.
+    /// Appends the slots (numbers of candidates) of a range at which a particle and a wall overlap at present, in
+    /// ascending order.
     pub fn walls_within(&self, range: Range<usize>, particles: &Particles, scene: &Scene, slots: &mut Vec<u32>) {
         let pairs = self.pairs.len();
         let mut apart: Option<Couple> = None;
@@ -446,7 +449,7 @@ impl<T: Copy> Sieve<T> {
     }
 }
 
-/// Appends the slots of the pairs whose centres are nearer to each other than `reach` [m].
+/// Appends the slots (numbers of candidates) of the pairs whose centres are nearer to each other than `reach` [m].
 #[inline(always)]
 fn within<'a>(
     some: impl Iterator<Item = (u32, &'a Pair)>,

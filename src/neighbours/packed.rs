@@ -16,7 +16,7 @@ const AT_ONCE: usize = 4;
 
 /// A ball, prepared for comparison with several others at the same time.
 struct PackedBall<W> {
-    /// Index of the ball in the store.
+    /// Index of the ball in the particle store.
     place: u32,
     /// [m] centre and radius, each repeated in all lanes of a vector.
     spot: [W; 4],
@@ -87,7 +87,7 @@ fn spot_of((middle, radius): (Vector3<f64>, f64), region: &Region, rounding: f64
 /// Balls in cell order, stored for fast tests of overlap.
 #[derive(Default)]
 pub struct PackedBalls {
-    /// Indices of the balls in the store; the padding at the end has no meaning.
+    /// Indices of the balls in the particle store; the padding at the end has no meaning.
     places: Vec<u32>,
     /// [m] centres along x, y, z, and radii, as four lists. In this form eight consecutive numbers are loaded at a
     /// time. The padding at the end has no meaning.

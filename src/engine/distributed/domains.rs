@@ -275,7 +275,7 @@ impl<C> Domains<C> {
 }
 
 impl<C> LocalParticles<C> {
-    /// Describes the store of a single process, which owns all particles of the box.
+    /// Describes the particle store of a single process, which owns all particles of the box.
     pub fn all(domain: &Domain) -> Self {
         Self {
             mine: Vec::new(),

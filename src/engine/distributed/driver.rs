@@ -13,8 +13,8 @@ use crate::scene::Scene;
 use std::sync::Arc;
 
 impl<S: DistributedSolver> Driver<S> {
-    /// Returns in all processes two values of the lead process: the cost of the classical algorithm, and the summary of
-    /// speeds.
+    /// Returns in all processes two values of the lead process: the cost of the classical algorithm (all particles at
+    /// once), and the summary of speeds.
     pub(in crate::engine) fn of_lead(
         &mut self,
         fallback_cost: Option<f64>,

@@ -60,8 +60,8 @@ impl Halo {
     }
 
     /// Sends particles that have left the block to the processes that own their new blocks, and borrows all particles
-    /// within `width` [m] of the block. Afterwards the store contains own and borrowed particles, and `lasting`
-    /// contains their contacts.
+    /// within `width` [m] of the block. Afterwards the particle store contains own and borrowed particles, and
+    /// `lasting` contains their contacts.
     pub fn borrow(domains: &mut Domains<Contact>, work: &mut Work<Contact>, width: f64) -> (Self, Names) {
         let (mine, places) = domains.borrow::<SoftIslands>(work, width);
         let id = &work.particles.id;

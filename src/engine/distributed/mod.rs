@@ -77,8 +77,8 @@ pub trait Distributed: Engine {
         next: &mut dyn FnMut(usize) -> Vec<u8>,
     );
 
-    /// Contacts in progress between a particle of this process, given by index in the store, and a particle of another
-    /// process. Each of the two processes returns the contact.
+    /// Contacts in progress between a particle of this process, given by index in the particle store, and a particle of
+    /// another process. Each of the two processes returns the contact.
     fn touching_abroad(&self) -> Vec<(u32, Overlap)>;
 }
 
@@ -91,7 +91,7 @@ pub trait DistributedSolver: Solver {
         None
     }
 
-    /// True if several processes can share the classical algorithm.
+    /// True if several processes can share the classical algorithm (all particles at once).
     fn shares_steps(&self) -> bool {
         false
     }
@@ -127,7 +127,7 @@ pub trait DistributedSolver: Solver {
 pub struct CrossRankContact<C> {
     /// The carried state (such as contacts), which contains ids of particles instead of indices.
     pub carried: C,
-    /// Index in the store of the particle of this process.
+    /// Index in the particle store of the particle of this process.
     pub own: u32,
     /// Overlap of the two bodies at the end of the last part of a time window; `None` if they are not in contact.
     pub overlap: Option<Overlap>,

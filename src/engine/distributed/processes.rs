@@ -47,7 +47,7 @@ impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
         self.domains.as_ref().filter(|domains| domains.is_cut)
     }
 
-    /// True if the store contains only the particles of one domain.
+    /// True if the particle store contains only the particles of one domain.
     pub fn is_cut(&self) -> bool {
         self.cut_domains().is_some()
     }
@@ -122,7 +122,7 @@ impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
         self.domains.as_ref().map_or_else(|| Region::from(domain), |domains| domains.region(domain))
     }
 
-    /// Applies a new order of the store: the particle that was at index `p` is now at `place_of[p]`.
+    /// Applies a new order of the particle store: the particle that was at index `p` is now at `place_of[p]`.
     pub fn reorder(&mut self, place_of: &[u32]) {
         for abroad in self.domains.iter_mut().flat_map(|domains| &mut domains.abroad) {
             abroad.own = place_of[abroad.own as usize];
@@ -212,8 +212,8 @@ impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
         self.domains.iter_mut().for_each(|domains| domains.keep(solver, work, view, members));
     }
 
-    /// Removes the borrowed particles after a failed part. Restores the store and the carried state (such as contacts)
-    /// from before they were borrowed.
+    /// Removes the borrowed particles after a failed part. Restores the particle store and the carried state (such as
+    /// contacts) from before they were borrowed.
     pub fn give_back(&mut self, work: &mut Work<C>, view: LocalParticles<C>) {
         if let Some(domains) = &mut self.domains {
             domains.give_back(work, view);

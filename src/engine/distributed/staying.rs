@@ -7,14 +7,14 @@ use crate::engine::Overlap;
 use crate::engine::driver::Work;
 use crate::engine::islands::Solve;
 
-/// New indices of the particles that stay in the store when others are removed.
+/// New indices of the particles that stay in the particle store when others are removed.
 pub struct Stay<'a> {
     /// For each particle, by old index, true if it stays.
     mine: &'a [bool],
-    /// Number of particles that stay in the store.
+    /// Number of particles that stay in the particle store.
     count: u32,
-    /// Old and new indices of the particles that move from the end of the store to the places of removed ones. They are
-    /// in ascending order.
+    /// Old and new indices of the particles that move from the end of the particle store to the places of removed ones.
+    /// They are in ascending order.
     moves: Vec<(u32, u32)>,
 }
 
@@ -41,8 +41,8 @@ impl<'a> Stay<'a> {
 }
 
 impl<C: Copy> Domains<C> {
-    /// Removes the borrowed particles after a failed part. Restores the store and the carried state (such as contacts)
-    /// from before they were borrowed.
+    /// Removes the borrowed particles after a failed part. Restores the particle store and the carried state (such as
+    /// contacts) from before they were borrowed.
     pub fn give_back(&mut self, work: &mut Work<C>, view: LocalParticles<C>) {
         work.particles.truncate(view.count);
         (*work.lasting, self.abroad) = view.lasting;

@@ -11,8 +11,8 @@ use std::cmp::Reverse;
 /// bodies. Of events at equal times, the one with the lower slot comes first, so that runs are reproducible.
 type DueEvent = Reverse<(OrderedFloat<f64>, u32)>;
 
-/// Event queue of an island (group of particles that may meet), with at most one event per slot. Outdated events are
-/// replaced at once.
+/// Event queue of an island (group of particles that may meet), with at most one event per slot (number of a
+/// candidate). Outdated events are replaced at once.
 #[derive(Clone, Default)]
 pub struct Calendar {
     queue: PriorityQueue<u32, DueEvent, FxBuildHasher>,
@@ -37,7 +37,8 @@ impl Calendar {
         }
     }
 
-    /// Removes the earliest event, and returns its slot and its time [s since the start of the time window].
+    /// Removes the earliest event, and returns its slot (number of a candidate) and its time [s since the start of the
+    /// time window].
     pub fn pop(&mut self) -> Option<(u32, f64)> {
         self.queue.pop().map(|(slot, Reverse((time, _)))| (slot, time.0))
     }

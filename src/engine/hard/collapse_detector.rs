@@ -34,7 +34,7 @@ const COLLAPSE_IMPACTS: u32 = 1_000_000;
 /// next time window.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Recent {
-    /// Index of the particle in the store.
+    /// Index of the particle in the particle store.
     pub place: u32,
     /// Simulated time [s] of the particle's last collision.
     pub time: f64,

@@ -55,7 +55,8 @@ pub struct EventLoop {
     /// Slots of each particle i in the neighbour list: `adjacent[first[i] .. first[i + 1]]`.
     first: Vec<u32>,
     adjacent: Vec<u32>,
-    /// Next free entry of each particle while slots are filled in, stored here so that its memory is used again.
+    /// Next free entry of each particle while slots (numbers of candidates) are filled in, stored here so that its
+    /// memory is used again.
     next: Vec<u32>,
     /// For each slot of a particle and a wall, the number of the surface feature (such as a triangle) that is touched
     /// next.
@@ -164,14 +165,15 @@ impl EventLoop {
         (end, Ok(None))
     }
 
-    /// Number of the surface feature of the wall at which the next touch of a slot occurs; 0 for a pair.
+    /// Number of the surface feature of the wall at which the next touch of a slot (number of a candidate) occurs; 0
+    /// for a pair.
     fn place(&self, slot: usize) -> u32 {
         let near = slot.checked_sub(self.list.pairs.len());
         near.and_then(|near| self.places.get(near)).copied().unwrap_or_default()
     }
 
-    /// Stores the next touch of the two bodies at a slot; the time of the touch is in s since the start of the time
-    /// window.
+    /// Stores the next touch of the two bodies at a slot (number of a candidate); the time of the touch is in s since
+    /// the start of the time window.
     fn predict_events(&mut self, slot: usize, touch: Option<Touch>) {
         if let (Some(near), Some(touch)) = (slot.checked_sub(self.list.pairs.len()), touch) {
             self.places[near] = touch.place;
@@ -179,8 +181,8 @@ impl EventLoop {
         self.calendar.set(slot as u32, touch.map(|touch| touch.time));
     }
 
-    /// Next touch of the two bodies at a slot, at `now` or later and before `end`; all times are in s since the start
-    /// of the time window.
+    /// Next touch of the two bodies at a slot (number of a candidate), at `now` or later and before `end`; all times
+    /// are in s since the start of the time window.
     fn touch(&self, slot: usize, particles: &Particles, scene: &Scene, now: f64, end: f64) -> Option<Touch> {
         let couple = self.list.couple(slot);
         let touch = couple.touch(particles, scene, FrameTime::ahead(now), end - now);

@@ -55,7 +55,7 @@ pub struct CollisionMasses {
 }
 
 impl CollisionMasses {
-    /// Reads masses and lengths of two bodies from the store.
+    /// Reads masses and lengths of two bodies from the particle store.
     pub fn of(couple: &Couple, particles: &Particles) -> Self {
         Self {
             mass: particles.mass[couple.i as usize],

@@ -18,7 +18,7 @@ use std::ops::Range;
 /// State of a hot particle (a member of an island) at the end of the part of a time window, in the frame at rest.
 #[derive(Clone, Copy, Debug)]
 pub struct HotParticle {
-    /// Index of the particle in the store.
+    /// Index of the particle in the particle store.
     pub place: u32,
     /// Position, velocity and other moving quantities of the particle at the end of the part of the time window.
     pub motion: Motion,
@@ -28,7 +28,7 @@ pub struct HotParticle {
 /// A bystander is a particle that was expected to fly straight.
 #[derive(Clone, Copy, Debug)]
 pub struct Stop {
-    /// Index of the particle in the store.
+    /// Index of the particle in the particle store.
     pub place: u32,
     /// True if the particle was a bystander (particle that members might hit), false if it was a member.
     pub bystander: bool,
@@ -132,8 +132,8 @@ pub struct IslandResults<'a, C> {
     pub landing: &'a Landing,
     /// Batches with the results of the islands.
     pub batches: &'a [Batch<C>],
-    /// Velocity [m/s] that gravity has added to the velocities of the store's frame since the beginning of the time
-    /// window.
+    /// Velocity [m/s] that gravity has added to the velocities of the particle store's frame since the beginning of the
+    /// time window.
     pub fallen: Vector3<f64>,
 }
 
@@ -185,8 +185,8 @@ impl<C: Copy + Send + Sync> IslandResults<'_, C> {
         notes
     }
 
-    /// Writes the results of the islands into the store, and moves all other particles by `fly`. Members of islands are
-    /// recognised by their labels, which are removed afterwards.
+    /// Writes the results of the islands into the particle store, and moves all other particles by `fly`. Members of
+    /// islands are recognised by their labels, which are removed afterwards.
     pub fn put(
         &self,
         particles: &mut Particles,
@@ -237,8 +237,8 @@ pub struct Task<'a, S: Solve> {
     pub solver: &'a S,
     pub scene: &'a Scene,
     pub window: Window,
-    /// Velocity [m/s] that gravity has added to the velocities of the store's frame since the beginning of the time
-    /// window.
+    /// Velocity [m/s] that gravity has added to the velocities of the particle store's frame since the beginning of the
+    /// time window.
     pub fallen: Vector3<f64>,
     /// Length [s] of this part of the time window.
     pub part: f64,

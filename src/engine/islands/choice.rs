@@ -26,7 +26,7 @@ pub struct IslandCost {
     pub population: Arc<PopulationSummary>,
     /// Summary of the velocities of all particles.
     pub speeds: SpeedSummary,
-    /// Cost of the classical algorithm per particle and simulated time [ns/s].
+    /// Cost of the classical algorithm (all particles at once) per particle and simulated time [ns/s].
     pub fallback_cost: f64,
 }
 
@@ -57,7 +57,7 @@ impl WindowPiece<'_> {
 pub struct PartLimits {
     /// Time [s] from the beginning of the part to the end of the time window.
     pub left: f64,
-    /// Cost of the classical algorithm per particle and simulated time [ns/s].
+    /// Cost of the classical algorithm (all particles at once) per particle and simulated time [ns/s].
     pub fallback_cost: f64,
     /// Number of contacts in progress. Their particles are copied into crowds (islands moved by uniform steps) and back
     /// in every part.

@@ -61,7 +61,7 @@ pub type Few = SmallVec<[u32; 4]>;
 pub struct Cluster {
     /// Numbers of the hot members; after `settle` they are in the order of the particles' ids.
     pub(in crate::engine) hot: Few,
-    /// Indices in the store of the cold particles that the members might hit, in the order of their ids.
+    /// Indices in the particle store of the cold particles that the members might hit, in the order of their ids.
     pub(in crate::engine) bystanders: Few,
     /// Numbers of the items of state carried from earlier parts of a time window, such as contacts, that belong to the
     /// island. After `settle` they are in ascending order.
@@ -325,7 +325,7 @@ impl<'a> Clusters<'a> {
 
     /// Returns the locations of all results, in order. For each member, the function also returns the number of its
     /// island, and the number of the member in that island. Labels are kept until the results are written into the
-    /// store.
+    /// particle store.
     pub fn land(self) -> Landing {
         let mut of_member = vec![None; self.members.len()];
         let mut kept = Vec::with_capacity(self.list.len());

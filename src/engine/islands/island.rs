@@ -14,16 +14,16 @@ const FEW: usize = 32;
 /// An island as a small separate scene for an engine. Local indices count the hot particles (members of islands) first,
 /// then the bystanders (particles that members might hit).
 pub struct Island<C> {
-    /// Copies of the particles, in the frame at rest; positions are those of the store.
+    /// Copies of the particles, in the frame at rest; positions are those of the particle store.
     pub particles: Particles,
-    /// Index in the store of each particle.
+    /// Index in the particle store of each particle.
     pub places: Vec<u32>,
     /// Number of hot particles, which are the members of the island.
     pub hot: usize,
     /// True if the island is a crowd, a large island that is moved by uniform steps.
     pub crowd: bool,
-    /// Local indices of all particles, sorted by the index in the store; empty for a small island, which needs no
-    /// sorted list.
+    /// Local indices of all particles, sorted by the index in the particle store; empty for a small island, which needs
+    /// no sorted list.
     by_place: Vec<u32>,
     /// Pairs of particles, and particles with walls, that may touch.
     pub list: NeighbourList,
@@ -104,8 +104,9 @@ impl<C> Island<C> {
     }
 
     /// Replaces the content of the island by copies of hot particles (members of islands), each with its speed limit
-    /// [m/s], and of bystanders (particles that members might hit). Particles are given by index in the store. `fallen`
-    /// [m/s] is the velocity that gravity has added to the velocities of the store since the time window began.
+    /// [m/s], and of bystanders (particles that members might hit). Particles are given by index in the particle store.
+    /// `fallen` [m/s] is the velocity that gravity has added to the velocities of the store since the time window
+    /// began.
     pub(super) fn begin(
         &mut self,
         store: &Particles,
@@ -145,7 +146,8 @@ impl<C> Island<C> {
         (self.also, self.fastest) = (Vec::new(), 0.0);
     }
 
-    /// Local index of the particle with the index `place` in the store; `None` if the particle is not in the island.
+    /// Local index of the particle with the index `place` in the particle store; `None` if the particle is not in the
+    /// island.
     pub(super) fn local(&self, place: u32) -> Option<u32> {
         if self.by_place.is_empty() {
             return self.places.iter().position(|&other| other == place).map(|local| local as u32);

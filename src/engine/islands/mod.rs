@@ -71,7 +71,7 @@ pub trait Solve: Sync {
     fn places(carried: &Self::Carried) -> [Option<u32>; 2];
 
     /// Returns an item of carried state (such as contacts) with new indices of its particles, for instance after the
-    /// store was sorted.
+    /// particle store was sorted.
     fn moved(carried: &Self::Carried, place_of: &dyn Fn(u32) -> u32) -> Self::Carried;
 
     /// Energy [J] that an item of carried state (such as contacts) may give back to its particles.
@@ -102,8 +102,8 @@ pub trait Solve: Sync {
     ) -> Result<Option<usize>, GivenUp>;
 }
 
-/// Number of searches for touches between two sorts of the store. Between two searches particles move by a small
-/// fraction of a cell.
+/// Number of searches for touches between two sorts of the particle store. Between two searches particles move by a
+/// small fraction of a cell.
 const WINDOWS_PER_SORT: u64 = 32;
 
 /// Largest number of particles of an island for which a list of all pairs costs less than uniform steps.
@@ -156,8 +156,8 @@ impl<C: Copy + Send + Sync + Serialize + DeserializeOwned> Islands<C> {
         self.counters
     }
 
-    /// Continues a stored run with the given counts and times. The time of the next sort of the store depends on the
-    /// counts. Islands keep no other state between time windows.
+    /// Continues a stored run with the given counts and times. The time of the next sort of the particle store depends
+    /// on the counts. Islands keep no other state between time windows.
     pub fn resume(&mut self, counters: IslandCounters, spent: EngineTimes) {
         (self.counters, self.spent) = (counters, spent);
     }
@@ -249,7 +249,7 @@ impl<C: Copy + Send + Sync + Serialize + DeserializeOwned> Islands<C> {
         Ok(done)
     }
 
-    /// Prepares a part of a time window: sorts the store after every [`WINDOWS_PER_SORT`] searches, and wraps
+    /// Prepares a part of a time window: sorts the particle store after every [`WINDOWS_PER_SORT`] searches, and wraps
     /// positions.
     fn prepare<S: Solve<Carried = C>>(&mut self, work: &mut Work<C>, piece: &WindowPiece) {
         let began = self.clock.now();
@@ -305,7 +305,7 @@ impl<C: Copy + Send + Sync + Serialize + DeserializeOwned> Islands<C> {
         }
     }
 
-    /// Writes the results of all islands into the store, and moves all other particles on straight lines.
+    /// Writes the results of all islands into the particle store, and moves all other particles on straight lines.
     fn write_back(&mut self, work: &mut Work<C>, piece: &WindowPiece, landing: &Landing, batches: &[Batch<C>]) {
         let (gravity, &WindowPiece { elapsed, part, .. }) = (work.scene.gravity, piece);
         let (fall, fallen) = (gravity * (part * (elapsed + 0.5 * part)), gravity * (elapsed + part));

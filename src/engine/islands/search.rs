@@ -18,7 +18,7 @@ use std::num::NonZeroU32;
 /// Number of rows of cells in a piece of parallel work.
 const ROWS: usize = 16;
 
-/// Number of pairs that are collected before the data of their particles are read from the store.
+/// Number of pairs that are collected before the data of their particles are read from the particle store.
 const BATCH: usize = 64;
 
 /// A ball. It contains a particle throughout its straight flight, relative to the moving frame of the search.
@@ -81,8 +81,8 @@ pub struct Search {
     pub label: Vec<Option<Label>>,
     /// Search structure for the walls near a point, from the last search.
     pub near_walls: NearWalls,
-    /// Indices of the particles whose flights come near a wall, by chunks of the store. All particles are listed if
-    /// some wall is not flat.
+    /// Indices of the particles whose flights come near a wall, by chunks of the particle store. All particles are
+    /// listed if some wall is not flat.
     beside_walls: Vec<Vec<u32>>,
 }
 
@@ -109,8 +109,8 @@ pub fn cell_order(particles: &Particles, region: &Region) -> Vec<u32> {
 }
 
 /// Appends the touches of pairs within `part` [s], in the order of the pairs, and clears the list of pairs. All
-/// particles are read from the store before any pair is checked in detail: otherwise the processor would wait for
-/// memory at every pair.
+/// particles are read from the particle store before any pair is checked in detail: otherwise the processor would wait
+/// for memory at every pair.
 fn touches_of(
     pairs: &mut Vec<(u32, u32)>,
     (particles, scene): (&Particles, &Scene),

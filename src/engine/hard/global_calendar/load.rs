@@ -21,11 +21,11 @@ use std::f64::consts::{PI, SQRT_2};
 /// times would matter as much as that of positions.
 const CROSSINGS: f64 = 8.0;
 
-/// Number of new shells per particle after which the particles in the store are sorted again. By then particles have
-/// moved away from those that are near them in memory.
+/// Number of new shells per particle after which the particles in the store are sorted again. By then
+/// particles have moved away from those that are near them in memory.
 const SORT_AFTER: u64 = 40;
 
-/// Type of change of the store since the calendar wrote its state to it.
+/// Type of change of the particle store since the calendar wrote its state to it.
 enum Change {
     /// No position or velocity has changed.
     None,
@@ -94,7 +94,7 @@ impl GlobalCalendar {
         (scene.domain.wrap(&flight.position), flight.velocity)
     }
 
-    /// Writes the present positions and velocities of all particles to the store.
+    /// Writes the present positions and velocities of all particles to the particle store.
     pub(super) fn write(&self, particles: &mut Particles, scene: &Scene) {
         for place in 0..self.bodies.len() {
             (particles.position[place], particles.velocity[place]) = self.seen(place, scene);
@@ -124,16 +124,16 @@ impl GlobalCalendar {
         }
     }
 
-    /// Frees the memory of all data that can be rebuilt from the store. The memory is required for other data during a
-    /// rebuild and after a run.
+    /// Frees the memory of all data that can be rebuilt from the particle store. The memory is required for other data
+    /// during a rebuild and after a run.
     pub fn forget(&mut self) {
         (self.bodies, self.next_events, self.met) = (Vec::new(), Vec::new(), Vec::new());
         self.agenda = EventQueue::default();
         self.shells.forget();
     }
 
-    /// Reads all particles from the store, after sorting the store along a curve through the box. `met` contains the
-    /// collision histories of the particles by id.
+    /// Reads all particles from the particle store, after sorting the store along a curve through the box. `met`
+    /// contains the collision histories of the particles by id.
     fn load(
         &mut self,
         particles: &mut Particles,
@@ -185,7 +185,7 @@ impl GlobalCalendar {
         Ok(())
     }
 
-    /// Reads the velocities of all particles from the store.
+    /// Reads the velocities of all particles from the particle store.
     fn reload_velocities(&mut self, particles: &Particles, scene: &Scene, start: f64) -> Result<(), Failure> {
         let of_frame = self.frame.velocity_at(self.now);
         for (body, velocity) in self.bodies.iter_mut().zip(&particles.velocity) {

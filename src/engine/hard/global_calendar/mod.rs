@@ -64,8 +64,8 @@ pub struct GlobalCalendar {
     shells: Shells,
     /// True for axes along which the box is so short that a pair may touch through an image other than the nearest one.
     far_images: [bool; 3],
-    /// Total number of shells (balls in which neighbour lists are valid) made at the time when the store was last
-    /// sorted.
+    /// Total number of shells (balls in which neighbour lists are valid) made at the time when the particle store was
+    /// last sorted.
     sorted_at: u64,
     /// Number of impulses applied so far.
     pub events: u64,

@@ -39,7 +39,7 @@ impl BoundedIslands<'_> {
         }
     }
 
-    /// Makes a particle, given by its index in the store, a member of the crowd `which`.
+    /// Makes a particle, given by its index in the particle store, a member of the crowd `which`.
     fn take_in(&mut self, which: usize, place: u32) {
         if self.search.label[place as usize].is_none() {
             let alone = self.cluster_of(place);

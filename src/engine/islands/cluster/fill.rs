@@ -9,7 +9,8 @@ use crate::scene::Scene;
 use nalgebra::Vector3;
 
 /// Copies the island `which` into the small scene `island`, without the state carried from earlier parts of a time
-/// window. `fallen` [m/s] is the velocity that gravity has added to the velocities of the store since the window began.
+/// window. `fallen` [m/s] is the velocity that gravity has added to the velocities of the particle store since the
+/// window began.
 pub fn fill<'a, C>(
     islands: &impl IslandFinder<'a>,
     which: usize,

@@ -40,8 +40,8 @@ pub trait IslandFinder<'a>: DerefMut<Target = Clusters<'a>> + Sync + Sized {
     fn gather(&mut self, touches: &[FirstTouch], carried: &[[Option<u32>; 2]], energy: Vec<f64>) -> bool;
 
     /// Appends the pairs of one member with later particles of its island that it may touch. `member` contains the
-    /// local index of the member. `island` contains the indices in the store of all particles of the island, and the
-    /// number of hot ones.
+    /// local index of the member. `island` contains the indices in the particle store of all particles of the island,
+    /// and the number of hot ones.
     fn list_pairs(&self, member: (usize, &Member), island: (&[u32], usize), pairs: &mut Vec<Pair>);
 
     /// Reserves memory for the trajectories of `members` particles.
@@ -66,8 +66,8 @@ pub trait IslandFinder<'a>: DerefMut<Target = Clusters<'a>> + Sync + Sized {
         None
     }
 
-    /// True if a member may touch a particle of another island. `_place` is the index of that particle in the store,
-    /// and `_turns` are its velocity changes.
+    /// True if a member may touch a particle of another island. `_place` is the index of that particle in the particle
+    /// store, and `_turns` are its velocity changes.
     fn may_meet(&self, _member: &Member, _place: u32, _turns: Option<&[VelocityChange]>) -> bool {
         true
     }

@@ -114,8 +114,8 @@ impl Clusters<'_> {
     }
 
     /// Sorts the members and the carried state (such as contacts) of an island. Also computes its largest energies and
-    /// speeds, and the sum of the energies of its carried state. The order does not depend on that of the store, nor on
-    /// the order in which islands were united.
+    /// speeds, and the sum of the energies of its carried state. The order does not depend on that of the particle
+    /// store, nor on the order in which islands were united.
     fn put_in_order(&self, cluster: &mut Cluster) {
         cluster.hot.sort_unstable_by_key(|&member| self.particles.id[self.members[member as usize].place as usize]);
         cluster.carried.sort_unstable();
@@ -181,8 +181,8 @@ impl Clusters<'_> {
         *alive && hot.iter().any(|&member| chosen(self.members[member as usize].place))
     }
 
-    /// Index in the store of the member of island `which` with the smallest id. The process that owns this particle
-    /// counts the events of the island.
+    /// Index in the particle store of the member of island `which` with the smallest id. The process that owns this
+    /// particle counts the events of the island.
     pub fn leader(&self, which: usize) -> Option<u32> {
         self.list[which].hot.first().map(|&member| self.members[member as usize].place)
     }

@@ -21,7 +21,7 @@ pub struct VelocityChange {
 /// Trajectory of a particle through a part of a time window.
 #[derive(Clone, Copy)]
 pub struct ParticleTrajectory<'a> {
-    /// Index of the particle in the store.
+    /// Index of the particle in the particle store.
     pub place: u32,
     /// Velocity changes in the order of time. With `None` the changes are unknown, and the particle may be anywhere in
     /// the ball of its island member.
