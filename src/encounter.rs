@@ -47,7 +47,7 @@ pub enum Other {
 /// A wall of the scene, with the number of one of its possible contacts with a sphere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct AtWall {
-    /// Index of the wall in the scene.
+    /// Index of the wall among the walls of the scene.
     pub wall: u32,
     /// Number of the contact, one of the [`contacts`](crate::walls::Geometry::contacts) of the wall's shape.
     pub which: u32,
@@ -249,7 +249,7 @@ impl Couple {
         }
     }
 
-    /// [kg] effective mass M; at a wall the mass of the particle.
+    /// [kg] effective mass M of the two bodies; at a wall the mass of the particle.
     #[inline]
     pub fn effective_mass(&self, particles: &Particles) -> f64 {
         let mass = particles.mass[self.i as usize];

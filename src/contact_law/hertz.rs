@@ -193,7 +193,8 @@ mod tests {
         (law, law.between(&bodies))
     }
 
-    /// Johnson 1985, Eqs. 11.23 and 11.24: δ_max = (15 M u²/(16 sqrt(R) E))^(2/5), T_c = 2.87 (M²/(R E² u))^(1/5).
+    /// Compares with the textbook (Johnson 1985, Eqs. 11.23 and 11.24): δ_max = (15 M u²/(16 sqrt(R) E))^(2/5), T_c =
+    /// 2.87 (M²/(R E² u))^(1/5).
     #[test]
     fn elastic_impacts_are_those_of_the_textbook() {
         let (law, spring) = glass(1.0);

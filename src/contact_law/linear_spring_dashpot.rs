@@ -47,7 +47,8 @@ impl Law for LinearSpringDashpot {
         0.5 * spring.stiffness * overlap * overlap
     }
 
-    /// Returns T_c = π / sqrt(ω_0² - γ_n²) (Eq. 7), which does not depend on the speed; infinite for e = 0.
+    /// Returns the contact time T_c = π / sqrt(ω_0² - γ_n²) [s] (Eq. 7), which does not depend on the speed; infinite
+    /// for e = 0.
     fn contact_time(&self, spring: &Spring, _speed: f64) -> f64 {
         let ratio = damping_ratio(spring.restitution);
         PI / (undamped(spring) * (1.0 - ratio * ratio).sqrt())

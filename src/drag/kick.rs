@@ -27,14 +27,14 @@ const TERMS: usize = 5;
 /// Positions in a piece, from 0 to 1, at which the polynomial equals the law. They are Chebyshev points and both ends,
 /// so a switch of the law anywhere in the piece lies between two of them.
 const NODES: [f64; TERMS] = [0.0, 0.146_446_609_406_726_24, 0.5, 0.853_553_390_593_273_8, 1.0];
-/// Positions in a piece at which the interpolation error is largest, and is checked.
+/// Positions in a piece, from 0 to 1, at which the interpolation error is largest and is therefore checked.
 const CHECKS: [f64; TERMS - 1] = [0.05, 0.32, 0.68, 0.95];
 
 /// Coefficients [-] of the polynomial of a piece, constant term first. The variable is the position within the piece,
 /// from 0 to 1. All coefficients are not-a-number if the law switches between two formulas within the piece.
 type Piece = [f64; TERMS];
 
-/// Change of the slip velocity by drag alone, over a given time, for spheres of each species.
+/// Drag kick: change of the slip velocity by drag alone, over a given time, for spheres of each species.
 #[derive(Clone, Debug)]
 pub struct Kick {
     law: Drag,
@@ -77,7 +77,7 @@ impl Kick {
     /// evaluating the law for about 10⁴ particles.
     pub fn tabulated(law: &Drag, spheres: &[Sphere], duration: f64) -> Self {
         let mut kick = Self::exact(law, spheres, duration);
-        // a Vandermonde matrix of distinct nodes is invertible
+        // the matrix is invertible, since it is a Vandermonde matrix of distinct nodes
         let vandermonde = SMatrix::<f64, TERMS, TERMS>::from_fn(|i, j| NODES[i].powi(j as i32));
         let Some(inverse) = vandermonde.try_inverse() else { return kick };
         for species in &mut kick.species {

@@ -26,7 +26,7 @@ use std::sync::Arc;
 pub struct Sphere {
     /// [s] Stokes response time τ = ρ_p d² / (18 ρ_f ν).
     pub stokes_time: f64,
-    /// [s/m] Reynolds number per slip speed, d/ν.
+    /// [s/m] Reynolds number divided by slip speed: d/ν.
     pub reynolds_per_speed: f64,
 }
 
@@ -109,7 +109,7 @@ pub trait DragLaw: std::fmt::Debug + Send + Sync {
         }
         let deceleration = |w: f64| w / self.response_time(sphere, w);
         let slope = |step: f64| (deceleration(slip + step) - deceleration(slip - step)) / (2.0 * step);
-        // Richardson's extrapolation of the two central differences
+        // Richardson's extrapolation of two central differences
         3.0 / (4.0 * slope(5e-4 * slip) - slope(1e-3 * slip))
     }
 

@@ -4,13 +4,13 @@ use super::{DragLaw, Sphere};
 
 /// [-] exponent p of the drag coefficient C_D = 24/Re (1 + 0.15 Re^p): Schiller and Naumann 1935; the paper's Eq. 2.
 const EXPONENT: f64 = 0.687;
-/// [-] factor 0.15 of the correction: Schiller and Naumann 1935; the paper's Eq. 2.
+/// [-] factor 0.15 in the drag coefficient C_D = 24/Re (1 + 0.15 Re^p): Schiller and Naumann 1935; the paper's Eq. 2.
 const FACTOR: f64 = 0.15;
-/// [-] Reynolds number up to which the correction holds: the paper's Eq. 2.
+/// [-] Reynolds number up to which the formula for C_D is valid: the paper's Eq. 2.
 const SWITCH: f64 = 1000.0;
-/// [-] constant drag coefficient C_D above the switch (Newton's regime): the paper's Eq. 2.
+/// [-] constant drag coefficient C_D at Reynolds numbers above `SWITCH` (Newton's regime): the paper's Eq. 2.
 const PLATEAU: f64 = 0.44;
-/// [-] product C_D Re of Stokes drag.
+/// [-] product C_D Re of Stokes drag, which is 24.
 const STOKES: f64 = 24.0;
 
 /// [-] slip Reynolds number above which a warning is given: ten times the upper end of the formula.

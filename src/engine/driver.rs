@@ -53,7 +53,7 @@ pub struct Trial {
 
 /// The methods of an engine that solve single islands and move all particles at once.
 pub trait Solver {
-    /// Type that solves one island; several threads use it at the same time.
+    /// Type that solves a single island (group of particles that may meet); several threads use it at the same time.
     type Islands: Solve;
 
     /// State other than carried contacts or collisions that the solver keeps from one time window to the next.
@@ -121,7 +121,7 @@ pub trait Solver {
 /// State of an engine between time windows, in the form in which it is stored.
 #[derive(Serialize, Deserialize)]
 struct DriverState<C, S> {
-    /// Contacts in progress, or times of recent collisions.
+    /// Contacts in progress (soft spheres), or times of recent collisions (hard spheres).
     lasting: Vec<C>,
     /// True after the first time window.
     begun: bool,
@@ -260,7 +260,7 @@ impl<S: DistributedSolver> Engine for Driver<S> {
 
     fn stored(&self) -> Result<Stored, StoreError> {
         let mut lasting = Vec::new();
-        // if processes share the run, each stores its carried state together with its particles
+        // if processes share the run, each process stores its carried state together with its particles
         if !self.is_cut() {
             self.for_each_lasting(&mut |carried| lasting.push(carried));
         }

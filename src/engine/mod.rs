@@ -192,7 +192,7 @@ pub enum Failure {
         particle: u32,
         /// The particle or wall that this particle overlaps.
         partner: Partner,
-        /// [-] depth of the overlap over the (smaller) diameter.
+        /// [-] depth of the overlap over the diameter, the smaller one of a pair.
         ratio: f64,
         /// [-] limit of the ratio of overlap to diameter.
         limit: f64,
@@ -241,7 +241,7 @@ pub enum Failure {
         time: f64,
         /// Growth [J] of the energy beyond the work of drag and gravity.
         grown: f64,
-        /// Part of this growth [J] that the error of the time integrator explains.
+        /// Part of this growth [J] that can be due to the error of the time integrator.
         explained: f64,
         /// Settings that shorten the time step of this case.
         remedy: String,

@@ -130,7 +130,7 @@ impl ExactSum {
     /// one, and written back here. The result is the sum of all of them, also if terms were not finite.
     pub fn words(&mut self) -> &mut [i64; WORDS] {
         self.carry();
-        // the caller may write any of the words
+        // all words count as used, since the caller may change any of them
         (self.used, self.added) = ((1 << WORDS) - 1, MOST);
         &mut self.words
     }
@@ -151,7 +151,7 @@ impl ExactSum {
         }
         let (first, last) =
             (self.used.trailing_zeros() as usize, u128::BITS as usize - self.used.leading_zeros() as usize);
-        // carries as `carry` does, but only over the words in use
+        // carries between digits as `carry` does, but only over the words in use
         let (mut digits, mut carried, mut top) = ([0_i64; DIGITS], 0, first);
         for (place, (digit, word)) in digits.iter_mut().zip(&self.words).enumerate().skip(first) {
             if place >= last && carried == 0 {

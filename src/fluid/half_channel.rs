@@ -108,7 +108,7 @@ impl HalfChannel {
         (end - start) * self.area(0.5 * (start + end))
     }
 
-    /// Total shear stress 1 - y/h, in units of the wall stress.
+    /// Total shear stress 1 - y/h at the distance `y` from the wall, in units of the wall stress.
     pub fn stress(&self, y: f64) -> f64 {
         1.0 - y / self.reynolds_tau
     }

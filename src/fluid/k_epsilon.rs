@@ -28,9 +28,9 @@ const TURBULENT: f64 = 6000.0;
 const BULK_TOLERANCE: f64 = 1e-10;
 /// [-] largest relative change of k, ε and ν_t in a sweep at which the iteration ends.
 const SWEEP_TOLERANCE: f64 = 1e-11;
-/// Largest number of sweeps over k and ε; some hundreds are usual.
+/// Largest number of sweeps over k and ε. Some hundreds are usually enough.
 const SWEEPS: usize = 20_000;
-/// Largest number of corrections of the friction Reynolds number; about ten are usual.
+/// Largest number of corrections of the friction Reynolds number. About ten are usually enough.
 const CORRECTIONS: usize = 60;
 /// [-] exponent in Re_τ ~ Re^0.875 of Dean's correlation (1978), by which Re_τ is corrected until the bulk velocity is
 /// right.
@@ -46,7 +46,7 @@ pub enum Section {
     Pipe,
 }
 
-/// Treatment of the wall by the turbulence model.
+/// Turbulence model, which determines how the flow near the wall is computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum TurbulenceModel {
@@ -222,7 +222,7 @@ impl ChannelFlow {
             let table = half_table(&profile)?;
             let carried = match section {
                 Section::Channel => table.integral(), // U_b h/ν is the integral in wall units
-                Section::Pipe => 2.0 * table.integral_towards(channel.reynolds_tau), // U_b = 2 ∫ U r dr/R² over the area
+                Section::Pipe => 2.0 * table.integral_towards(channel.reynolds_tau), // U_b = 2 ∫ U r dr/R²
             };
             let excess = carried / target;
             if (excess - 1.0).abs() < BULK_TOLERANCE {

@@ -70,7 +70,7 @@ pub(super) fn sweep(channel: &mut HalfChannel) -> f64 {
     let equation = Equation { prandtl: SIGMA_K, sink: &sink, source: &p, wall: WallCondition::Zero };
     let mut change = channel.solve(&equation, RELAXATION, &mut k);
 
-    // f_2 = 1 - 0.3 exp(-Re_t²): Launder and Sharma 1974.
+    // factor f_2 = 1 - 0.3 exp(-Re_t²) of the sink of ε̃: Launder and Sharma 1974
     let sink: Vec<f64> =
         (0..count).map(|i| C_2 * (1.0 - 0.3 * (-reynolds_t(channel, i).powi(2)).exp()) * frequency[i]).collect();
     let source: Vec<f64> = (0..count).map(|i| C_1 * frequency[i] * p[i] + buffer_source(channel, i)).collect();
@@ -82,7 +82,7 @@ pub(super) fn sweep(channel: &mut HalfChannel) -> f64 {
     channel.epsilon = epsilon;
     for i in 0..count {
         let reynolds = reynolds_t(channel, i);
-        // f_μ = exp(-3.4/(1 + Re_t/50)²): Launder and Sharma 1974.
+        // factor f_μ = exp(-3.4/(1 + Re_t/50)²) of the eddy viscosity: Launder and Sharma 1974
         let damping = (-3.4 / (1.0 + reynolds / 50.0).powi(2)).exp();
         let nu_t = C_MU * damping * reynolds;
         channel.nu_t[i] += RELAXATION * (nu_t - channel.nu_t[i]);

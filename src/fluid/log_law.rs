@@ -39,7 +39,7 @@ impl LogConstants {
         self.intercept - self.von_karman.ln() / self.von_karman
     }
 
-    /// Velocity U⁺ at y⁺ >= 0 [-].
+    /// Velocity U⁺ [-] by Reichardt's formula at the distance y⁺ >= 0 from the wall.
     fn velocity(self, y: f64) -> f64 {
         let kappa = self.von_karman;
         let wall = 1.0 - (-y / OUTER_FADE).exp() - y / OUTER_FADE * (-y / INNER_FADE).exp();

@@ -67,7 +67,7 @@ pub(super) fn sweep(channel: &mut HalfChannel) -> f64 {
     let sink: Vec<f64> = frequency.iter().map(|frequency| C_2 * frequency).collect();
     let source: Vec<f64> = frequency.iter().zip(&source).map(|(frequency, p)| C_1 * frequency * p).collect();
     channel.k = k;
-    // Equilibrium in the wall cell: ε = u*³/(κ y).
+    // equilibrium of production and dissipation in the wall cell: ε = u*³/(κ y)
     let wall = WallCondition::FirstCell(scale(channel).powi(3) / (KAPPA * channel.y[0]));
     let mut epsilon = channel.epsilon.clone();
     let equation = Equation { prandtl: SIGMA_EPSILON, sink: &sink, source: &source, wall };

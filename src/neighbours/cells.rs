@@ -106,7 +106,7 @@ impl CellGrid {
         self.cell = cell;
     }
 
-    /// Frees the memory that is used only for sorting.
+    /// Frees the memory that is needed only while items are sorted.
     pub fn shed(&mut self) {
         self.cell = Vec::new();
     }
@@ -259,7 +259,7 @@ impl CellGrid {
 /// side.
 const RANGES: usize = 10;
 
-/// Ranges of the cell order in which neighbours of a cell are searched.
+/// Ranges of the cell order that contain the items around a cell, among which neighbours are searched.
 pub struct Around {
     first: [usize; RANGES],
     end: [usize; RANGES],

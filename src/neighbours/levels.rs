@@ -27,9 +27,9 @@ struct SizeLevel {
     grid: CellGrid,
     /// Indices of the spheres of the level, in cell order.
     order: Vec<u32>,
-    /// Number of spheres in the levels before this one.
+    /// Number of spheres in the levels of larger spheres, which come before this one.
     first: usize,
-    /// [m] largest reach of any sphere of the level.
+    /// [m] largest reach (radius of the sphere or of its path) of any sphere of the level.
     reach: f64,
 }
 
@@ -228,7 +228,7 @@ impl SizeLevels {
         }
     }
 
-    /// [m] largest reach of any sphere in any level.
+    /// [m] largest reach (radius of the sphere or of its path) of any sphere in any level.
     pub fn largest_reach(&self) -> f64 {
         self.levels.iter().map(|level| level.reach).fold(0.0, f64::max)
     }

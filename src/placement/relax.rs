@@ -25,7 +25,7 @@ const PLACED_MARGIN: f64 = 1e-4;
 pub struct Moved {
     /// [m] distance of the new position from the given position.
     pub farthest: f64,
-    /// Id of the particle that moved this distance.
+    /// Id of the particle that was moved by this distance.
     pub id: u32,
 }
 

@@ -65,7 +65,7 @@ impl FreeRoom {
     /// spheres of one size fill at most π/√18 (Hales 2005, Ann. Math. 162, 1065). In other spaces the limit is 1, since
     /// a single sphere may fill a vessel completely.
     pub fn most(&self) -> f64 {
-        /// [-] factor for the error of a measured volume, which covers several standard errors.
+        /// [-] factor that allows for the error of a measured volume; it covers several standard errors.
         const MEASURED: f64 = 1.05;
         let is_box = self.is_box();
         let one_size = !self.scene.has_sizes() && self.scene.smallest_diameter() == self.scene.largest_diameter();

@@ -129,7 +129,7 @@ mod tests {
     #[test]
     fn the_angle_is_that_of_a_path() {
         for (impact, depth) in [(0.3f64, 0.05f64), (0.7, 0.2), (0.95, 0.1)] {
-            // u = 1, M = 1, k = 1/a², from the instant of touch
+            // units: u = 1, M = 1, k = 1/a²; the path begins at the instant of touch
             let (mut x, mut y) = (-(1.0 - impact * impact).sqrt(), impact);
             let (mut vx, mut vy) = (1.0, 0.0);
             let step = PI * depth / 2000.0;

@@ -147,18 +147,19 @@ pub fn broken_contract(experiment: &Experiment, particles: usize) -> Option<Fail
 ///   0.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Bound {
-    /// [-] largest g of contacts, between pairs and at walls, with local stepping.
+    /// [-] largest relative energy gain g of any contact, of pairs or at walls, with local stepping.
     local: f64,
-    /// [-] largest g of pairs and walls once all particles have been stepped.
+    /// [-] largest relative energy gain g of any contact, of pairs or at walls, after all particles have been moved in
+    /// steps.
     uniform: f64,
-    /// [-] s at the wall with the sharpest seams.
+    /// [-] relative energy error s at the wall whose normal jumps most (defined at [`Bound`]).
     seams: f64,
-    /// [kg] M/2 of the heaviest pair.
+    /// [kg] half the effective mass M/2 of the heaviest pair.
     pair: f64,
-    /// [kg] M/2 of the heaviest particle at a wall.
+    /// [kg] half the effective mass M/2 of the heaviest particle at a wall.
     wall: f64,
-    /// [m/s] factor from a contact impulse [kg m/s] to the energy [J] that rounding of coordinates adds, with one
-    /// rounding per step.
+    /// [m/s] factor by which a contact impulse [kg m/s] is multiplied to give the energy [J] that rounding of
+    /// coordinates may add, with one rounding per step.
     rounding: f64,
     /// [m] the smallest diameter.
     smallest: f64,
@@ -171,8 +172,8 @@ pub struct Bound {
 }
 
 impl Bound {
-    /// The bound of an experiment with this start. Other processes may hold a part of the start if no particles
-    /// overlap. `step` [s] is the longest step with which contacts are resolved.
+    /// Computes the bound for an experiment with this start. Other processes may store a part of the start if no
+    /// particles overlap. `step` [s] is the longest time step with which contacts are resolved.
     pub fn new(experiment: &Experiment, start: &Sample, step: f64) -> Option<Self> {
         let (law, speed) = (experiment.law()?, fastest_impact(experiment));
         let contacts = contacts(&experiment.scene, start.count());
@@ -215,7 +216,7 @@ impl Bound {
         self.elastic_at_start
     }
 
-    /// The failure of an energy that has grown beyond the bound. `energy` is kinetic and elastic energy and `elastic`
+    /// Returns an error if the energy has grown beyond the bound. `energy` is kinetic and elastic energy and `elastic`
     /// the elastic part [J] at simulated `time` [s]. `uniform` is true if all particles have been stepped. An energy
     /// that is not a number is not reported here, because other checks find it.
     ///
@@ -240,7 +241,7 @@ impl Bound {
     }
 }
 
-/// Settings that make the step half as long or shorter and choose an integrator that does not heat.
+/// Settings that make the time step at most half as long, and choose an integrator that does not increase the energy.
 fn remedy(experiment: &Experiment, contacts: &[PossibleContact], law: &ContactLaw, step: f64) -> String {
     let speed = fastest_impact(experiment);
     let times = contacts.iter().map(|contact| law.contact_time(&law.between(&contact.bodies), speed));
@@ -253,16 +254,18 @@ fn remedy(experiment: &Experiment, contacts: &[PossibleContact], law: &ContactLa
     }
 }
 
-/// [-] g of a scheme for impacts at a normal speed [m/s] with a step [s]: see [`Bound`].
+/// [-] largest relative energy gain g (see [`Bound`]) of a scheme, for impacts at a normal speed [m/s] with a time step
+/// [s].
 fn gain(scheme: Scheme, law: &ContactLaw, spring: &Spring, [speed, step]: [f64; 2]) -> f64 {
     /// Number of step lengths tried between N_c and N_c + 1.
     const LENGTHS: u32 = 8;
-    /// Largest N_c that is simulated: finer steps gain less and would take long.
+    /// Largest number of steps per contact N_c that is simulated. Finer steps gain less energy, and would take long to
+    /// simulate.
     const FINEST: f64 = 500.0;
     let steps = law.contact_time(spring, speed) / step;
     let reduced = law.frequency(spring, speed) * step;
     let resolved = match scheme.method {
-        // exactly the fewest steps count as resolved, however they were rounded
+        // exactly the fewest steps count as resolved, even if rounding has reduced their number
         Method::Heun => steps >= FEWEST_STEPS * (1.0 - 1e-9),
         Method::VelocityVerlet | Method::FourthOrder => {
             reduced <= stability_limit(scheme.method, law.damping_ratio(spring, speed))

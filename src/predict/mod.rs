@@ -24,7 +24,7 @@ pub use transient::Transient;
 
 use serde::Serialize;
 
-/// Strength of the random motion of the particles.
+/// Strength of the random motion of the particles, and the source of this number.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Agitation {
     /// [m²/s²] granular temperature: variance of a velocity component, averaged over all particles.
@@ -36,11 +36,11 @@ pub struct Agitation {
 /// Short run of the case, with all its physics, in a smaller periodic box, and the results of this run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Calibration {
-    /// Number of particles in the short run.
+    /// Number of particles in the short run of the case.
     pub particles: usize,
     /// [s] simulated time of the short run.
     pub simulated: f64,
-    /// True if the state was steady during the averaging time.
+    /// True if the state of the short run was steady during the averaging time.
     pub steady: bool,
     /// [1/s] number of collisions of a particle with other particles per time, and its standard error; each is `None`
     /// if unknown.
@@ -53,7 +53,7 @@ pub struct Calibration {
     pub averaged: f64,
     /// [m] edges of the smaller box.
     pub size: [f64; 3],
-    /// Reason why the engine stopped early; `None` if it did not.
+    /// Reason why the engine stopped the short run early; `None` if it did not stop early.
     pub failure: Option<String>,
 }
 
@@ -81,7 +81,7 @@ pub struct Averaging {
     pub particles: usize,
     /// [s] averaging time in the box of this size.
     pub duration: f64,
-    /// [s] averaging time in the box of the case, for an equal error.
+    /// [s] averaging time with which the box of the case gives an equal error.
     pub duration_as_given: f64,
 }
 

@@ -85,7 +85,7 @@ pub struct Recommendation {
     pub time_step: Option<f64>,
     /// [s] window h: time between two exchanges of momentum with the gas.
     pub window: f64,
-    /// True if the whole model, including that of the gas, is adequate.
+    /// True if the recommended model is adequate for the case, including the model of the gas.
     pub adequate: bool,
     /// Reasons for the recommended engine.
     pub reasons: Vec<String>,

@@ -295,7 +295,7 @@ impl Geometry for Frustum {
         if which == 0 { self.touch_time(flight, radius, until).map(Touch::at) } else { None }
     }
 
-    /// Tests the near side for both contacts, since the opposite side may come within reach anywhere above the rim.
+    /// Tests the near side for both contacts, since above the rim the opposite side may come within reach anywhere.
     fn may_touch(&self, _which: u32, point: &Vector3<f64>, radius: f64, skin: f64) -> bool {
         self.nearest(point).distance - radius < skin
     }

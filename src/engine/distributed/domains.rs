@@ -43,7 +43,8 @@ pub struct Domains<C> {
     pub(super) blocks: Blocks,
     /// Distance [m] from the block within which particles of other processes are borrowed.
     pub(super) width: f64,
-    /// True if each process stores only the particles of its block; false if the lead process stores all.
+    /// True if each process stores only the particles of its block; false if the lead process stores the particles of
+    /// all blocks.
     pub is_cut: bool,
     /// Carried state (such as a contact) between a particle of this process and one of another process.
     pub abroad: Vec<CrossRankContact<C>>,

@@ -8,7 +8,7 @@ use crate::scene::Scene;
 /// Operations of uniform steps that involve other processes. The default methods are for a single process, which stores
 /// all particles.
 pub trait GhostExchange {
-    /// True if this process is the lead, or the only one.
+    /// True if this process is the lead process, or the only one.
     fn is_lead(&self) -> bool {
         true
     }
@@ -16,7 +16,7 @@ pub trait GhostExchange {
     /// Replaces each value by its largest value in any process.
     fn largest(&self, _values: &mut [f64]) {}
 
-    /// Adds up the sums over contacts of all processes.
+    /// Replaces the sums over the contacts of this process by the totals over all processes.
     fn gather(&self, _sums: &mut ContactSums) {}
 
     /// Returns the joint result of all processes: a failure if any process has failed.

@@ -176,7 +176,7 @@ impl GhostExchange for OtherProcesses<'_> {
     ) {
         let plan = self.agreed(&own_of(solver, particles), scene, between_uses);
         let mut fastest = plan.largest_speed;
-        // remaining forces of the last window are applied before particles change process
+        // forces that remain from the last window are applied before particles move to other processes
         if due > 0.0 {
             fastest = fastest.max(kick_all(&solver.pushes, (particles, None), due, plan.frame));
         }
@@ -209,7 +209,7 @@ impl SoftSolver {
         window: Window,
         domains: &mut Domains<Contact>,
     ) -> Result<(), Failure> {
-        // contacts return into new blocks, which test the whole list first, so `look_anew` has nothing to do
+        // contacts return into new contact blocks, which first test the whole list, so `look_anew` need not be called
         self.ran_last = true;
         work.record.count(&mut work.log.impacts);
         if !domains.is_cut {

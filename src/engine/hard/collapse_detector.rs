@@ -43,7 +43,7 @@ pub struct Recent {
 /// Collision history of one particle.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct LastCollision {
-    /// Number of impacts since the count was last cleared.
+    /// Number of impacts of the particle since the count was last set to 0.
     pub impacts: u32,
     /// Number of successive impacts after unresolvably short flights, counted across time windows; another impact
     /// resets it to 0.
@@ -53,7 +53,7 @@ pub struct LastCollision {
     shrinking: u8,
     /// Length of the last flight [m]: time since the previous impact, times the speed of approach.
     flown: f64,
-    /// Simulated time [s] of the last collision.
+    /// Simulated time [s] of the particle's last collision.
     pub last: f64,
 }
 
@@ -64,7 +64,7 @@ impl Default for LastCollision {
 }
 
 impl LastCollision {
-    /// A history that contains only a collision at simulated time `last` [s].
+    /// Makes a history that contains only one collision, at simulated time `last` [s].
     pub fn at(last: f64) -> Self {
         Self { last, ..Self::default() }
     }
@@ -99,11 +99,11 @@ pub fn sliding(collision: &Collision, scene: &Scene) -> Option<f64> {
 /// Data that describe the inelastic collapse of a particle, for the error message.
 #[derive(Clone, Copy, Debug)]
 pub struct Collapsed {
-    /// Number of impacts of the particle since the count was last cleared.
+    /// Number of impacts of the particle since the count was last set to 0.
     pub impacts: u32,
     /// Time [s] between the last two impacts.
     pub interval: f64,
-    /// Contact time [s] of the TC model; `None` without this model.
+    /// Contact time [s] of the TC model (elastic collisions within a contact time); `None` without this model.
     pub contact_time: Option<f64>,
     /// Speed [m/s] of sliding along a curved wall, if this is the reason for the many impacts.
     pub sliding: Option<f64>,

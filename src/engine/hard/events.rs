@@ -143,7 +143,7 @@ impl EventLoop {
             };
             self.events += 1;
             self.list.clock.tell(window.start + now);
-            // the new flight passes through the present position, so its origin differs
+            // the new flight passes through the present position, so its origin must change
             particles.position[couple.i as usize] -= change_i * now;
             if let Some(j) = couple.j() {
                 particles.position[j as usize] -= change_j * now;

@@ -77,8 +77,8 @@ impl Collision {
         -self.met.normal_velocity
     }
 
-    /// True if the collision loses energy along the normal. Collisions without this loss may continue for ever without
-    /// a collapse.
+    /// True if the collision loses energy along the normal. Collisions without loss may continue without end, and are
+    /// no sign of an inelastic collapse.
     pub fn loses(&self, scene: &Scene) -> bool {
         !self.elastic && scene.surface(self.kinds.0, self.kinds.1).restitution < 1.0
     }

@@ -89,7 +89,7 @@ pub struct Solved {
     pub impulses: u64,
     /// Number of uniform steps, if the island is a crowd.
     pub crowd_steps: u64,
-    /// Number of contact forces computed in uniform steps.
+    /// Number of contact forces computed in uniform steps of crowds (large islands).
     pub crowd_forces: u64,
     /// Number of gaps or times of touch computed.
     pub pair_checks: u64,

@@ -66,9 +66,9 @@ pub struct Cluster {
     /// Numbers of the items of state carried from earlier parts of a time window, such as contacts, that belong to the
     /// island. After `settle` they are in ascending order.
     carried: Few,
-    /// The two largest kinetic energies [J] of the members, relative to the frame.
+    /// The two largest kinetic energies [J] of the members, relative to the moving frame of the search.
     pub(in crate::engine) energies: [f64; 2],
-    /// The two largest speeds [m/s] of the members, relative to the frame.
+    /// The two largest speeds [m/s] of the members, relative to the moving frame of the search.
     pub(in crate::engine) speeds: [f64; 2],
     /// Energy [J] of all carried state of the island, such as that stored in its contacts.
     pub(in crate::engine) stored: f64,

@@ -39,7 +39,7 @@ pub struct Island<C> {
     pub events: u64,
     /// Number of impulses of the hybrid engine, which counts its contact steps in `events`.
     pub impulses: u64,
-    /// Number of uniform steps, if the island is a crowd.
+    /// Number of contact forces computed in uniform steps, if the island is a crowd.
     pub crowd_steps: u64,
     /// Number of contact forces computed in uniform steps.
     pub crowd_forces: u64,
@@ -57,7 +57,7 @@ pub struct Island<C> {
     pub fastest: f64,
     /// Speed limit [m/s] of each hot particle (member of an island), relative to the moving frame `frame`.
     pub(super) limits: Vec<f64>,
-    /// Velocity [m/s] of the moving frame, relative to the frame at rest.
+    /// Velocity [m/s] of the moving frame of the speed limits, relative to the frame at rest.
     frame: Vector3<f64>,
 }
 
@@ -65,7 +65,7 @@ pub struct Island<C> {
 pub struct Bounds<'a> {
     /// Speed limit [m/s] of each hot particle (member of an island), relative to the moving frame.
     limits: &'a [f64],
-    /// Velocity [m/s] of the moving frame, relative to the frame at rest.
+    /// Velocity [m/s] of the moving frame of the speed limits, relative to the frame at rest.
     frame: Vector3<f64>,
 }
 

@@ -36,7 +36,7 @@ impl BoundingSphere {
     #[inline]
     pub fn of(particles: &Particles, i: usize, domain: &Domain, frame: Vector3<f64>, part: f64) -> Self {
         let half = (particles.velocity[i] - frame) * (0.5 * part);
-        // enlarged, so that rounding does not make the ball too small
+        // the ball is enlarged, so that rounding does not make it too small
         let reach = particles.radius[i] + half.norm() * (1.0 + 1e-12);
         Self { middle: domain.wrap(&(particles.position[i] + half)), reach }
     }
@@ -61,7 +61,7 @@ pub struct FirstTouch {
 
 /// Touches that a search has found, and the number of checks.
 pub struct SearchResult {
-    /// Touches, in the cell order of the first particle.
+    /// Touches, in the order of cells of their first particle.
     pub touches: Vec<FirstTouch>,
     /// Number of pairs, and of particles with walls, that were checked.
     pub checks: u64,

@@ -268,7 +268,7 @@ impl Mesh {
 impl Geometry for Mesh {
     fn nearest(&self, point: &Vector3<f64>) -> Nearest {
         let closest = self.tree.closest(point, f64::MAX, |face| self.spot(face, point).distance);
-        // the fallback is never used, since a mesh has at least one triangle
+        // this value is never used, since a mesh has at least one triangle
         let none = Nearest { distance: f64::INFINITY, normal: Vector3::y() };
         closest.map_or(none, |(face, _)| self.spot(face, point).nearest())
     }

@@ -21,7 +21,7 @@ const ON: f64 = 1e-9;
 /// Numbers of closed parts of a surface that are inside others, by type.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Nested {
-    /// Number of parts inside an odd number of others: boundaries of cavities.
+    /// Number of cavities: parts inside an odd number of others are their boundaries.
     pub cavities: usize,
     /// Number of cavities whose triangles faced away from the cavity and were flipped.
     pub turned: usize,

@@ -134,7 +134,7 @@ fn open_edges(heap: &[[Vector3<f64>; 3]]) -> Vec<Edge> {
             edges.entry(key(&edge)).or_insert((0, edge)).0 += 1;
         }
     }
-    // sorted, so that the order does not depend on the hash table
+    // the edges are sorted, so that their order does not depend on the hash table
     let mut open: Vec<_> = edges.into_iter().filter(|(_, (count, _))| *count == 1).collect();
     open.sort_unstable_by_key(|(key, _)| *key);
     open.into_iter().map(|(_, (_, edge))| edge).collect()

@@ -25,7 +25,7 @@ pub struct ObservingParticle<'a> {
 /// Relative motion of the particle and four neighbours; each array has one value per neighbour.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FourNeighbours {
-    /// [m²/s] half the rate at which the squared distance decreases.
+    /// [m²/s] half the rate at which the squared distance of the centres decreases; positive if the particles approach.
     pub closing: [f64; 4],
     /// [m²] squared distance of the centres minus the squared distance at which the particles touch.
     pub gap: [f64; 4],
@@ -70,7 +70,7 @@ impl ObservingParticle<'_> {
     }
 }
 
-/// Test with vectors of four numbers.
+/// Test whether neighbours approach, with processor vectors of four numbers.
 #[cfg(target_arch = "x86_64")]
 pub mod wide {
     use super::{FlightState, FourNeighbours, ObservingParticle};
@@ -229,7 +229,7 @@ mod tests {
             let itself = view.one_by_one(&[&FlightState { time: 3.0, ..me }; 4], &touch, soon);
             assert_eq!(itself.1, 0);
         }
-        // some neighbours approach, most do not
+        // in this test some neighbours approach, most do not
         assert!((50..1000).contains(&coming), "{coming}");
     }
 }

@@ -66,7 +66,7 @@ impl Bins {
             }
             None => {
                 if self.leaves.len() == self.leaves.capacity() {
-                    // the default growth would double the capacity
+                    // reserves less than the default growth, which would double the capacity
                     self.leaves.reserve_exact(self.leaves.len() / 8 + 64);
                 }
                 self.leaves.push(leaf);

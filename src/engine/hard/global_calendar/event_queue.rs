@@ -54,11 +54,11 @@ impl EventTable<'_> {
 pub struct EventQueue {
     /// Events in the present bin or earlier, sorted by time with the earliest at the end of the list.
     near: Vec<QueuedEvent>,
-    /// Ring of bins of equal length in time, which contain particle indices.
+    /// Ring of bins that cover equal intervals of time and contain particle indices.
     bins: Bins,
     /// Number of indices in all bins, with outdated ones.
     filed: usize,
-    /// Indices of particles whose events are more than one revolution of the ring ahead.
+    /// Indices of particles whose events are so late that the ring of bins does not yet cover their times.
     later: Vec<u32>,
     /// [1/s] number of bins per unit of time.
     rate: f64,
@@ -84,7 +84,7 @@ impl EventQueue {
             let rate = (sample + 1) as f64 / (PER_BIN as f64 * (*time - now));
             self.rate = if rate.is_finite() && rate > 0.0 { rate } else { 1.0 };
         }
-        // frees the memory, which the bins need
+        // frees this memory, which the bins need
         drop(times);
         self.current = self.bin(now);
         for (place, _) in book.next_events.iter().enumerate().filter(|(_, card)| card.time < before) {
@@ -102,7 +102,7 @@ impl EventQueue {
         (bin & (self.bins.count() as u64 - 1)) as usize
     }
 
-    /// True if a bin is more than one revolution of the ring ahead.
+    /// True if a bin is so late that the ring of bins does not yet cover its time.
     #[inline]
     fn is_later(&self, bin: u64) -> bool {
         bin.saturating_sub(self.current) >= self.bins.count() as u64
@@ -122,7 +122,7 @@ impl EventQueue {
             self.filed += 1;
         } else {
             if self.later.len() == self.later.capacity() {
-                // the default growth would double the capacity
+                // reserves less than the default growth, which would double the capacity
                 self.later.reserve_exact(self.later.len() / 8 + 64);
             }
             self.later.push(place);

@@ -9,9 +9,9 @@ use serde::{Deserialize, Serialize};
 /// v' + u + g t. Primes denote values in the frame, and t is the time since the epoch (zero of the calendar's time).
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct FallingFrame {
-    /// Position of the frame's origin [m] at the epoch.
+    /// Position of the frame's origin [m] at the epoch (zero of the calendar's time).
     pub offset: Vector3<f64>,
-    /// Velocity u [m/s] of the frame at the epoch.
+    /// Velocity u [m/s] of the frame at the epoch (zero of the calendar's time).
     pub velocity: Vector3<f64>,
     /// Gravity g [m/s²], with which the frame falls.
     pub gravity: Vector3<f64>,

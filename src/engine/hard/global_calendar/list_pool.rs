@@ -46,7 +46,7 @@ pub struct ListPool {
 }
 
 impl ListPool {
-    /// Removes all free rooms from the pool.
+    /// Removes all free rooms (memory blocks of neighbour lists) from the pool.
     pub fn clear(&mut self) {
         self.free.clear();
     }

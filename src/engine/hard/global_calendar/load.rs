@@ -195,11 +195,12 @@ impl GlobalCalendar {
         self.set_limit(particles, scene, start)
     }
 
-    /// Chooses the length of the epoch from the largest speed and gravity.
+    /// Chooses the length of the epoch (time from one zero of the calendar's time to the next) from the largest speed
+    /// and gravity.
     fn set_limit(&mut self, particles: &Particles, scene: &Scene, start: f64) -> Result<(), Failure> {
         let before = self.limit;
         let fastest = self.bodies.iter().map(|body| body.velocity.norm_squared()).fold(0.0, |a: f64, b| {
-            // a comparison alone would miss a NaN
+            // the second test is needed because a comparison with a NaN is false
             if b > a || b.is_nan() { b } else { a }
         });
         if !fastest.is_finite() {
@@ -266,7 +267,7 @@ impl GlobalCalendar {
     }
 }
 
-/// [m/s²] component of gravity that moves particles towards walls.
+/// [m/s²] component of gravity that is not parallel to the walls and moves particles towards them.
 fn across_walls(scene: &Scene) -> Vector3<f64> {
     scene.gravity - along_walls(scene, scene.gravity)
 }

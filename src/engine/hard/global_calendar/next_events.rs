@@ -13,7 +13,7 @@ pub struct FlightState {
     pub position: Vector3<f64>,
     /// Velocity [m/s] of the particle in the falling frame of the calendar.
     pub velocity: Vector3<f64>,
-    /// Time [s] of `position`, counted from the epoch of the calendar.
+    /// Time [s] at which the particle is at `position`, counted from the epoch (zero of the calendar's time).
     pub time: f64,
     /// Number of the particle's class in the list of all combinations of radius and mass.
     pub kind: u32,
@@ -62,7 +62,7 @@ pub struct NextEvents {
     pub detail: u32,
     /// Detail of the second event, with the meaning of `detail`.
     pub detail_after: u32,
-    /// Shell of the particle, within which its neighbour list is valid.
+    /// Shell of the particle: the ball in which its neighbour list is valid.
     pub shell: Shell,
 }
 

@@ -86,7 +86,7 @@ impl GlobalCalendar {
             }
             return;
         }
-        // a few chunks at a time, so that most events are stored only once in memory, in `next_events`
+        // a few chunks of particles at a time, so that most events are stored only once in memory, in `next_events`
         let together = CHUNK * rayon::current_num_threads();
         for first in (0..count).step_by(together) {
             let (last, this) = (count.min(first + together), &*self);

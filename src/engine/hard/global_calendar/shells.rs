@@ -24,7 +24,8 @@ pub struct Shell {
     first: u32,
     count: u32,
     room: u8,
-    /// True if the particle may touch a wall before it leaves the shell.
+    /// True if the particle may touch a wall before it leaves the shell (the ball in which its neighbour list is
+    /// valid).
     pub at_wall: bool,
     /// True if no periodic side lies between the particle and any of its neighbours.
     pub inside: bool,
@@ -39,7 +40,8 @@ pub struct RadiusClass {
     pub mass: f64,
 }
 
-/// Shells of particles with sizes within a factor of two, in one grid. A single grid for all sizes would have very many
+/// Grid with the shells of particles whose sizes are within a factor of two. A single grid for all sizes would have
+/// very many small particles in each cell.
 /// small particles in each cell.
 #[derive(Clone, Debug)]
 struct ShellLevel {
@@ -52,7 +54,8 @@ struct ShellLevel {
 /// The shells of all particles.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Shells {
-    /// Distance [m] that a particle may move from the centre of its shell.
+    /// Distance [m] that a particle may move from the centre of its shell (the ball in which its neighbour list is
+    /// valid).
     pub margin: f64,
     /// All different combinations of radius and mass, in ascending order.
     pub kinds: Vec<RadiusClass>,
@@ -113,7 +116,7 @@ impl Shell {
         widened(&self.centre)
     }
 
-    /// Number of neighbours of the shell's particle.
+    /// Number of neighbours of the particle to which the shell belongs.
     #[inline]
     pub fn count(&self) -> u32 {
         self.count
@@ -133,7 +136,7 @@ impl Shells {
         self.near.clear();
         self.free.clear();
         let chunks = bodies.len().div_ceil(CHUNK);
-        // a few chunks at a time, so that most lists are stored only once in memory
+        // a few chunks of particles at a time, so that most lists are stored only once in memory
         let together = rayon::current_num_threads();
         for first in (0..chunks).step_by(together) {
             let last = chunks.min(first + together);
@@ -336,7 +339,7 @@ impl Shells {
         let mut found = std::mem::take(&mut self.found);
         found.clear();
         self.checks += self.look_around(i, next_events, bodies, domain, &mut found);
-        // most neighbours stay, so only the lists of new and of lost neighbours are changed
+        // most neighbours stay neighbours, so only the lists of new and of lost neighbours are changed
         self.marks.resize(next_events.len(), 0);
         let was_near = 2 * ((self.renewed + 1) as u32 & (u32::MAX >> 1));
         if was_near == 0 {
@@ -382,7 +385,7 @@ impl Shells {
         let first = self.free.take(room).unwrap_or_else(|| {
             let (first, more) = (self.near.len(), size(room) as usize);
             if self.near.capacity() < first + more {
-                // the default growth would double the capacity
+                // reserves less than the default growth, which would double the capacity
                 self.near.reserve_exact(more.max(first / MORE));
             }
             self.near.resize(first + more, 0);
@@ -391,7 +394,7 @@ impl Shells {
         Shell { first, room, ..*shell }
     }
 
-    /// Removes `j` from the neighbours of `i`; `shell` is the shell of `i`.
+    /// Removes particle `j` from the neighbour list of particle `i`; `shell` is the shell of `i`.
     fn remove(&mut self, shell: &mut Shell, i: u32, j: u32) {
         let list = &mut self.near[shell.first as usize..(shell.first + shell.count) as usize];
         if let Some(k) = list.iter().position(|&other| other == j) {
@@ -402,7 +405,7 @@ impl Shells {
         }
     }
 
-    /// Adds `j` to the neighbours of `i`; `shell` is the shell of `i`.
+    /// Adds particle `j` to the neighbour list of particle `i`; `shell` is the shell of `i`.
     fn add(&mut self, shell: &mut Shell, i: u32, j: u32) {
         if shell.count == size(shell.room) {
             let old = shell.first as usize..(shell.first + shell.count) as usize;

@@ -114,7 +114,7 @@ impl<'a> IslandFinder<'a> for BoundedIslands<'a> {
 }
 
 impl BoundedIslands<'_> {
-    /// Sorts the members of all islands into cells.
+    /// Sorts the members of all islands into cells by their positions.
     pub(super) fn sort(&mut self) {
         let Clusters { search, members, widest, .. } = &self.clusters;
         let spacing = (search.region.volume() / members.len().max(1) as f64).cbrt();

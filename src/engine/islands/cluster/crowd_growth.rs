@@ -22,7 +22,7 @@ impl BoundedIslands<'_> {
         loop {
             let before = self.list[which].hot.len();
             let mut next = 0;
-            // new members are at the end of the list, so the loop reaches them too
+            // new members are appended to the list, so the loop visits them too
             while let Some(&member) = self.list[which].hot.get(next) {
                 next += 1;
                 for place in self.find_beside(member) {

@@ -40,7 +40,7 @@ pub fn fill<'a, C>(
             }
         });
         if !islands.search.near_walls.are_few() {
-            // sorted in the order of the case, each wall once
+            // walls are sorted in the order of the case, and each is listed once
             list.walls[first..].sort_unstable_by_key(|near| (near.at.wall, near.at.which));
             list.walls.dedup();
         }

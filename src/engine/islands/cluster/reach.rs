@@ -96,7 +96,7 @@ impl Clusters<'_> {
         self.members = members;
     }
 
-    /// Computes the reach of all members of an island.
+    /// Computes the distances that all members of an island may reach.
     pub(super) fn settle(&mut self, which: usize) {
         let mut clusters = std::mem::take(&mut self.list);
         self.put_in_order(&mut clusters[which]);
@@ -106,7 +106,7 @@ impl Clusters<'_> {
         }
     }
 
-    /// Computes the reach of one member of an island.
+    /// Computes the distance that one member of an island may reach.
     pub(super) fn settle_member(&mut self, member: u32) {
         let mut members = std::mem::take(&mut self.members);
         self.widest = self.widest.max(self.reach_out(&mut members[member as usize]));
@@ -146,7 +146,7 @@ impl Clusters<'_> {
         member.around
     }
 
-    /// Largest reach of any flight and of any member of an island.
+    /// Largest distances that any straight flight and any member of an island may reach.
     pub fn reach(&self) -> Reach {
         let ball = self.members.iter().map(|member| member.ball.reach).fold(0.0, f64::max);
         Reach { flight: self.search.levels.largest_reach(), around: self.widest, ball }
