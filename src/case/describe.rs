@@ -26,7 +26,7 @@ pub fn describe_variants<'a>(variants: impl IntoIterator<Item = &'a Experiment>)
         let own = own.chain(own_run.lines().filter(|line| !run.contains(line)));
         let line = std::iter::once(model.trim_start_matches("Model ")).chain(own).collect::<Vec<_>>().join(" ");
         let line = format!("\"{}\": {line}\n", experiment.name);
-        // further points of a sweep may contain a variant without changes: its line is written once
+        // at several points of a sweep a variant may have equal settings: its line is written once
         if !text.contains(&line) {
             text += &line;
         }

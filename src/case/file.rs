@@ -1,7 +1,7 @@
 //! All keys that may be typed in a case, with their descriptions.
 //!
-//! Every key is optional in these types, so that one message can name all missing keys. Choices are tables named after the law
-//! (`[drag.schiller_naumann]`), so that a misspelt law is an error at its line.
+//! Every key is optional in these types, so that one message can name all missing keys. Choices are tables named after
+//! the law (`[drag.schiller_naumann]`), so that a misspelt law is an error at its line.
 //!
 //! These types are the only list of keys. serde reads a case into them. schemars makes from them the reference of
 //! `diptych keys`, the page `docs/keys.md` and the schema for editors. The comment of a field becomes the description
@@ -13,8 +13,7 @@
 //! - `x-one-of`: the name of a group, of which a table has one key at most; a later source replaces the key of an
 //!   earlier one.
 //!
-//! An example that is a list stands in `extend("examples" = [[…]])`, because schemars by itself does not read a list
-//! there.
+//! An example that is a list is given by `extend("examples" = [[…]])`, because schemars cannot read it by `example`.
 
 mod contact;
 mod region;
@@ -78,8 +77,8 @@ pub struct CaseFile {
     pub run: Option<Located<RunFile>>,
     /// Slices and sampling of the averages.
     pub statistics: Option<Located<StatisticsFile>>,
-    /// Trajectories to write besides the results, equal for all variants. Without this table no trajectories are
-    /// written.
+    /// Settings of the trajectory files, which are written in addition to the results of every variant. Without this
+    /// table no trajectories are written.
     pub output: Option<Located<OutputFile>>,
     /// One variant that `compare` runs. Without any such table `compare` runs a soft and a hard variant.
     pub compare: Option<Vec<Located<CompareFile>>>,
@@ -91,7 +90,7 @@ pub struct CaseFile {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DomainFile {
-    /// Edge lengths of the box.
+    /// Edge lengths of the box along x, y and z.
     #[schemars(extend("examples" = [["120 mm", "40 mm", "64 mm"]]))]
     #[schemars(extend("x-required" = "always", "x-range" = "1e-6 m ..= 1e4 m"))]
     pub size: Option<Three<Length>>,
@@ -123,7 +122,7 @@ impl Axis {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct GravityFile {
-    // the range ends at a hundred times the fastest centrifuges
+    // the range ends at a hundred times the acceleration in the fastest centrifuges
     /// Components of the acceleration along x, y and z.
     #[schemars(extend("examples" = [["0 m/s^2", "-9.81 m/s^2", "0 m/s^2"]]))]
     #[schemars(extend("x-required" = "always", "x-range" = "-1e9 ..= 1e9 m/s^2"))]
@@ -151,7 +150,7 @@ pub struct FluidFile {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum DragFile {
-    /// Schiller and Naumann (1935), the paper's.
+    /// Drag law of Schiller and Naumann (1935), which the reference paper uses.
     SchillerNaumann {},
     /// Stokes drag of creeping flow, whose solution is known in closed form.
     Stokes {},
@@ -170,7 +169,7 @@ pub enum ProfileFile {
     },
     /// Velocities from a table in a file.
     Table {
-        /// Name of a CSV file with the columns `y_m,U_m_s`, relative to the file that names it.
+        /// Name of a CSV file with the columns `y_m,U_m_s`, relative to the folder of the file that contains this key.
         #[schemars(example = &"gas.csv", extend("x-required" = "always"))]
         file: Option<Located<String>>,
     },
@@ -207,7 +206,8 @@ pub enum ProfileFile {
         #[schemars(extend("x-required" = "or `reynolds_number`", "x-one-of" = "flow rate"))]
         #[schemars(extend("x-range" = "greater than 0, up to 1e3 m/s"))]
         friction_velocity: Option<Located<Speed>>,
-        /// Reynolds number of the bulk velocity and the full width, U_b L_y/ν, from which the friction velocity follows.
+        /// Reynolds number of the bulk velocity and the full width, U_b L_y/ν. The friction velocity follows from this
+        /// number.
         #[schemars(example = 42000, extend("x-range" = "6000 ..= 1e8", "x-one-of" = "flow rate"))]
         reynolds_number: Option<Located<Ratio>>,
         /// Von Kármán's constant κ.
@@ -223,9 +223,9 @@ pub enum ProfileFile {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum TurbulenceFile {
-    /// Standard k-ε with wall functions.
+    /// Standard k-ε model with wall functions.
     WallFunctions,
-    /// Launder and Sharma (1974), integrated to the wall.
+    /// Model of Launder and Sharma (1974) for low Reynolds numbers, integrated down to the wall.
     LaunderSharma,
 }
 
@@ -243,7 +243,7 @@ pub struct ParticlesFile {
     /// Distribution of the diameters, in place of `diameter`.
     #[schemars(extend("x-one-of" = "size"))]
     pub sizes: Option<Located<SizesFile>>,
-    /// Density of the material, ρ_p.
+    /// Density of the material of the particles, ρ_p.
     #[schemars(example = &"1038 kg/m^3", extend("x-required" = "always", "x-range" = "0.1 ..= 3e4 kg/m^3"))]
     pub density: Option<Located<Density>>,
     /// Number of particles, at random positions without overlap.
@@ -275,11 +275,11 @@ pub struct ParticlesFile {
     /// three along x, y and z. With two or more particles the sample has exactly this deviation.
     #[schemars(example = &"0.5 m/s", extend("default" = "0 m/s", "x-range" = "0 ..= 1e5 m/s"))]
     pub velocity_fluctuation: Option<Located<FluctuationFile>>,
-    // two thirds may be typed as 0.667
-    /// Moment of inertia about the centre over m r²: 0.4 of a solid sphere, 2/3 of a thin shell.
+    // a user may type two thirds as 0.667
+    /// Ratio of the moment of inertia about the centre to m r²: 0.4 for a solid sphere, 2/3 for a thin shell.
     #[schemars(example = 0.667, extend("default" = 0.4, "x-range" = "greater than 0, up to 0.667"))]
     pub inertia_factor: Option<Located<Ratio>>,
-    // at the end of the range the surface of a sphere of 1 µm radius has 1000 m/s
+    // at the end of the range the surface of a sphere of 1 µm radius moves at 1000 m/s
     /// Mean spin of a random start.
     #[schemars(extend("examples" = [["0 rad/s", "100 rad/s", "0 rad/s"]]))]
     #[schemars(extend("default" = ["0 rad/s", "0 rad/s", "0 rad/s"], "x-range" = "-1e9 ..= 1e9 rad/s"))]
@@ -306,7 +306,7 @@ pub struct PlacedFile {
     #[schemars(extend("examples" = [["0 m/s", "0 m/s", "0.5 m/s"]]))]
     #[schemars(extend("default" = ["0 m/s", "0 m/s", "0 m/s"], "x-range" = "-1e5 ..= 1e5 m/s"))]
     pub velocity: Option<Three<Speed>>,
-    /// Spin of this particle, right-handed about its direction.
+    /// Spin (angular velocity) of this particle. It rotates about the direction of the vector by the right-hand rule.
     #[schemars(extend("examples" = [["0 rad/s", "0 rad/s", "-400 rad/s"]]))]
     #[schemars(extend("default" = ["0 rad/s", "0 rad/s", "0 rad/s"], "x-range" = "-1e9 ..= 1e9 rad/s"))]
     pub spin: Option<Three<Spin>>,
@@ -335,17 +335,17 @@ pub struct SoftFile {
     /// True: allows a time step beyond the stability limit of the integrator. Energy then grows without bound.
     #[schemars(example = true, extend("default" = false))]
     pub allow_unstable: Option<Located<bool>>,
-    /// Particles that are stepped in time.
+    /// Choice of the particles that are moved by time steps.
     #[schemars(example = &"local", extend("default" = "auto"))]
     pub stepping: Option<Located<SoftStepping>>,
     /// Time integrator.
     #[schemars(example = &"rk2", extend("default" = "velocity_verlet"))]
     pub integrator: Option<Located<Integrator>>,
-    /// Tangential law of spheres that rotate: exactly one of the tables below. Giving one lets spheres rotate.
+    /// Tangential law of spheres that rotate: exactly one of the tables below. With such a table spheres rotate.
     pub tangential: Option<Located<TangentialFile>>,
-    /// Rolling resistance of contacts that last: exactly one of the tables below. Giving one lets spheres rotate.
+    /// Rolling resistance of contacts that last: exactly one of the tables below. With such a table spheres rotate.
     pub rolling: Option<Located<RollingFile>>,
-    /// Twisting resistance of contacts that last. It needs a tangential spring.
+    /// Twisting resistance of contacts that last. This table requires a tangential spring.
     pub twisting: Option<Located<TwistingFile>>,
 }
 
@@ -358,7 +358,7 @@ pub struct SpringFile {
     pub stiffness: Option<Located<Stiffness>>,
 }
 
-/// `[soft.hertz]`; a kind of particles or a wall may have its own.
+/// `[soft.hertz]`, or the `elasticity` of a kind of particles or of a wall.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ElasticityFile {
@@ -384,8 +384,8 @@ pub struct HardFile {
     #[schemars(example = &"1e-6 s", extend("x-default" = "every collision has its restitution"))]
     #[schemars(extend("x-range" = "greater than 0 s"))]
     pub contact_time: Option<Located<Time>>,
-    /// Rule of the tangential impulse of spheres that rotate: exactly one of the tables below. Giving one lets spheres
-    /// rotate.
+    /// Rule of the tangential impulse of spheres that rotate: exactly one of the tables below. With such a table
+    /// spheres rotate.
     pub friction: Option<Located<ImpactRuleFile>>,
 }
 
@@ -417,7 +417,7 @@ pub struct RunFile {
     /// Collision model; `--model` overrides it. A case that is only used with `compare` need not have one.
     #[schemars(example = &"hard", extend("x-required" = "by `run` without `--model`"))]
     pub model: Option<Located<Model>>,
-    /// Simulated time. 0 s writes the initial state only.
+    /// Simulated time. With 0 s only the initial state is written.
     #[schemars(example = &"2 s", extend("x-required" = "always", "x-range" = "0 ..= 1e9 s"))]
     pub duration: Option<Located<Time>>,
     /// Start of averaging. "steady": the run detects when the flow has become steady.

@@ -182,7 +182,7 @@ impl Case {
             Some(Value::Array(items)) => items.as_slice(),
             _ => &[],
         };
-        // a variant is made from the case without its `[[compare]]` list, so that the list is not read again for each
+        // variants are made from the case without its `[[compare]]` list, so that the list is not read again for each
         // variant
         let mut case = self.tree.clone();
         case.remove("compare");

@@ -1,4 +1,4 @@
-//! Lines above the table of a saved state, from which a changed file is recognized.
+//! Header lines of a saved state (`state.csv`), by which a changed file is recognized.
 //!
 //! The first line contains the number of particles and a checksum of the rest. A table that was cut short or changed is
 //! therefore not accepted as a saved state. The other lines describe the run.
@@ -13,7 +13,7 @@ pub fn sign(text: &str, particles: usize) -> String {
     format!("{BEGIN}{particles} particles, checksum {:016x}\n{text}", checksum(text))
 }
 
-/// Returns true if `text` is an unchanged saved state, false if it has no first line of that kind.
+/// Returns true if `text` is an unchanged saved state, false if it does not begin with the first line of a saved state.
 ///
 /// # Errors
 /// In words: the text does not match the checksum or the number of particles in its first line.

@@ -10,7 +10,7 @@ use serde::Deserialize;
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct WallFile {
-    /// A flat wall; everything behind it is solid.
+    /// A flat wall. The whole space behind the plane is solid.
     #[schemars(extend("x-one-of" = "shape", "x-required" = "or another shape"))]
     pub plane: Option<Located<PlaneFile>>,
     /// A solid ball, or a hollow one with the particles inside.
@@ -23,7 +23,8 @@ pub struct WallFile {
     #[serde(rename = "box")]
     #[schemars(extend("x-one-of" = "shape"))]
     pub room: Option<Located<BoxFile>>,
-    /// A cylinder along an axis: solid, hollow with the particles inside (a can, or a pipe without ends), or a thin shell.
+    /// A cylinder along an axis: solid, hollow with the particles inside (a can, or a pipe without ends), or a thin
+    /// shell.
     #[schemars(extend("x-one-of" = "shape"))]
     pub cylinder: Option<Located<CylinderFile>>,
     /// A truncated cone along an axis: solid, hollow with the particles inside, or a thin shell (a hopper).
@@ -35,14 +36,15 @@ pub struct WallFile {
     /// Name of the wall in `[[contact.pairs]]`; several walls of one material may share a name.
     #[schemars(example = &"steel wall")]
     pub name: Option<Located<String>>,
-    /// Ratio of the normal speeds after and before an impact, e: 1 elastic, 0 without rebound (hard spheres only).
+    /// Restitution e, the ratio of the normal speeds after and before an impact. 1: elastic; 0: no rebound (hard
+    /// spheres only).
     #[schemars(example = 0.97, extend("x-required" = "always", "x-range" = "0 ..= 1"))]
     pub restitution: Option<Located<Ratio>>,
     /// Coefficient of sliding friction, μ.
     #[schemars(example = 0.1, extend("default" = 0, "x-range" = "0 ..= 100"))]
     pub friction: Option<Located<Ratio>>,
-    /// Velocity of the surface along itself, as of a belt or a sheared side; the shape stays at rest. Allowed for
-    /// planes, pipes without ends, and meshes all of whose triangles are parallel to the velocity.
+    /// Velocity of the surface in its own plane, as of a conveyor belt or a sheared side; the shape stays at rest.
+    /// Allowed for planes, pipes without ends, and meshes all of whose triangles are parallel to the velocity.
     #[schemars(extend("examples" = [["0 m/s", "0 m/s", "0.5 m/s"]], "default" = [0, 0, 0]))]
     #[schemars(extend("x-range" = "-1e5 ..= 1e5 m/s"))]
     pub velocity: Option<Three<Speed>>,
