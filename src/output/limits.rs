@@ -24,8 +24,8 @@ pub struct Map {
     pub method: String,
     /// Conclusion drawn from the numbers.
     pub lesson: String,
-    /// Names of the columns in the table, with the unit after an underscore. The comment at the top of `case` explains
-    /// the columns.
+    /// Names of the columns in the table, with the unit after an underscore. The comment at the top of the text `case`
+    /// explains the columns.
     pub columns: Vec<&'static str>,
     /// Points in the order in which they are drawn.
     pub rows: Vec<MapPoint>,
@@ -98,7 +98,7 @@ pub struct LimitsStudy<'a> {
     pub provenance: &'a Provenance,
     /// Maps in the order of the page.
     pub maps: &'a [Map],
-    /// [s] wall-clock time of the runs of each map. Two maps made from one set of runs have equal times.
+    /// [s] wall-clock time of the runs of each map. If two maps are made from the same runs, their times are equal.
     pub wall_seconds: &'a [f64],
     /// True if the study used coarse grids.
     pub quick: bool,

@@ -31,13 +31,13 @@ pub enum SeriesStyle {
     Points(usize),
     /// Points with error bars, joined by a thin line, in the colour of the method with this index.
     Sweep(usize),
-    /// Stars on the upper frame, whatever the values: failures of the method with this index.
+    /// Stars on the upper frame at any value: failures of the method with this index.
     Failed(usize),
     /// Large dark diamonds for the best method.
     Winner,
     /// Broad pale line with a disc around each point, for the Pareto front.
     Front,
-    /// Thin grey dashed line: a reference for the variants.
+    /// Thin grey dashed line: a reference with which the variants are compared.
     Reference,
     /// Broad pale line beneath other lines: the exact solution.
     Exact,

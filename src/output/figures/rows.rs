@@ -88,7 +88,7 @@ pub fn rows(picture: &RowsFigure) -> String {
     svg(&render_multiple(plots, layout.with_width(WIDTH).with_height(height)))
 }
 
-/// Plot of the points of one kind, either the certain or the uncertain ones.
+/// Plot of the points of one kind, either those with certain or those with uncertain answers.
 fn points(picture: &RowsFigure, series: usize, sure: bool, floor: f64) -> Option<Plot> {
     let kinds = picture.series.len() as f64;
     let (mut data, mut arms) = (Vec::new(), Vec::new());
