@@ -18,7 +18,7 @@ pub struct SimulationTotals {
 }
 
 impl SimulationTotals {
-    /// Sums over the particles of a sample, of which other processes may hold a part.
+    /// Computes the sums over the particles of a sample. Other processes may hold a part of these particles.
     pub fn of(sample: &Sample) -> Self {
         let [mean_radius, ..] = sample.mean_radii(1.0);
         Self { count: sample.count(), mean_radius, mass: sample.total_mass(), momentum: sample.momentum() }

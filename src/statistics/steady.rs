@@ -66,8 +66,9 @@ impl SteadySeries<'_> {
     }
 }
 
-/// Judges series sampled at common, equally spaced `times` [s]. `from` is the start of averaging. With `None` it is
-/// found by the marginal standard error rule, which drops at most half of the run.
+/// Tests if several series are steady, which were sampled at common, equally spaced `times` [s]. `from` is the start of
+/// averaging. If it is `None`, the start is found by the marginal standard error rule, which drops at most half of the
+/// run.
 pub fn judge(times: &[f64], series: &[SteadySeries], from: Option<f64>) -> Steadiness {
     let count = series.iter().map(|s| s.values.len()).fold(times.len(), usize::min);
     let times = &times[..count];
