@@ -239,10 +239,10 @@ impl Schedule {
 /// * the gas velocity at the particle changes by motion across the profile: error σ² h² u'/(6 L_y) of the mean
 ///   velocity, with the agitation σ and the gradient u' at the walls.
 ///
-/// The second error is found as follows. During the fall the speed w changes at the rate g - D(w), with the deceleration
-/// D by drag. The double commutators of Strang's splitting give an error of at most h² g ((D'² - D D'')/24 + g D''/12).
-/// Once drag carries the weight, the relative error of the speed is less than (h D')²/24. Before that, the last term
-/// dominates. The integral of this term over the fall, with D = 0 and w = g t, is the second error.
+/// The second error is found as follows. During the fall the speed w changes at the rate g - D(w), with the
+/// deceleration D by drag. The double commutators of Strang's splitting give an error of at most h² g ((D'² - D D'')/24
+/// + g D''/12). Once drag carries the weight, the relative error of the speed is less than (h D')²/24. Before that, the
+/// last term dominates. The integral of this term over the fall, with D = 0 and w = g t, is the second error.
 #[derive(Clone, Copy, Debug)]
 struct DragScales {
     /// [s] response time τ at the larger of two slip speeds: the initial one, and the one that gravity causes.

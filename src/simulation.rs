@@ -311,7 +311,7 @@ impl Simulation {
         self.engine.work_done().1
     }
 
-    /// Work counts of the engine.
+    /// Counts of the work that the engine has done since the start.
     pub fn counters(&self) -> Counters {
         self.engine.work_done().0
     }

@@ -15,7 +15,7 @@ static MODELS: Dir = include_dir!("$CARGO_MANIFEST_DIR/models");
 pub struct BuiltIn {
     /// Name of the text: path within its folder, without `.toml`.
     pub name: String,
-    /// Name of the file in messages.
+    /// Path by which messages name the file.
     pub path: PathBuf,
     /// Whole text of the file.
     pub text: &'static str,

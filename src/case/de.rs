@@ -172,9 +172,9 @@ impl de::Error for Error {
 /// Value with its source position and its key path, which later checks use in messages.
 #[derive(Clone, Debug)]
 pub struct Located<T> {
-    /// The value.
+    /// Value that was read from the case.
     pub value: T,
-    /// Position in the source text.
+    /// Position of the value in its source text.
     pub origin: Origin,
     /// Path of the key, such as `particles[0].diameter`.
     pub path: String,

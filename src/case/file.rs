@@ -38,10 +38,10 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 
-/// Components along x, y, z.
+/// Vector in a case: components along x, y and z.
 pub type Three<T> = Located<[Located<T>; 3]>;
 
-/// A whole case.
+/// A whole case, as it is typed.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CaseFile {
@@ -86,7 +86,7 @@ pub struct CaseFile {
     pub sweep: Option<Vec<Located<SweepFile>>>,
 }
 
-/// `[domain]`.
+/// Table `[domain]`: the box.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DomainFile {
@@ -99,15 +99,15 @@ pub struct DomainFile {
     pub periodic: Option<Vec<Located<Axis>>>,
 }
 
-/// An axis by name.
+/// Axis of space, given by its name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Axis {
-    /// Spanwise.
+    /// Spanwise axis.
     X,
-    /// Wall-normal.
+    /// Wall-normal axis.
     Y,
-    /// Streamwise.
+    /// Streamwise axis.
     Z,
 }
 
@@ -118,7 +118,7 @@ impl Axis {
     }
 }
 
-/// `[gravity]`.
+/// Table `[gravity]`.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct GravityFile {
@@ -129,7 +129,7 @@ pub struct GravityFile {
     pub acceleration: Option<Three<Acceleration>>,
 }
 
-/// `[fluid]`.
+/// Table `[fluid]`: the gas and its flow.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FluidFile {
@@ -146,7 +146,7 @@ pub struct FluidFile {
     pub profile: Option<Located<ProfileFile>>,
 }
 
-/// `[drag.*]`.
+/// Tables `[drag.*]`: choice of a drag law.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum DragFile {
@@ -156,7 +156,7 @@ pub enum DragFile {
     Stokes {},
 }
 
-/// `[fluid.profile.*]`.
+/// Tables `[fluid.profile.*]`: choice of a velocity profile of the gas.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum ProfileFile {
@@ -219,7 +219,7 @@ pub enum ProfileFile {
     },
 }
 
-/// A k-ε model by name.
+/// Name of a k-ε model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum TurbulenceFile {
@@ -229,14 +229,14 @@ pub enum TurbulenceFile {
     LaunderSharma,
 }
 
-/// `[[particles]]`: one kind.
+/// Table `[[particles]]`: one kind of particles.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ParticlesFile {
     /// Name of the kind in messages and results.
     #[schemars(example = &"glass 2 mm", extend("x-default" = "`particles 0`, `particles 1`, …"))]
     pub name: Option<Located<String>>,
-    /// Diameter, d.
+    /// Diameter of the particles, d.
     #[schemars(example = &"406 um", extend("x-required" = "or `sizes`", "x-range" = "1e-7 m ..= 1 m"))]
     #[schemars(extend("x-one-of" = "size"))]
     pub diameter: Option<Located<Length>>,
@@ -292,11 +292,11 @@ pub struct ParticlesFile {
     pub elasticity: Option<Located<ElasticityFile>>,
 }
 
-/// One particle of a list.
+/// One particle in the list `at` of a kind.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PlacedFile {
-    /// Position of the centre.
+    /// Position of the centre of this particle.
     #[schemars(extend("examples" = [["2 mm", "2 mm", "1.8 mm"]], "x-required" = "always"))]
     pub position: Option<Three<Length>>,
     /// Diameter of this particle, needed if its kind has `sizes`.
@@ -312,7 +312,7 @@ pub struct PlacedFile {
     pub spin: Option<Three<Spin>>,
 }
 
-/// `[soft]`.
+/// Table `[soft]`: settings of the soft engine.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SoftFile {
@@ -338,7 +338,7 @@ pub struct SoftFile {
     /// Choice of the particles that are moved by time steps.
     #[schemars(example = &"local", extend("default" = "auto"))]
     pub stepping: Option<Located<SoftStepping>>,
-    /// Time integrator.
+    /// Time integrator of the soft engine.
     #[schemars(example = &"rk2", extend("default" = "velocity_verlet"))]
     pub integrator: Option<Located<Integrator>>,
     /// Tangential law of spheres that rotate: exactly one of the tables below. With such a table spheres rotate.
@@ -349,7 +349,7 @@ pub struct SoftFile {
     pub twisting: Option<Located<TwistingFile>>,
 }
 
-/// `[soft.linear_spring_dashpot]`.
+/// Table `[soft.linear_spring_dashpot]`: constants of the linear contact law.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SpringFile {
@@ -370,7 +370,7 @@ pub struct ElasticityFile {
     pub poissons_ratio: Option<Located<Ratio>>,
 }
 
-/// `[hard]`.
+/// Table `[hard]`: settings of the hard engine.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct HardFile {
@@ -389,7 +389,7 @@ pub struct HardFile {
     pub friction: Option<Located<ImpactRuleFile>>,
 }
 
-/// `[hybrid]`.
+/// Table `[hybrid]`: settings of the hybrid engine.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct HybridFile {
@@ -410,7 +410,7 @@ pub enum HardSteppingFile {
     Steps,
 }
 
-/// `[run]`.
+/// Table `[run]`: settings of a run.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RunFile {
@@ -438,19 +438,19 @@ pub struct RunFile {
     pub relax: Option<Located<bool>>,
 }
 
-/// `[statistics]`.
+/// Table `[statistics]`: settings of the averages.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct StatisticsFile {
     /// Number of slices of equal thickness across y in which profiles are averaged.
     #[schemars(example = 15, extend("default" = 40, "x-range" = "1 ..= 100000"))]
     pub slices: Option<Located<i64>>,
-    /// Time between two samples.
+    /// Time between two samples, the instants at which measurements are taken.
     #[schemars(example = &"1 ms", extend("x-default" = "chosen from the scene", "x-range" = "greater than 0 s"))]
     pub sample_interval: Option<Located<Time>>,
 }
 
-/// `[output]`.
+/// Table `[output]`: settings of the trajectory files.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct OutputFile {
@@ -464,7 +464,7 @@ pub struct OutputFile {
     pub format: Option<Located<TrajectoryFormat>>,
 }
 
-/// `[[compare]]`: one variant.
+/// Table `[[compare]]`: one variant of the case.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CompareFile {
@@ -484,7 +484,7 @@ pub struct CompareFile {
     pub set: Option<Located<IgnoredAny>>,
 }
 
-/// `[[sweep]]`: one key and its values.
+/// Table `[[sweep]]`: one key and its values.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SweepFile {

@@ -57,6 +57,6 @@ pub fn fingerprint(text: &str) -> u64 {
 /// matter.
 pub(super) fn checksum(text: &str) -> u64 {
     let bytes = text.trim_end().bytes().filter(|byte| *byte != b'\r');
-    // offset basis and prime: Fowler, Noll & Vo
+    // offset basis and prime of the FNV-1a hash (Fowler, Noll & Vo)
     bytes.fold(0xcbf2_9ce4_8422_2325, |hash: u64, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
 }

@@ -10,7 +10,7 @@ use serde::Serialize;
 /// State of one panel, apart from its particles.
 #[derive(Clone, Debug, Serialize)]
 pub struct Now {
-    /// [s] simulated time.
+    /// [s] simulated time that the panel has reached.
     pub time: f64,
     /// State of the run: `running`, `over` or `failed`.
     pub state: &'static str,
@@ -25,7 +25,7 @@ pub struct Now {
 /// Numbers of a run that the page shows next to the panel.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Live {
-    /// [J] kinetic energy.
+    /// [J] kinetic energy of all particles.
     pub kinetic: f64,
     /// [J] elastic energy stored in contacts.
     pub elastic: f64,
@@ -49,7 +49,7 @@ pub struct Live {
     pub duration: Option<f64>,
     /// [s/s] wall time of the engine per simulated time.
     pub cost: Option<f64>,
-    /// Number of time steps.
+    /// Number of time steps since the start.
     pub steps: u64,
     /// Number of collisions that were resolved by an impulse.
     pub events: u64,

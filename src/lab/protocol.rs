@@ -168,7 +168,7 @@ pub enum Tell {
     Refused {
         /// Serial number of the refused choice of scene and settings.
         serial: u32,
-        /// Reason in words.
+        /// Reason for the refusal in words.
         why: String,
     },
 }

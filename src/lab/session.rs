@@ -42,7 +42,7 @@ const PACES: [f64; 2] = [0.02, 10.0];
 /// Messages of a session to its page.
 #[derive(Debug)]
 pub enum PageMessage {
-    /// Message in JSON.
+    /// Message as JSON text.
     Text(String),
     /// Bytes of a frame.
     Frame(Vec<u8>),

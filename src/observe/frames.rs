@@ -33,7 +33,7 @@ const WHOLE: f64 = 5.0;
 /// State of the followed particles at one instant.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Frame {
-    /// [s] simulated time.
+    /// [s] simulated time of the frame.
     pub time: f64,
     /// [m] centres, inside the box along periodic axes.
     pub position: Vec<Vector3<f32>>,
@@ -51,7 +51,7 @@ pub struct Frame {
 /// frames are close enough in time to show collisions, and end before the run does.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Frames {
-    /// [s] length of the run.
+    /// [s] duration of the run.
     duration: f64,
     /// Largest number of followed particles, and largest number of frames.
     most: (usize, usize),

@@ -17,9 +17,9 @@ const MARKS: u64 = 40;
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct ImpactSample {
     count: u64,
-    /// [m²/s²] squared normal speeds of approach, summed.
+    /// [m²/s²] sum of the squared normal speeds of approach.
     approach: f64,
-    /// [m²/s²] squared normal speeds of rebound, summed.
+    /// [m²/s²] sum of the squared normal speeds of rebound.
     rebound: f64,
 }
 

@@ -71,13 +71,13 @@ pub struct SpeciesAverages {
 pub struct MeetingAverages {
     /// Names of the two kinds: a species, and a second species or a wall by its index in the case.
     pub between: [String; 2],
-    /// Number of impacts that ended.
+    /// Number of impacts that ended in the averaging period.
     pub count: u64,
-    /// [1/s] impact rate.
+    /// [1/s] rate of the impacts between the two kinds.
     pub rate: Option<Estimate>,
-    /// [m/s] mean normal speed of approach.
+    /// [m/s] mean normal speed of approach in these impacts.
     pub normal_speed: Option<f64>,
-    /// [-] restitution given in the case.
+    /// [-] restitution of these impacts that the case gives.
     pub restitution_asked: f64,
     /// [-] realised restitution: square root of the ratio of the normal energy after the impacts to that before, both
     /// summed over the impacts.

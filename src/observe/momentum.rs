@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 /// contains no sample. In a steady flow the forces add up to zero.
 #[derive(Clone, Copy, Debug, Default, Serialize)]
 pub struct Balance {
-    /// [N] mean drag.
+    /// [N] mean drag force of the gas.
     pub drag: Option<Estimate>,
     /// [N] weight N m g of all particles along z (negative: against the flow).
     pub weight: f64,

@@ -19,7 +19,7 @@ pub struct PathSample {
     pub id: u32,
     /// [m] centre, inside the box along periodic axes.
     pub position: Vector3<f64>,
-    /// [m/s] velocity.
+    /// [m/s] velocity of the particle.
     pub velocity: Vector3<f64>,
     /// [rad/s] spin; `None` if spheres do not rotate.
     pub spin: Option<Vector3<f64>>,

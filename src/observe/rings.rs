@@ -21,9 +21,9 @@ pub struct Rings {
 /// One ring about the axis of a pipe, and the gas in it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Ring {
-    /// [m] inner radius.
+    /// [m] inner radius of the ring.
     pub inner: f64,
-    /// [m] outer radius.
+    /// [m] outer radius of the ring.
     pub outer: f64,
     /// [m/s] mean velocity of the gas over the area of the ring.
     pub gas: f64,

@@ -25,7 +25,7 @@ pub struct RunLoop {
 /// State of a run that was stopped at the end of a window, with all data needed to resume it with the same bits.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Pause {
-    /// State of the simulation.
+    /// State of the simulation at the pause.
     pub snapshot: Snapshot,
     course: RunLoop,
     observers: Vec<Stored>,

@@ -40,7 +40,7 @@ pub struct Terms<T> {
     pub production: T,
     /// [m²/s³] transport by velocity fluctuations from other slices.
     pub transport: T,
-    /// [m²/s³] work of drag.
+    /// [m²/s³] change by drag.
     pub drag: T,
     /// [m²/s³] change by impacts between particles and on walls.
     pub impacts: T,
@@ -80,7 +80,7 @@ pub struct Budgets {
 struct MomentSums {
     count: f64,
     velocity: Vector3<f64>,
-    /// Sum of v_i v_j, by rows.
+    /// Sum of the products v_i v_j, where i is the row.
     square: [[f64; 3]; 3],
     /// Sum of v_i v_j v for the four moments, where v is the wall-normal component.
     carried: [f64; 4],

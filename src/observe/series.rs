@@ -113,7 +113,7 @@ impl Row {
         }
     }
 
-    /// [m²/s²] granular temperature T.
+    /// [m²/s²] granular temperature T of all particles.
     pub fn granular_temperature(&self) -> Option<f64> {
         self.temperature.map(|parts| parts.sum() / 3.0)
     }
@@ -125,9 +125,9 @@ struct MassSums {
     mass: f64,
     /// [kg m] sum of mass times position.
     moment: Vector3<f64>,
-    /// [kg m/s] momentum.
+    /// [kg m/s] momentum of all particles.
     momentum: Vector3<f64>,
-    /// [J] kinetic energy.
+    /// [J] kinetic energy of all particles.
     kinetic_energy: f64,
 }
 

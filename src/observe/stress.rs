@@ -41,7 +41,7 @@ pub struct Stress {
 /// Sums over all particles at one instant.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct StressSample {
-    /// [J] Σ m c c.
+    /// [J] kinetic sum Σ m c c, where c is the velocity relative to the mean velocity of the slice.
     kinetic: [f64; 6],
     /// [J s] Σ r f, integrated over time since the start.
     contact: [f64; 6],

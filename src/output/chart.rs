@@ -41,11 +41,11 @@ pub struct PointError {
 /// Distribution of the wall-clock time of one run on one thread [s].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct CostSpread {
-    /// [s] median time.
+    /// [s] median wall-clock time of a run.
     pub median: f64,
-    /// [s] shortest time.
+    /// [s] shortest wall-clock time of a run.
     pub lowest: f64,
-    /// [s] longest time.
+    /// [s] longest wall-clock time of a run.
     pub highest: f64,
 }
 
@@ -78,7 +78,7 @@ pub struct ChartPoint {
     pub method: usize,
     /// Value of the swept parameter, in the unit of this parameter.
     pub knob: f64,
-    /// Number of runs.
+    /// Number of runs from which the point is computed.
     pub samples: usize,
     /// Wall-clock time of one run on one thread.
     pub wall: CostSpread,
@@ -97,7 +97,7 @@ pub struct ChartPoint {
 pub struct ChartMethod {
     /// Name of the method.
     pub name: String,
-    /// Collision model.
+    /// Collision model of the method.
     pub model: Model,
     /// Symbol of the swept parameter.
     pub knob: &'static str,
@@ -141,15 +141,15 @@ pub struct ChartStudy<'a> {
     pub reference: &'a str,
     /// Description of the runs behind each point.
     pub setting: &'a str,
-    /// Compared methods.
+    /// Methods that are compared in the chart.
     pub methods: &'a [ChartMethod],
-    /// Charted quantities.
+    /// Quantities whose errors are charted.
     pub quantities: &'a [ChartQuantity],
-    /// Points of all methods.
+    /// Points of the chart, for all methods.
     pub points: &'a [ChartPoint],
     /// Fitted slopes of the errors.
     pub slopes: &'a [ChartSlope],
-    /// Conclusions, one sentence each.
+    /// Conclusions from the chart, one sentence each.
     pub verdicts: &'a [String],
     /// Remarks on how far the numbers are reliable.
     pub notes: &'a [String],

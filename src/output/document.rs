@@ -103,7 +103,7 @@ pub(super) struct Document<'a> {
     pub provenance: &'a Provenance,
     /// Names and failures of variants that stopped early.
     pub failures: Vec<(&'a str, &'a Failure)>,
-    /// Answers in sentences, the shortest first.
+    /// Answers of the study in sentences, the shortest first.
     pub verdicts: &'a [String],
     /// Number of `verdicts` at the top of the page; the others are hidden until the reader opens them.
     pub answers: usize,

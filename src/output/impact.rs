@@ -8,7 +8,7 @@ use serde::Serialize;
 /// State of the two bodies at one instant of an impact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathPoint {
-    /// [s] time.
+    /// [s] time since the start of the run.
     pub time: f64,
     /// [m] gap between the surfaces; negative while they overlap.
     pub gap: f64,

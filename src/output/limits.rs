@@ -22,7 +22,7 @@ pub struct Map {
     pub title: String,
     /// Description of the runs behind each point.
     pub method: String,
-    /// Conclusion drawn from the numbers.
+    /// Conclusion that is drawn from the map.
     pub lesson: String,
     /// Names of the columns in the table, with the unit after an underscore. The comment at the top of the text `case`
     /// explains the columns.
@@ -38,9 +38,9 @@ pub struct Map {
 /// Kind of picture of a map.
 #[derive(Clone, Debug)]
 pub enum Picture {
-    /// Coloured cells.
+    /// Coloured cells, each of which belongs to a class.
     Cells(RegimeMap),
-    /// Points and lines.
+    /// Points and lines in a panel.
     Curves(Panel),
 }
 

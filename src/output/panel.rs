@@ -5,7 +5,7 @@ use crate::legible;
 /// Picture of a document, with its file name and its caption.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figure {
-    /// Name of the file without `.svg`.
+    /// Name of the picture's file, without `.svg`.
     pub name: String,
     /// Caption of one or two sentences.
     pub caption: String,

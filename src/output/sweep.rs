@@ -115,7 +115,7 @@ pub struct SweepRun {
 pub struct SweepRow {
     /// Index of the value on each axis, which defines the point.
     pub at: Vec<usize>,
-    /// Index of the variant.
+    /// Index of the variant in [`SweepStudy::variants`].
     pub variant: usize,
     /// Hashes of the runs of the row, one per replica. A run may belong to several rows.
     pub identities: Vec<String>,

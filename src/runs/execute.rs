@@ -84,7 +84,7 @@ pub fn execute_together(
 pub struct SharedRun<'a> {
     /// Index of the run in the list.
     pub index: usize,
-    /// The processes.
+    /// Processes that share the run.
     pub ranks: &'a Ranks,
     /// True to print no summary of the run.
     pub quiet: bool,

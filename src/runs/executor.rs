@@ -55,11 +55,11 @@ impl RunResult for Outcome {
 
 /// Executor of the runs of a command, in the lead process.
 pub struct Executor<'a> {
-    /// The folder of results.
+    /// Folder for the results of the command.
     pub folder: Rc<Folder>,
     /// Checkpointer that stores the runs.
     pub checkpointer: Checkpointer,
-    /// The runs.
+    /// Runs of the command.
     pub runs: Vec<ResumableRun>,
     progress: Progress,
     threads: ThreadBudget,

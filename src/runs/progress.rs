@@ -19,7 +19,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-/// Time between two lines if there is no terminal.
+/// Time between two printed lines of progress, if the output is not a terminal.
 pub const INTERVAL: Duration = Duration::from_secs(10);
 
 /// Time between two updates of the display.
@@ -60,7 +60,7 @@ enum ProgressDisplay {
 struct RunProgress {
     name: String,
     model: Model,
-    /// [s] time to be simulated.
+    /// [s] simulated duration of the whole run.
     duration: f64,
     stage: RunStage,
 }

@@ -18,7 +18,7 @@ const REPORT_INTERVAL: Duration = Duration::from_secs(1);
 
 /// A list of runs that may be done in any order, and by any process that has made an equal list.
 pub trait RunList: Sync {
-    /// Result of one run.
+    /// Result of one run of the list.
     type Answer: Send;
 
     /// Number of runs that may be done concurrently.

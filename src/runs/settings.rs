@@ -9,7 +9,7 @@ use crate::output::{Folder, Provenance};
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
-/// Origin of a command.
+/// Origin of a command: typed by the user, or continued by `resume`.
 pub enum CommandOrigin {
     /// The user typed the command.
     Typed,

@@ -9,9 +9,9 @@ use serde::{Deserialize, Serialize};
 pub struct SimulationTotals {
     /// Number of particles in all processes.
     pub count: usize,
-    /// [m] mean radius.
+    /// [m] mean radius of all particles.
     pub mean_radius: f64,
-    /// [kg] total mass at the start.
+    /// [kg] mass of all particles at the start.
     pub mass: f64,
     /// [kg m/s] total momentum, added up since the start.
     pub momentum: Vector3<f64>,

@@ -28,7 +28,7 @@ pub struct Batches {
     pub per_run: usize,
     /// [s] start of the first block of each run.
     pub from: f64,
-    /// [s] length of a block.
+    /// [s] length of each block of time.
     pub length: f64,
     /// [s] time between samples. The last sample of a block is taken one such time before the end of the block.
     pub interval: f64,
@@ -67,7 +67,7 @@ impl Batches {
         }
     }
 
-    /// Number of blocks.
+    /// Number of blocks of each component.
     pub fn count(&self) -> usize {
         self.blocks.first().map_or(0, Vec::len)
     }

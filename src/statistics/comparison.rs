@@ -64,7 +64,7 @@ impl Answer {
 /// One observable of two runs, with its tests and its answer.
 #[derive(Clone, Debug, Serialize)]
 pub struct Judged {
-    /// Results of the tests.
+    /// Results of the tests of this observable.
     #[serde(flatten)]
     pub tested: Tested,
     /// True if a difference is found, at the level of 1 % for all observables together (Holm 1979).
@@ -143,7 +143,7 @@ struct EquivalenceTest {
     margin: f64,
     /// [-] level of the test for a difference in one observable.
     level: f64,
-    /// [-] level of each one-sided test.
+    /// [-] level of each one-sided test of equivalence.
     equivalence: f64,
     /// Number of positions, over all observables, that have to be shown equivalent.
     places: usize,

@@ -12,11 +12,11 @@ use serde::{Deserialize, Serialize};
 
 /// Number of sums per slice: the number of particles, then products of one, two and three velocity components.
 const SUMS: usize = SLICE_QUANTITIES;
-/// Components of each second moment.
+/// Indices of the velocity components in each second moment.
 const PAIRS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)];
 /// Index in [`PAIRS`] of each pair of components.
 const PAIR_OF: [[usize; 3]; 3] = [[0, 3, 4], [3, 1, 5], [4, 5, 2]];
-/// Components of each third moment.
+/// Indices of the velocity components in each third moment.
 const TRIPLES: [[usize; 3]; 10] =
     [[0, 0, 0], [0, 0, 1], [0, 0, 2], [0, 1, 1], [0, 1, 2], [0, 2, 2], [1, 1, 1], [1, 1, 2], [1, 2, 2], [2, 2, 2]];
 /// Largest number of blocks of time. When it is reached, blocks are merged two by two, so that memory stays bounded for
@@ -26,9 +26,9 @@ const MOST_BLOCKS: usize = 512;
 /// Sums of all slices over several successive samples.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct SampleBlock {
-    /// [s] time of the first sample.
+    /// [s] time of the first sample in the block.
     start: f64,
-    /// [s] time of the last sample.
+    /// [s] time of the last sample in the block.
     end: f64,
     /// Number of samples in the block.
     samples: usize,
@@ -105,7 +105,7 @@ impl Accumulator {
         self.block_samples *= 2;
     }
 
-    /// Sums of one sample.
+    /// Sums of all slices for one sample.
     fn sum(&self, sample: Sample, reference: Vector3<f64>) -> Vec<f64> {
         let particles = sample.particles;
         let scale = self.slices as f64 / self.height;

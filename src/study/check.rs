@@ -97,16 +97,16 @@ struct CheckedVariant {
     time_step: Option<f64>,
     /// [-] number of soft time steps of the whole run.
     steps: Option<f64>,
-    /// [s] shortest contact of two particles.
+    /// [s] duration of the shortest contact of two particles.
     pair_contact: Option<f64>,
-    /// [s] shortest contact with a wall.
+    /// [s] duration of the shortest contact with a wall.
     wall_contact: Option<f64>,
     /// Kinds of contact with their names and durations [s]. Empty unless there are several kinds of pairs or several at
     /// walls. At most 20 are listed, the shortest ones.
     contacts: Vec<(String, f64)>,
     /// [s] window h; if windows grow, the shortest one.
     window: f64,
-    /// [s] the longest window.
+    /// [s] longest window, which is the time between two exchanges of momentum with the gas.
     longest: f64,
     /// [-] number of windows of the whole run. A case may have more windows than a 64-bit integer can count.
     windows: f64,

@@ -99,7 +99,7 @@ impl Looks {
 struct VariantComparison<'a> {
     variants: &'a Variants,
     looks: Looks,
-    /// [-] margin of the answers.
+    /// [-] margin of equivalence for the answers.
     margin: f64,
     results: VariantResults<'a>,
 }

@@ -17,7 +17,7 @@ pub struct FluidSummary {
     pub height: f64,
     /// [m/s] mean velocity over the height, or over the cross-section of a pipe.
     pub bulk_velocity: f64,
-    /// [m/s] greatest velocity.
+    /// [m/s] greatest velocity of the gas.
     pub maximum_velocity: f64,
     /// [-] Reynolds number with the mean velocity as speed. Its length is the distance between the walls of the gas, or
     /// the diameter of the pipe that contains the gas.

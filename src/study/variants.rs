@@ -24,7 +24,7 @@ use std::sync::Arc;
 
 /// Variants of a case that a command runs.
 pub struct Variants {
-    /// The case.
+    /// Case from which the variants are made.
     pub case: Case,
     /// Experiment of each variant.
     pub checked: Vec<Checked>,
@@ -149,7 +149,7 @@ impl<'a> VariantResults<'a> {
         }))
     }
 
-    /// The folder of results.
+    /// Folder for the results of the command.
     pub fn folder(&self) -> Rc<Folder> {
         Rc::clone(&self.executor.folder)
     }

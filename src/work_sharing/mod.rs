@@ -24,7 +24,7 @@ const LOOKS: u32 = 5000;
 /// Rest between two searches after [`LOOKS`] searches without work.
 const RESTS: Duration = Duration::from_micros(200);
 
-/// Calls `work` on every piece.
+/// Calls `work` on every piece, on several threads of the pool.
 pub fn for_each<T: Send>(
     pieces: impl DoubleEndedIterator<Item = T> + ExactSizeIterator + Send,
     work: impl Fn(T) + Sync,

@@ -5,7 +5,7 @@ use crate::case::quantity::{Length, Ratio, Speed, Stiffness, Time};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-/// `[contact]`: restitution and friction.
+/// Table `[contact]`: restitution and friction.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ContactFile {
@@ -26,7 +26,7 @@ pub struct ContactFile {
     pub pairs: Option<Vec<Located<PairFile>>>,
 }
 
-/// `[[contact.pairs]]`: contact of two kinds.
+/// Table `[[contact.pairs]]`: contact of two kinds.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PairFile {

@@ -6,7 +6,7 @@ use crate::case::quantity::{Ratio, Slowness};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-/// `[soft.tangential.*]`.
+/// Tables `[soft.tangential.*]`: choice of a tangential law.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum TangentialFile {
@@ -56,7 +56,7 @@ pub enum HistoryFile {
     Displacement,
 }
 
-/// `[soft.rolling.*]`.
+/// Tables `[soft.rolling.*]`: choice of a law of rolling resistance.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum RollingFile {
@@ -89,7 +89,7 @@ pub enum RollingFile {
     },
 }
 
-/// `[soft.twisting]`.
+/// Table `[soft.twisting]`: law of twisting resistance.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TwistingFile {
@@ -99,7 +99,7 @@ pub struct TwistingFile {
     pub damping_ratio: Option<Located<Ratio>>,
 }
 
-/// `[hard.friction.*]`.
+/// Tables `[hard.friction.*]`: choice of a rule of the tangential impulse.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum ImpactRuleFile {

@@ -11,10 +11,10 @@ use serde::Deserialize;
 pub enum SizesFile {
     /// Uniform distribution: all diameters between two limits are equally likely.
     Uniform {
-        /// Smallest diameter.
+        /// Smallest diameter of the distribution.
         #[schemars(example = &"300 um", extend("x-required" = "always", "x-range" = "1e-7 m ..= 1 m"))]
         from: Option<Located<Length>>,
-        /// Largest diameter.
+        /// Largest diameter of the distribution.
         #[schemars(example = &"500 um", extend("x-required" = "always", "x-range" = "1e-7 m ..= 1 m"))]
         to: Option<Located<Length>>,
     },
@@ -31,7 +31,7 @@ pub enum SizesFile {
         /// Smallest diameter. The time step of soft spheres and the window of drag must resolve spheres of this size.
         #[schemars(example = &"200 um", extend("x-required" = "always", "x-range" = "1e-7 m ..= 1 m"))]
         from: Option<Located<Length>>,
-        /// Largest diameter.
+        /// Largest diameter of the distribution.
         #[schemars(example = &"800 um", extend("x-required" = "always", "x-range" = "1e-7 m ..= 1 m"))]
         to: Option<Located<Length>>,
     },
@@ -45,7 +45,7 @@ pub enum SizesFile {
         #[schemars(extend("examples" = [[0.25, 0.75]], "x-required" = "always"))]
         #[schemars(extend("x-range" = "greater than 0, up to 1e9"))]
         fractions: Option<Located<Vec<Located<Ratio>>>>,
-        /// Meaning of the shares.
+        /// Quantity of which `fractions` are shares: the number or the volume of the particles.
         #[schemars(example = &"volume", extend("default" = "number"))]
         by: Option<Located<ByFile>>,
     },

@@ -6,7 +6,7 @@ use crate::case::quantity::{Length, Ratio, Speed};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-/// `[[walls]]`: one wall.
+/// Table `[[walls]]`: one wall.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct WallFile {
@@ -52,11 +52,11 @@ pub struct WallFile {
     pub elasticity: Option<Located<ElasticityFile>>,
 }
 
-/// A half-space.
+/// Flat wall in front of a solid half-space.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PlaneFile {
-    /// A point on the surface.
+    /// A point on the surface of the wall.
     #[schemars(extend("examples" = [["0 m", "40 mm", "0 m"]], "x-required" = "always"))]
     pub point: Option<Three<Length>>,
     /// Vector from the surface towards the particles, of any length.
@@ -64,7 +64,7 @@ pub struct PlaneFile {
     pub normal: Option<Three<Ratio>>,
 }
 
-/// A ball.
+/// Spherical wall, solid or hollow.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SphereFile {

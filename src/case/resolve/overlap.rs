@@ -37,7 +37,7 @@ pub(super) enum Rule {
 struct InitialOverlap {
     i: usize,
     with: OverlappedBody,
-    /// [-] overlap over the smaller diameter.
+    /// [-] ratio of the overlap to the smaller diameter.
     ratio: f64,
     /// [-] largest ratio with which the model can start.
     limit: f64,

@@ -12,7 +12,7 @@ use std::f64::consts::PI;
 
 /// Contact stiffness computed from one key of a pair's table in the case file.
 struct Wanted<'a> {
-    /// [N/m] stiffness.
+    /// [N/m] stiffness that follows from the key.
     stiffness: f64,
     /// [kg] effective mass for which the stiffness was computed. `None` if the stiffness does not depend on the masses
     /// of the two bodies.

@@ -56,7 +56,7 @@ pub struct LabScene {
 pub struct PanelSetup {
     /// Heading of the panel.
     pub title: &'static str,
-    /// Collision model.
+    /// Collision model of the panel.
     pub model: Model,
     /// Changes to the case for this panel alone, in the form of `--set` arguments.
     pub sets: &'static [&'static str],

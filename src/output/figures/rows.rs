@@ -18,7 +18,7 @@ const REST: f64 = 130.0;
 /// Number of decades to the left of the vertical line.
 const DECADES: f64 = 2.0;
 
-/// Point in a row.
+/// Point in a row of the picture.
 pub struct Dot {
     /// Index of the kind of points to which this point belongs.
     pub series: usize,
@@ -32,7 +32,7 @@ pub struct Dot {
 
 /// Data of a picture of rows.
 pub struct RowsFigure {
-    /// Label of the axis.
+    /// Label of the horizontal axis.
     pub x_label: String,
     /// Names of the kinds of points.
     pub series: Vec<String>,

@@ -9,7 +9,7 @@ pub trait Link {
     /// Number of this process, from 0 (MPI: rank).
     fn rank(&self) -> usize;
 
-    /// Number of processes.
+    /// Number of processes that work on the command.
     fn size(&self) -> usize;
 
     /// Number of these processes that run on this machine.

@@ -91,7 +91,7 @@ impl Ranks {
         }
     }
 
-    /// This process alone.
+    /// Creates the value for a process that works alone.
     pub fn alone() -> Self {
         Self::with(Box::new(LoneProcess))
     }
@@ -111,7 +111,7 @@ impl Ranks {
         self.link.rank() == 0
     }
 
-    /// Number of processes.
+    /// Number of processes that work on the command.
     pub fn count(&self) -> usize {
         self.link.size()
     }
