@@ -74,9 +74,9 @@ pub struct Schedule {
 /// Next piece of a run through which an engine can advance without interruption.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ScheduleStep {
-    /// A number of whole windows, up to the next sample or up to the window that contains an instant.
+    /// Several whole windows, up to the next sample or up to the window that contains an instant.
     Windows(u64),
-    /// A part of a window until an instant [s] within it.
+    /// A part of a window, up to an instant [s] within the window.
     ToInstant(f64),
     /// The rest of a window, up to its end at this time [s].
     ToEnd(f64),
@@ -191,7 +191,7 @@ impl Schedule {
         let Some(every) = self.instants else { return ScheduleStep::Windows(to_sample) };
         let (window, end) = (self.window * together as f64, (done + together) as f64 * self.window);
         let number = ((now + self.rounding()) / every).floor() + 1.0;
-        // the quotient may have been rounded down to the present instant
+        // the quotient may have been rounded down: the number then belongs to the present instant
         let mut number = if number * every <= now + self.rounding() { number + 1.0 } else { number };
         if now > done as f64 * self.window + self.rounding() {
             let instant = number * every;

@@ -215,7 +215,7 @@ pub(crate) fn model_in_words(experiment: &Experiment) -> String {
         }
         Model::Soft => {
             let soft = &experiment.soft;
-            // method of the engine for each choice: see its module `local`
+            // these texts name the methods of the soft engine (engine/soft/local) for each choice
             let integrator = match (soft.integrator, soft.stepping) {
                 (Integrator::Rk2, _) => "second-order Runge-Kutta",
                 (Integrator::VelocityVerlet, SoftStepping::Uniform) => "velocity Verlet",

@@ -90,7 +90,7 @@ impl fmt::Display for Diagnostic {
     }
 }
 
-/// Writes the line of the position with an underline; of a long line, only the part near the position.
+/// Writes the line of the position with an underline. If the line is long, only its part near the position is written.
 fn excerpt(f: &mut fmt::Formatter<'_>, place: &SourceLocation) -> fmt::Result {
     const SHOWN: usize = 110;
     let first = place.column.saturating_sub(SHOWN / 2).min(place.text.chars().count().saturating_sub(SHOWN));

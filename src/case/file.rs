@@ -162,7 +162,7 @@ pub enum DragFile {
 pub enum ProfileFile {
     /// Uniform velocity: equal everywhere.
     Uniform {
-        /// Velocity along z; 0 is still air.
+        /// Velocity along z; 0 means a gas at rest.
         #[schemars(example = &"0 m/s")]
         #[schemars(extend("x-required" = "always", "x-range" = "-1e4 ..= 1e4 m/s"))]
         velocity: Option<Located<Speed>>,
@@ -267,12 +267,12 @@ pub struct ParticlesFile {
     /// List of particles, each with its position.
     #[schemars(extend("x-one-of" = "amount"))]
     pub at: Option<Located<Vec<Located<PlacedFile>>>>,
-    /// Mean velocity of a random start. The sample mean equals it exactly.
+    /// Mean velocity of the particles at a random start. The mean of the drawn velocities is exactly this value.
     #[schemars(extend("examples" = [["0 m/s", "0 m/s", "9.5 m/s"]]))]
     #[schemars(extend("default" = ["0 m/s", "0 m/s", "0 m/s"], "x-range" = "-1e5 ..= 1e5 m/s"))]
     pub velocity_mean: Option<Three<Speed>>,
     /// Standard deviation of each velocity component of a random start: one value for all components, or a list of
-    /// three along x, y and z. With two or more particles the sample has exactly this deviation.
+    /// three along x, y and z. With two or more particles the drawn velocities have exactly this deviation.
     #[schemars(example = &"0.5 m/s", extend("default" = "0 m/s", "x-range" = "0 ..= 1e5 m/s"))]
     pub velocity_fluctuation: Option<Located<FluctuationFile>>,
     // a user may type two thirds as 0.667
@@ -280,12 +280,12 @@ pub struct ParticlesFile {
     #[schemars(example = 0.667, extend("default" = 0.4, "x-range" = "greater than 0, up to 0.667"))]
     pub inertia_factor: Option<Located<Ratio>>,
     // at the end of the range the surface of a sphere of 1 µm radius moves at 1000 m/s
-    /// Mean spin of a random start.
+    /// Mean spin of the particles at a random start.
     #[schemars(extend("examples" = [["0 rad/s", "100 rad/s", "0 rad/s"]]))]
     #[schemars(extend("default" = ["0 rad/s", "0 rad/s", "0 rad/s"], "x-range" = "-1e9 ..= 1e9 rad/s"))]
     pub spin_mean: Option<Three<Spin>>,
-    /// Standard deviation of each spin component of a random start. With two or more particles the sample has exactly
-    /// this deviation.
+    /// Standard deviation of each spin component of a random start. With two or more particles the drawn spins have
+    /// exactly this deviation.
     #[schemars(example = &"500 rad/s", extend("default" = "0 rad/s", "x-range" = "0 ..= 1e9 rad/s"))]
     pub spin_fluctuation: Option<Located<Spin>>,
     /// Elasticity of these particles, if it differs from `[soft.hertz]`.
@@ -423,7 +423,7 @@ pub struct RunFile {
     /// Start of averaging. "steady": the run detects when the flow has become steady.
     #[schemars(example = &"1.5 s", extend("default" = "steady"))]
     pub average_from: Option<Located<AverageFromFile>>,
-    /// Time between two drag kicks. "auto": chosen from the scene.
+    /// Window: time between two kicks by which drag changes the velocities. "auto": chosen from the scene.
     #[schemars(example = &"0.2 ms", extend("default" = "auto"))]
     pub window: Option<Located<WindowFile>>,
     /// Seed of the random start; `--seed` overrides it.
@@ -474,10 +474,10 @@ pub struct CompareFile {
     /// Collision model of the variant.
     #[schemars(example = &"soft", extend("x-default" = "`run.model`"))]
     pub model: Option<Located<Model>>,
-    /// Name of the variant that this one is compared with.
+    /// Name of the variant with which this variant is compared.
     #[schemars(example = &"hard", extend("x-default" = "the first hard one, or else the first"))]
     pub against: Option<Located<String>>,
-    // read from the tree, which keeps the source positions
+    // the value is taken from the tree of the case, which contains the source positions
     /// Keys that differ from the case, by their full names.
     #[schemars(with = "Option<std::collections::BTreeMap<String, serde_json::Value>>")]
     #[schemars(extend("examples" = [{ "contact.restitution": 0.9 }]))]
@@ -491,7 +491,7 @@ pub struct SweepFile {
     /// Full name of the key.
     #[schemars(example = &"soft.linear_spring_dashpot.stiffness", extend("x-required" = "always"))]
     pub key: Option<Located<String>>,
-    // read from the tree, which keeps the source positions
+    // the values are taken from the tree of the case, which contains the source positions
     /// Values of the key, one after the other.
     #[schemars(with = "Vec<serde_json::Value>")]
     #[schemars(extend("examples" = [["300 N/m", "1 kN/m", "3 kN/m"]], "x-required" = "always"))]

@@ -8,7 +8,7 @@ use crate::walls::Wall;
 use nalgebra::Vector3;
 use serde_json::{Value, json};
 
-/// Points at which the gas velocity is listed.
+/// Number of points at which the gas velocity is listed.
 const PROFILE_POINTS: usize = 41;
 
 /// All parameters of an experiment in SI units, by the names of the case format.

@@ -48,7 +48,7 @@ pub fn box_lines(domain: &Domain) -> [(&'static str, String); 2] {
     [("box_m", edges.join(" ")), ("periodic", axes.collect::<Vec<_>>().join(" "))]
 }
 
-/// Checksum of a text, by which different cases are distinguished.
+/// Checksum of the text of a case, by which different cases are distinguished.
 pub fn fingerprint(text: &str) -> u64 {
     checksum(text)
 }

@@ -21,7 +21,7 @@ const DONE: &str = "done-";
 /// Stored data of one run.
 #[derive(Serialize, Deserialize)]
 pub struct StoredRun {
-    /// State of the run at the instant from which it continues.
+    /// State of the run, from which the run continues.
     pub pause: Pause,
     /// `None` if the run is not over, `Some(None)` if the run is complete, else the failure that stopped it.
     pub over: Option<Option<Failure>>,
@@ -58,7 +58,7 @@ impl Store {
         Self { place: self.place.clone(), generations, next: 0 }
     }
 
-    /// Stores a command that starts, and removes the checkpoint of an earlier command.
+    /// Stores a command that begins, and removes the checkpoint of an earlier command.
     ///
     /// # Errors
     /// If a file cannot be written.
@@ -239,7 +239,7 @@ impl Store {
     }
 }
 
-/// Name of the file with the data of process `number`, which belongs to the file `name`.
+/// Name of the file with the data of the process `number`; the file `name` contains the other data of this state.
 fn part_of(name: &str, number: usize) -> String {
     format!("{name}-part-{number}")
 }

@@ -164,7 +164,7 @@ pub enum Tell {
     },
     /// Reports that a scene has been opened.
     Opened(Box<Opened>),
-    /// Reports that a choice cannot be run, and the reason. The former scene continues.
+    /// Reports that a choice cannot be run, and the reason. The scene that was opened before continues.
     Refused {
         /// Serial number of the refused choice of scene and settings.
         serial: u32,

@@ -169,7 +169,7 @@ async fn accept(listener: tokio::net::TcpListener, router: Router) {
     let places = Arc::new(Semaphore::new(MOST_CONNECTIONS));
     while let Ok(place) = Arc::clone(&places).acquire_owned().await {
         let Ok((stream, _)) = listener.accept().await else {
-            // an error such as too many open files: other connections close during the pause
+            // after an error such as too many open files, other connections can close during this pause
             tokio::time::sleep(AFTER_ERROR).await;
             continue;
         };

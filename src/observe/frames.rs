@@ -30,7 +30,7 @@ const FLIGHT: f64 = 1.0;
 /// [-] factor by which the distance may exceed `FLIGHT` if the frames can then cover the whole run.
 const WHOLE: f64 = 5.0;
 
-/// State of the followed particles at one instant.
+/// State of the recorded particles at one instant.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Frame {
     /// [s] simulated time of the frame.
@@ -53,15 +53,15 @@ pub struct Frame {
 pub struct Frames {
     /// [s] duration of the run.
     duration: f64,
-    /// Largest number of followed particles, and largest number of frames.
+    /// Largest number of recorded particles, and largest number of frames.
     most: (usize, usize),
     /// [s] time to the next frame.
     spacing: f64,
     /// Number of particles of the scene.
     pub particles: usize,
-    /// [m] radius of each followed particle, in the order of ids.
+    /// [m] radius of each recorded particle, in the order of ids.
     pub radius: Vec<f32>,
-    /// Species of each followed particle.
+    /// Species of each recorded particle.
     pub species: Vec<u16>,
     /// Frames in the order of time.
     pub frames: Vec<Frame>,

@@ -89,7 +89,7 @@ pub struct MeetingAverages {
 pub struct KindCurve {
     /// Name of the quantity.
     pub name: String,
-    /// Unit of the quantity, empty for none.
+    /// Unit of the quantity; empty if it has none.
     pub unit: &'static str,
     /// True if the quantity is a sum over particles.
     pub sum: bool,

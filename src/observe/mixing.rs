@@ -14,8 +14,8 @@ use rand::{Rng, SeedableRng};
 use rand_xoshiro::SplitMix64;
 use serde::{Deserialize, Serialize};
 
-/// Number of sums per layer: the number of particles, and 31 sums of signs. The share of particles that stay has a
-/// statistical error of 1/sqrt(31 layers).
+/// Number of sums per layer: the number of particles, and 31 sums of signs. With n layers the share of particles that
+/// stay has a statistical error of 1/sqrt(31 n).
 const SUMS: usize = 32;
 /// Largest number of layers. With so many layers the share of particles that stay has an error of 0.02.
 const LAYERS: f64 = 64.0;

@@ -32,7 +32,7 @@ pub struct Ring {
 /// Averages in rings, from the axis to the wall.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct RingAverages {
-    /// The rings; none if the gas does not flow through a pipe.
+    /// Rings about the axis; none if the gas does not flow through a pipe.
     pub rings: Vec<Ring>,
     /// Time averages, in the order of the rings. `y` is the radius [m] that divides the area of the ring into two equal
     /// parts. V is the mean velocity away from the axis and W the mean velocity around the axis; the moments use these
@@ -59,7 +59,7 @@ impl Rings {
         Self { profiles, count }
     }
 
-    /// Averages in rings from the time `from` [s] on.
+    /// Time averages in rings from the time `from` [s] on.
     pub fn averages(&self, scene: &Scene, from: f64) -> RingAverages {
         /// Number of circles per ring at which the gas velocity is taken.
         const CIRCLES: usize = 16;

@@ -43,9 +43,10 @@ pub struct Stress {
 struct StressSample {
     /// [J] kinetic sum Σ m c c, where c is the velocity relative to the mean velocity of the slice.
     kinetic: [f64; 6],
-    /// [J s] Σ r f, integrated over time since the start.
+    /// [J s] contact sum Σ r f integrated over time since the start, where r is the vector between the centres and f
+    /// the force.
     contact: [f64; 6],
-    /// [-] mean number of bodies in contact with a particle.
+    /// [-] mean number of bodies in contact with a particle at this instant.
     touched: f64,
     /// [m³] volume of particles within each slice.
     filled: Vec<f64>,

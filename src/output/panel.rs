@@ -93,9 +93,9 @@ pub struct Panel {
     pub series: Vec<PanelSeries>,
     /// Horizontal lines: position on the vertical axis, and a label, which may be empty.
     pub marks: Vec<(f64, &'static str)>,
-    /// Ends of the horizontal axis; `None`: those of the points.
+    /// Lower and upper end of the horizontal axis. `None`: the ends of the points.
     pub x_range: Option<(f64, f64)>,
-    /// Ends of the vertical axis; `None`: a little beyond the points.
+    /// Lower and upper end of the vertical axis. `None`: a little beyond the points.
     pub y_range: Option<(f64, f64)>,
     /// True if the horizontal axis is logarithmic.
     pub log_x: bool,

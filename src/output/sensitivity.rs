@@ -16,7 +16,7 @@ pub struct Shift {
     /// Description of the scale, in words that follow "% of".
     #[serde(skip)]
     pub scale_is: &'static str,
-    /// Value with the factor minus value without it, in the unit of the observable.
+    /// Difference: value with the factor minus value without it, in the unit of the observable.
     pub difference: f64,
     /// One standard error of the difference, in the unit of the observable. The error is 0 if nothing is random, and
     /// `None` if unknown.

@@ -103,7 +103,8 @@ pub const OBSERVABLES: [SweepObservable; 8] = [
 pub struct SweepRun {
     /// Hash of the experiment and the version of the program. Runs with equal hashes must give equal results.
     pub identity: String,
-    /// Measured values, by [`SweepObservable::key`]. Unknown values are absent; a run that stopped early has none.
+    /// Measured values with their names, [`SweepObservable::key`]. Unknown values are absent; a run that stopped early
+    /// has none.
     pub measured: BTreeMap<String, Estimate>,
     /// Reason why the run stopped early, if it did.
     pub failure: Option<String>,

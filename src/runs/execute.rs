@@ -86,7 +86,7 @@ pub struct SharedRun<'a> {
     pub index: usize,
     /// Processes that share the run.
     pub ranks: &'a Ranks,
-    /// True to print no summary of the run.
+    /// True if no summary of the run is to be printed.
     pub quiet: bool,
     /// True if the final state is to be returned.
     pub gives_end: bool,
@@ -258,7 +258,7 @@ fn leave(why: &StoreError) -> ! {
     std::process::exit(1);
 }
 
-/// Simulation at the start of a run; other processes may hold a part of the particles.
+/// Makes the simulation at the start of a run; other processes may hold a part of the particles.
 fn begin(experiment: &Experiment, start: Start, communicator: Option<&dyn Communicator>) -> Simulation {
     match communicator.filter(|_| start.is_part) {
         Some(communicator) => Simulation::part(experiment, start.particles, communicator),
@@ -266,7 +266,7 @@ fn begin(experiment: &Experiment, start: Start, communicator: Option<&dyn Commun
     }
 }
 
-/// Simulation shared by all processes. Each process continues with its part, or the lead has all particles.
+/// Shares the simulation with all processes. Each process continues with its part, or the lead has all particles.
 fn share(simulation: Simulation, with: Arc<dyn Communicator>, observers: usize, in_parts: bool) -> Simulation {
     if in_parts { simulation.shared_in_parts(with, observers) } else { simulation.shared(with, observers) }
 }

@@ -116,7 +116,7 @@ impl Track {
 }
 
 impl Progress {
-    /// Progress of the runs of these experiments; nothing is displayed if `quiet`.
+    /// Progress of the runs of these experiments; nothing is displayed if `quiet` is true.
     pub fn new<'a>(experiments: impl IntoIterator<Item = &'a Experiment>, quiet: bool) -> Self {
         let display = if quiet {
             ProgressDisplay::Silent
@@ -277,7 +277,7 @@ impl Board {
         let one = |run: &mut RunProgress| match &mut run.stage {
             RunStage::Waiting => (0.0, None),
             RunStage::Running(track) => track.now(),
-            // a run that was over before the command began has no wall time here
+            // this process has measured no wall time for a run that was over before the command began
             RunStage::Over([time, wall]) => (*time, Some(*time / *wall).filter(|rate| rate.is_finite() && *rate > 0.0)),
         };
         self.runs.iter_mut().map(one).collect()

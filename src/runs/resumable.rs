@@ -17,7 +17,7 @@ pub struct ResumableRun {
     /// True if no other run is done at the same time, so that the wall time of this run can be measured. If all runs of
     /// the command are of this kind, all processes share each run.
     pub is_lone: bool,
-    /// Trajectory to be written, with the name of its files; only a lone run has one.
+    /// Trajectory to be written, with the name of its files; only a run that is done alone has one.
     pub trajectory: Option<(String, Trajectories)>,
     /// Initial state; it is taken out when the run begins.
     start: Mutex<Option<Start>>,

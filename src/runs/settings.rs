@@ -17,7 +17,7 @@ pub enum CommandOrigin {
     TypedAgain,
     /// The command `resume` continues the earlier command.
     Resumed {
-        /// Folder of the results of the command.
+        /// Folder with the results of the command.
         folder: PathBuf,
         /// Command line as it was typed when the command began.
         command: StoredCommand,

@@ -13,7 +13,7 @@ pub struct SimulationTotals {
     pub mean_radius: f64,
     /// [kg] mass of all particles at the start.
     pub mass: f64,
-    /// [kg m/s] total momentum, added up since the start.
+    /// [kg m/s] momentum of all particles, from the changes since the start.
     pub momentum: Vector3<f64>,
 }
 

@@ -66,7 +66,8 @@ impl Estimate {
     }
 }
 
-/// Mean of equally spaced samples in the order of time, with a standard error that allows for their correlation.
+/// Mean of equally spaced samples in the order of time, with a standard error that takes their correlation into
+/// account.
 ///
 /// `None` without a sample, or if their mean is not finite. Fewer than 8 samples give no standard error.
 pub fn estimate(samples: &[f64]) -> Option<Estimate> {

@@ -295,7 +295,8 @@ mod tests {
         let mut accumulator = Accumulator::new(3, 0.3);
         let mut all: [Vec<Vector3<f64>>; 3] = Default::default();
         for step in 0..10 {
-            // an offset of 1000 m/s: third moments would lose all but 6 digits without the reference velocity
+            // with an offset of 1000 m/s third moments would lose all but 6 digits if no reference velocity were
+            // subtracted
             let particles = cloud(100, 0.3, 1000.0 + 0.1 * f64::from(step), &mut random);
             accumulator.sample(f64::from(step), &particles);
             for (x, v) in particles.position.iter().zip(&particles.velocity) {

@@ -280,7 +280,7 @@ mod tests {
     fn a_gas_that_cools_is_not_steady() {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(5);
         for scatter in [0.0, 0.05, 0.2] {
-            // Haff (1983): (1 + t/tau)^-2, with 10 tau, 40 tau and 100 tau in the run
+            // Haff (1983): the temperature decreases as (1 + t/tau)^-2; the run lasts 10 tau, 40 tau or 100 tau
             for spans in [10.0, 40.0, 100.0] {
                 let times: Vec<f64> = (0..200).map(f64::from).collect();
                 let one = |t: &f64| {
@@ -296,7 +296,7 @@ mod tests {
 
     #[test]
     fn what_falls_by_less_than_matters_is_steady() {
-        // the energy loss of an integrator, with dips during contacts
+        // energy loss by the error of an integrator, with dips during contacts
         let times: Vec<f64> = (0..200).map(f64::from).collect();
         let dip = |t: &f64| if t % 7.0 < 0.5 { 3e-4 } else { 0.0 };
         let falling = |by: f64| times.iter().map(|t| 1.0 - by * t / 200.0 - dip(t)).collect::<Vec<f64>>();

@@ -63,7 +63,7 @@ pub(super) fn compare_on(args: &Compare, origin: CommandOrigin, ranks: &Ranks) -
 /// Schedule of the interim tests, each of which is a "look" at the results so far.
 #[derive(Clone, Copy, Debug)]
 struct Looks {
-    /// Number of replicas of each variant between two looks.
+    /// Number of replicas of each variant between two interim tests.
     piece: usize,
     /// Largest number of replicas of each variant.
     most: usize,

@@ -24,7 +24,7 @@ use std::path::Path;
 /// Largest number of rows of a sweep; a reader would not read more rows one by one.
 const MOST: usize = 10_000;
 
-/// Does the missing runs of a sweep and writes its folder.
+/// Does the missing runs of a sweep and writes the folder of its results.
 ///
 /// # Errors
 /// Bad input, before anything is computed; runs that stopped early, after everything has been written.
@@ -175,7 +175,7 @@ struct SweepPlan {
     names: Vec<String>,
     /// Identities of the runs, by which equal runs are found.
     known: HashSet<String>,
-    /// Reference variant with which the others are compared: the first hard one.
+    /// Index of the variant with which the others are compared: the first hard one.
     reference: Option<usize>,
     /// True if the case requests trajectories, which a sweep does not write.
     has_trajectories: bool,

@@ -40,14 +40,14 @@ pub struct PairFile {
     /// Coefficient of sliding friction, μ.
     #[schemars(example = 0.1, extend("x-default" = "that of `[contact]` or the wall", "x-range" = "0 ..= 100"))]
     pub friction: Option<Located<Ratio>>,
-    /// Stiffness of the spring between the two, k_n; or give `contact_time` or `overlap`. Only
+    /// Stiffness of the spring between the two bodies, k_n; or give `contact_time` or `overlap`. Only
     /// `[soft.linear_spring_dashpot]` has springs: Hertz's law computes the stiffness of a pair from the `elasticity`
-    /// of each.
+    /// of each body.
     #[schemars(example = &"5000 N/m", extend("x-range" = "1e-9 ..= 1e20 N/m"))]
     #[schemars(extend("x-default" = "that of `[soft.linear_spring_dashpot]`"))]
     pub stiffness: Option<Located<Stiffness>>,
-    /// Wanted duration of a contact, T_c. The stiffness of each contact follows from it and from the masses of the two
-    /// bodies.
+    /// Wanted duration of a contact, T_c. The stiffness of each contact follows from this duration and from the masses
+    /// of the two bodies.
     #[schemars(example = &"1e-5 s", extend("x-range" = "greater than 0 s"))]
     pub contact_time: Option<Located<Time>>,
     /// Wanted largest overlap in an impact at the speed `impact_speed`. The stiffness of each contact follows from this

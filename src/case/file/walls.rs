@@ -163,7 +163,8 @@ pub struct ConeFile {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MeshFile {
-    /// Name of an STL or OBJ file, relative to the file that names it, in the folder of that file or below.
+    /// Name of an STL or OBJ file, relative to the folder of the file that contains this key. The file must be in that
+    /// folder or below.
     #[schemars(example = &"hopper.stl", extend("x-required" = "always"))]
     pub file: Option<Located<String>>,
     /// Length of one unit of the file, which STL and OBJ files do not state.

@@ -83,7 +83,7 @@ impl Resolver {
         Ok(file)
     }
 
-    /// [m] length in the case of one unit of the file.
+    /// [m] length of one unit of the mesh file.
     fn scale(&self, mesh: &Located<MeshFile>) -> Result<f64, Diagnostic> {
         let unit = self.need(&mesh.value.unit, "mesh.unit")?;
         let help = "files of triangles mostly are in \"1 mm\"";
@@ -163,7 +163,7 @@ impl Resolver {
         }
     }
 
-    /// Warns how closed parts within other closed parts are treated.
+    /// Warns about closed parts within other closed parts, and explains their treatment.
     fn warn_of_nesting(&mut self, name: &Located<String>, nested: &Nested) {
         let Nested { cavities, turned, skins, bodies, crossing } = *nested;
         let typed = self.as_typed(name);

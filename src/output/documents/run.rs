@@ -228,7 +228,7 @@ fn energy(outcomes: &[Outcome]) -> Vec<Block> {
     let prefix = Prefix::of(largest);
     let joule = |energy: f64| significant(energy * prefix.factor, 4);
     let through = |o: &Outcome| o.record.ledger.through(o.energy_at_start);
-    // one column per variant, so that the items of a balance are one below the other
+    // each variant has a column, so that the terms of its balance are one below the other
     let row = |name: &str, cell: &dyn Fn(&Outcome) -> String| -> TextRow {
         (false, std::iter::once(name.into()).chain(outcomes.iter().map(cell)).collect())
     };

@@ -162,7 +162,7 @@ fn draw(panel: &Panel) -> (Vec<Plot>, Layout) {
     }
     for point in failed.iter().flat_map(|series| &series.points).filter(shown) {
         x.include(point.x);
-        // points of failed runs are drawn on the frame, whatever their y
+        // points of failed runs are drawn on the upper frame, whatever their value
         if panel.log_y || y.is_empty() {
             y.include(point.y);
         }
@@ -237,7 +237,7 @@ pub(super) fn ticks((low, high): (f64, f64)) -> TickFormat {
     }))
 }
 
-/// Tick labels of a logarithmic axis, as powers of ten where numbers would be long.
+/// Tick labels of a logarithmic axis. Long numbers are written as powers of ten.
 pub(super) fn powers() -> TickFormat {
     TickFormat::Custom(Arc::new(|value| {
         let power = value.log10();

@@ -46,7 +46,7 @@ pub enum Message {
     Stop,
     /// Lead to helper: the command is over, with this exit code.
     End(u8),
-    /// Helper to lead: the helper is free to do this number of runs.
+    /// Helper to lead: the helper can do this number of further runs.
     Free(usize),
     /// Helper to lead: the run at this index has reached this simulated time [s].
     At(usize, f64),
@@ -68,7 +68,8 @@ enum Found {
 }
 
 impl Ranks {
-    /// Joins the processes that were started together with this one. Returns this process alone if there are no others.
+    /// Joins the processes that were started together with this process. If there are no others, this process works
+    /// alone.
     ///
     /// # Errors
     /// MPI cannot be started.
@@ -122,7 +123,7 @@ impl Ranks {
         asked.map_or_else(|| (cores() / self.link.on_this_machine()).max(1), usize::from)
     }
 
-    /// Prints that several processes share the runs, if they do.
+    /// Prints that several processes share the runs, if there are several.
     pub fn announce(&self, threads: usize, quiet: bool) {
         if self.count() > 1 && !quiet {
             tell(format!("{} processes share the work, {} in this one", self.count(), counted(threads, "thread")));
@@ -181,7 +182,7 @@ impl Ranks {
         code
     }
 
-    /// Waits for the end of the command, in a helper without further work; returns the exit code.
+    /// Waits in a helper without further work until the command ends; returns the exit code.
     fn wait_for_the_end(&self, why: Option<StudyError>) -> u8 {
         if let (Some(why), None) = (why, self.dismissed.get()) {
             self.report(&Message::Failed(why.to_string()));

@@ -19,7 +19,7 @@ enum Call {
 /// Amount and duration of the communication of a process with others during a shared run.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Traffic {
-    /// Number of messages to single other processes.
+    /// Number of messages from this process to single other processes.
     pub messages: u64,
     /// [bytes] size of these messages to single processes.
     pub bytes: u64,
@@ -27,7 +27,7 @@ pub struct Traffic {
     pub calls: u64,
     /// Time spent on communication, including the time spent waiting for other processes.
     pub waited: Duration,
-    /// Time from the beginning to the end of the run.
+    /// Wall time from the beginning to the end of the run.
     pub whole: Duration,
 }
 
@@ -44,7 +44,7 @@ impl std::fmt::Display for Traffic {
     }
 }
 
-/// End of the channel in the thread of the run.
+/// End of the channel in the thread of the run, by which this thread sends requests.
 struct LineEnd {
     rank: usize,
     size: usize,

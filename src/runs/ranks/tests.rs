@@ -14,7 +14,7 @@ use std::time::Duration;
 /// Message that has been sent, with the number of its sender.
 type Letter = (usize, Vec<u8>);
 
-/// One of several threads that stand for processes.
+/// One of several threads that simulate processes.
 struct Thread {
     rank: usize,
     others: Vec<Sender<Letter>>,

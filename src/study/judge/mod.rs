@@ -67,7 +67,7 @@ pub struct Criteria {
 pub struct ReplicaRuns<'a> {
     /// Outcome of the first replica. If there are several, its averages are over all replicas.
     pub outcome: &'a Outcome,
-    /// Outcomes of all replicas except the first.
+    /// Outcomes of the other replicas, all except the first.
     pub others: &'a [Outcome],
 }
 

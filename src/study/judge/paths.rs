@@ -154,7 +154,7 @@ struct Widest {
 /// Instants at which particles of a run are in the course of an impact.
 struct ImpactSpans<'a> {
     instants: Vec<Instant<'a>>,
-    /// For each instant, true for the particles in an impact.
+    /// For each instant and each particle, true if the particle is in an impact.
     during: Vec<Vec<bool>>,
 }
 

@@ -104,7 +104,7 @@ fn inside(flat: &[[f64; 2]]) -> Result<Vec<[usize; 3]>, &'static str> {
             }
         }
     }
-    // for each face: its neighbour faces, each with true if a border separates the two
+    // for each face a list of its neighbour faces, each with true if a border separates the two faces
     let mut beside = vec![Vec::new(); plane.num_all_faces()];
     for edge in plane.directed_edges() {
         let border = borders.contains(&pair(edge.from().fix(), edge.to().fix()));
