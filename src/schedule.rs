@@ -240,9 +240,9 @@ impl Schedule {
 ///   velocity, with the agitation σ and the gradient u' at the walls.
 ///
 /// The second error is found as follows. During the fall the speed w changes at the rate g - D(w), with the
-/// deceleration D by drag. The double commutators of Strang's splitting give an error of at most h² g ((D'² - D D'')/24
-/// + g D''/12). Once drag carries the weight, the relative error of the speed is less than (h D')²/24. Before that, the
-/// last term dominates. The integral of this term over the fall, with D = 0 and w = g t, is the second error.
+/// deceleration D by drag. Strang's splitting gives an error of at most h² g ((D'² - D D'')/24 + g D''/12), from its
+/// double commutators. Once drag carries the weight, the relative error of the speed is less than (h D')²/24. Before
+/// that, the last term dominates. The integral of this term over the fall, with D = 0 and w = g t, is the second error.
 #[derive(Clone, Copy, Debug)]
 struct DragScales {
     /// [s] response time τ at the larger of two slip speeds: the initial one, and the one that gravity causes.
