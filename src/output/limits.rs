@@ -84,9 +84,9 @@ pub enum Shade {
 /// Rectangular cell of a map.
 #[derive(Clone, Copy, Debug)]
 pub struct Cell {
-    /// Left and right end, in the unit of the axis.
+    /// Left and right end of the cell, in the unit of the axis.
     pub x: (f64, f64),
-    /// Lower and upper end, in the unit of the axis.
+    /// Lower and upper end of the cell, in the unit of the axis.
     pub y: (f64, f64),
     /// Index of the class to which the cell belongs.
     pub class: usize,

@@ -54,7 +54,7 @@ impl TrustCheck {
     pub fn in_errors(&self) -> Option<f64> {
         let (Expected::Equals(value), found) = (self.expected, self.found?) else { return None };
         let off = found.less(Estimate::exact(value));
-        // a relative difference of 1e-12 counts as rounding, whatever the standard error
+        // a relative difference of 1e-12 counts as rounding, also if the standard error is smaller
         if off.value.abs() <= 1e-12 * value.abs() { Some(0.0) } else { off.in_errors() }
     }
 }

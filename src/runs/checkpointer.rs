@@ -35,7 +35,7 @@ pub struct Checkpointer {
     unwritten: Option<String>,
     quiet: bool,
     resumed: bool,
-    /// Command that resumes the stopped one, for messages.
+    /// Command that resumes the stopped command, for messages.
     remedy: String,
     /// Treatment of the end of a run, which differs if several processes do the runs.
     ends: Ends,
@@ -44,14 +44,14 @@ pub struct Checkpointer {
 /// Treatment of the end of a run: its final state and the data of its observers.
 #[derive(Clone, Default)]
 enum Ends {
-    /// The end is stored in a file, if other work remains or the run took long.
+    /// The end of the run is stored in a file, if other work remains or the run took long.
     #[default]
     Stored,
-    /// The end is for another process. When the run is over, its end is held here as bytes.
+    /// The end of the run is for another process. When the run is over, its end is held here as bytes.
     Caught(Vec<u8>),
-    /// The end was received from another process, as bytes.
+    /// The end of the run was received from another process, as bytes.
     Received(Vec<u8>),
-    /// The end is not stored; the result computed from it is stored instead.
+    /// The end of the run is not stored; the result computed from it is stored instead.
     Replaced,
 }
 
@@ -194,7 +194,8 @@ impl Checkpointer {
         self.under_way = newest.found;
     }
 
-    /// Stored state of a run: its end, or a state before its end; `None` if there is neither.
+    /// Stored state of a run: its final state with the data of its observers, or a state before its end. `None` if no
+    /// state is stored.
     pub fn earlier(&mut self, run: &RunIdentity) -> Option<StoredRun> {
         self.stored = None;
         if let Ends::Received(bytes) = &self.ends {

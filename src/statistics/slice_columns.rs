@@ -8,7 +8,7 @@ pub const SLICE_QUANTITIES: usize = 20;
 /// Quantity averaged in each slice, which is a column of `profiles.csv`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SliceColumn {
-    /// Name of the column.
+    /// Name of the column in `profiles.csv`.
     pub name: &'static str,
     /// Symbol of the quantity in pictures.
     pub symbol: &'static str,

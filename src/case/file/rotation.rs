@@ -50,9 +50,9 @@ pub enum HistoryFile {
     /// The tangential force. While the overlap decreases, the force also decreases in proportion to the radius of the
     /// contact.
     Rescaled,
-    /// The tangential force.
+    /// The tangential force. It does not change with the overlap.
     Force,
-    /// The tangential displacement of the two surfaces.
+    /// The tangential displacement of the two surfaces. The force is this displacement times the present stiffness.
     Displacement,
 }
 

@@ -74,7 +74,7 @@ pub struct SphereFile {
     /// Radius of the sphere.
     #[schemars(example = &"2 mm", extend("x-required" = "always", "x-range" = "greater than 0 m"))]
     pub radius: Option<Located<Length>>,
-    /// True: the particles are inside. False: outside.
+    /// True: the particles are inside the sphere. False: they are outside.
     #[schemars(example = true, extend("default" = false))]
     pub inside: Option<Located<bool>>,
 }
@@ -90,7 +90,7 @@ pub struct BoxFile {
     #[schemars(extend("examples" = [["5 mm", "4 mm", "5 mm"]]))]
     #[schemars(extend("x-required" = "always", "x-range" = "greater than 0 m"))]
     pub half_extents: Option<Three<Length>>,
-    /// True: the particles are inside. False: outside.
+    /// True: the particles are inside the box. False: they are outside.
     #[schemars(example = true, extend("default" = false))]
     pub inside: Option<Located<bool>>,
 }
@@ -124,7 +124,7 @@ pub struct CylinderFile {
     /// Half the length of the cylinder. With `inside = true` it may be left out: then the wall is a pipe without ends.
     #[schemars(example = &"3 mm", extend("x-required" = "unless `inside`", "x-range" = "greater than 0 m"))]
     pub half_height: Option<Located<Length>>,
-    /// True: the particles are inside.
+    /// True: the particles are inside the cylinder.
     #[schemars(example = true, extend("default" = false))]
     pub inside: Option<Located<bool>>,
     /// True: the wall is a thin shell, open at both ends, with particles on both sides.
@@ -142,16 +142,16 @@ pub struct ConeFile {
     /// Direction of the axis.
     #[schemars(example = &"z", extend("x-required" = "always"))]
     pub axis: Option<Located<Axis>>,
-    /// Radius at the end with the smaller coordinate.
+    /// Radius of the cone at its end with the smaller coordinate along the axis.
     #[schemars(example = &"2 mm", extend("x-required" = "always", "x-range" = "greater than 0 m"))]
     pub lower_radius: Option<Located<Length>>,
-    /// Radius at the end with the larger coordinate.
+    /// Radius of the cone at its end with the larger coordinate along the axis.
     #[schemars(example = &"6 mm", extend("x-required" = "always", "x-range" = "greater than 0 m"))]
     pub upper_radius: Option<Located<Length>>,
     /// Half the length of the cone.
     #[schemars(example = &"4 mm", extend("x-required" = "always", "x-range" = "greater than 0 m"))]
     pub half_height: Option<Located<Length>>,
-    /// True: the particles are inside, between closed ends.
+    /// True: the particles are inside the cone, between closed ends.
     #[schemars(example = true, extend("default" = false))]
     pub inside: Option<Located<bool>>,
     /// True: the wall is a thin shell, open at both ends, with particles on both sides: a hopper.

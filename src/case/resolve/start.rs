@@ -47,7 +47,7 @@ fn share_of(region: &Option<StartRegion>, scene: &Scene) -> f64 {
 pub(super) struct Placed {
     /// [m] position of the centre, inside the box along periodic axes.
     pub position: Vector3<f64>,
-    /// [m] radius.
+    /// [m] radius of the particle.
     pub radius: f64,
     /// True if the particle comes, unchanged, from a state saved by a run.
     pub saved: bool,

@@ -36,7 +36,7 @@ enum Shape {
 #[derive(Clone, Copy)]
 struct ImpactQuantity {
     x_label: &'static str,
-    /// Factor on the quantity for the axis, such as 100 for per cent.
+    /// Factor by which the quantity is multiplied for the axis, such as 100 for per cent.
     scale: f64,
     y_label: &'static str,
     shape: Shape,

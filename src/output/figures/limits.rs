@@ -24,7 +24,7 @@ pub(super) fn x_range(panel: &Panel) -> Option<(f64, f64)> {
     if low >= high {
         return None;
     }
-    // room as a fraction of the axis: a fortieth, about the width of a marker
+    // room at each end, as a fraction of the axis: about the width of a marker
     const ROOM: f64 = 0.025;
     Some(if panel.log_x {
         let room = (high / low).powf(ROOM);

@@ -37,7 +37,7 @@ pub fn symbol(quantity: &str) -> String {
     slice_column(quantity).map_or(quantity, |column| column.symbol).into()
 }
 
-/// Difference that the sentence of the comparison gives [% of its scale].
+/// Difference of a quantity that the sentence of the comparison contains [% of the scale of the quantity].
 pub fn in_per_cent(one: &Judged) -> Option<Estimate> {
     let found = one.tested.headline()?;
     Some(Estimate::new(found.difference, found.error).times(100.0 / one.tested.scale))
