@@ -1,9 +1,9 @@
 //! Schedule of a run: the lengths of windows and the times of samples. A window is the time between two exchanges of
 //! momentum with the gas (drag kicks). At a sample, measurements are taken.
 //!
-//! The schedule depends on the scene, not on the model. So all engines have equal drag splitting and are sampled at
-//! equal times. Windows may become longer during a run if drag is certain to slow the particles down. The slowing is
-//! computed from drag alone, which is equal in every model, and not from the particles.
+//! The schedule depends on the scene, not on the model. So drag is split from motion in the same way in all engines,
+//! and samples are taken at equal times. Windows may become longer during a run if drag is certain to slow the
+//! particles down. The slowing is computed from drag alone, which is equal in every model, and not from the particles.
 
 use crate::experiment::{Amount, Experiment, Population};
 use crate::fluid::Profile;
@@ -19,41 +19,42 @@ use std::f64::consts::PI;
 pub const SPLITTING: f64 = 1e-4;
 
 /// [-] relative change that the splitting may cause in the response of a single particle to the gas. It is smaller than
-/// `SPLITTING`, because no scatter hides the change.
+/// `SPLITTING`, because a single particle has no scatter that hides the change.
 pub const SPLITTING_ALONE: f64 = 1e-5;
 
 /// Number of windows in a run without drag, with one sample each.
 const PIECES: f64 = 200.0;
 
-/// Number of collisions of each particle between two samples of an elastic gas without drag. After these collisions the
-/// velocities are independent, and a sample costs little compared with them.
+/// Number of collisions of each particle between two samples, in an elastic gas without drag. After so many collisions
+/// the velocities are independent, and a sample costs little compared with the collisions.
 const COLLISIONS: f64 = 5.0;
 
-/// Largest number of samples of an elastic gas without drag. More samples would fill the memory with little
-/// information.
+/// Largest number of samples in an elastic gas without drag. More samples would take much memory and contain little
+/// more information.
 const MOST_SAMPLES: f64 = 1e5;
 
-/// Largest number of particles whose paths are stored, since a reader can follow so many in a picture.
+/// Largest number of particles whose paths are stored. A reader can still distinguish so many in a picture.
 pub const MOST_FOLLOWED: usize = 50;
 
-/// Number of rows of a curve over time at instants that all variants share, and the same for paths of few bodies.
+/// Number of rows of a curve over time at instants that are common to all variants. Paths of few bodies have as many
+/// instants.
 const ROWS: f64 = 200.0;
 const ROWS_OF_FEW: f64 = 1000.0;
 
 /// Number of samples per response time of drag, well below the time in which velocities change.
 const SAMPLES_PER_RESPONSE: f64 = 20.0;
 
-/// Number of times that windows may be doubled.
+/// Largest number of times that the length of windows may be doubled in a run.
 const DOUBLINGS: usize = 4;
 
-/// [-] longest window as a share of the run; longer windows would be visible in time series.
+/// [-] ratio of the longest window to the length of the run; longer windows would be visible in time series.
 const SHARE: f64 = 1e-3;
 
-/// [-] smallest share of the windows of a run that growing windows must save to be used.
+/// [-] growing windows are used if they save at least this share of the windows of a run.
 const WORTH: f64 = 0.1;
 
-/// Windows of a run and samples between them. Windows are equal, or several of the shortest windows are merged into one
-/// from some sample on.
+/// Windows of a run and samples between them. All windows are equal, or several of the shortest windows are merged into
+/// one from a certain sample on.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Schedule {
     /// [s] window h. If windows grow, it is the first and shortest window.
@@ -62,27 +63,27 @@ pub struct Schedule {
     pub windows_per_sample: u64,
     /// Number of samples, without the one at the start.
     pub samples: u64,
-    /// Number of the sample from which on two, four, eight and sixteen of the shortest windows are merged into one;
-    /// `None` if they never are.
+    /// Numbers of the samples from which on two, four, eight and sixteen of the shortest windows are merged into one.
+    /// `None` if so many are never merged.
     pub longer: [Option<u64>; DOUBLINGS],
-    /// [s] interval of instants, counted from the start, at which windows must also end because all particles are
+    /// [s] time between two instants, counted from the start, at which windows must also end because all particles are
     /// written.
     pub instants: Option<f64>,
 }
 
-/// Next piece of a run, which an engine can advance without interruption.
+/// Next piece of a run through which an engine can advance without interruption.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ScheduleStep {
-    /// A number of whole windows, up to the next sample or up to the window that contains an instant.
+    /// Several whole windows, up to the next sample or up to the window that contains an instant.
     Windows(u64),
-    /// A part of a window until an instant [s] within it.
+    /// A part of a window, up to an instant [s] within the window.
     ToInstant(f64),
     /// The rest of a window, up to its end at this time [s].
     ToEnd(f64),
 }
 
 impl Schedule {
-    /// A schedule with windows of one length [s].
+    /// Creates a schedule with windows of one length [s].
     pub fn even(window: f64, windows_per_sample: u64, samples: u64) -> Self {
         Self { window, windows_per_sample, samples, ..Self::default() }
     }
@@ -118,12 +119,13 @@ impl Schedule {
         if experiment.run.window.is_some() || countless { even } else { even.growing(experiment) }
     }
 
-    /// This schedule with windows that grow while drag slows the particles down, if this saves windows.
+    /// Schedule in which windows grow while drag slows the particles down, if such windows save enough work. Otherwise
+    /// returns this schedule.
     fn growing(self, experiment: &Experiment) -> Self {
         let Some(slowing) = Slowing::of(experiment) else { return self };
         let most = SHARE * experiment.run.duration;
         let grown = |doublings: usize| {
-            // between two samples there is a whole number of the longest windows
+            // the time between two samples becomes a whole number of the longest windows
             let windows_per_sample = self.windows_per_sample.next_multiple_of(1 << doublings);
             let window = self.interval() / windows_per_sample as f64;
             let mut grown = Self { window, windows_per_sample, ..self };
@@ -176,20 +178,20 @@ impl Schedule {
         windows + (self.samples - from) * each
     }
 
-    /// [s] allowance for the rounding of a time: a millionth of a window. The product of 1e9 windows and their length
-    /// is off by 1e-7 of a window.
+    /// [s] allowance for the rounding of a time: a millionth of a window. The product of a number of 1e9 windows and
+    /// their length has an error of 1e-7 of a window.
     pub fn rounding(&self) -> f64 {
         1e-6 * self.window
     }
 
-    /// Next piece of a run at the time `now` [s], in a window that begins after `done` of the shortest windows.
+    /// Next piece of a run at the time `now` [s]. The present window begins after `done` of the shortest windows.
     pub fn piece(&self, done: u64, now: f64) -> ScheduleStep {
         let together = self.together(done);
         let to_sample = (self.windows_per_sample - done % self.windows_per_sample) / together;
         let Some(every) = self.instants else { return ScheduleStep::Windows(to_sample) };
         let (window, end) = (self.window * together as f64, (done + together) as f64 * self.window);
         let number = ((now + self.rounding()) / every).floor() + 1.0;
-        // the quotient may have been rounded down to the present instant
+        // the quotient may have been rounded down: the number then belongs to the present instant
         let mut number = if number * every <= now + self.rounding() { number + 1.0 } else { number };
         if now > done as f64 * self.window + self.rounding() {
             let instant = number * every;
@@ -217,7 +219,7 @@ impl Schedule {
         }
     }
 
-    /// True if instants fall within windows, which are then divided.
+    /// True if instants divide windows, because they are not at the ends of windows.
     pub fn is_cut(&self) -> bool {
         let windows = self.instants.map_or(1.0, |every| every / self.longest());
         (windows - windows.round()).abs() > 1e-6 * windows.max(1.0) || windows.round() < 1.0
@@ -226,45 +228,45 @@ impl Schedule {
 
 /// Time scales that determine the splitting error of drag.
 ///
-/// The drag along a window is replaced by kicks at its ends. Four quantities change within the window, and the error of
-/// each is of second order in the window h (Strang 1968, SIAM J. Numer. Anal. 5, 506; the factors are those of the
-/// trapezoidal rule):
-/// * the slip velocity, by drag itself: (h/τ)²/24 of a velocity. The time τ is the response time at the start or the
-///   relaxation time τ_l of the later slip, whichever is shorter;
-/// * the speed of a fall from rest, by gravity and drag together: h² (1/τ_l - 1/τ_0)/(12 t) of the speed reached after
-///   the time t. τ_l is the relaxation time at that speed and τ_0 the one at rest;
-/// * the velocity, by collisions at a rate ν: their instants within the window are random, which adds the share ν τ
-///   (h/τ)²/24 to the agitation;
-/// * the gas velocity at the particle, by motion across the profile: σ² h² u'/(6 L_y) of the mean velocity, with u' the
-///   gradient at the walls.
+/// Drag along a window is replaced by kicks at its ends. Four quantities change within the window. The error of each is
+/// of second order in the window h (Strang 1968, SIAM J. Numer. Anal. 5, 506; factors of the trapezoidal rule):
+/// * the slip velocity changes by drag itself: relative error (h/τ)²/24. The time τ is the response time at the start
+///   or the relaxation time τ_l of the later slip, whichever is shorter;
+/// * the speed of a fall from rest changes by gravity and drag together: error h² (1/τ_l - 1/τ_0)/(12 t), relative to
+///   the speed after the time t. τ_l is the relaxation time at that speed, and τ_0 the one at rest;
+/// * the velocity changes by collisions at a rate ν, whose instants within the window are random. This increases the
+///   agitation by the share ν τ (h/τ)²/24;
+/// * the gas velocity at the particle changes by motion across the profile: error σ² h² u'/(6 L_y) of the mean
+///   velocity, with the agitation σ and the gradient u' at the walls.
 ///
-/// For the fall the rate of change of the speed is g - D(w), with D the deceleration by drag. The error is at most h² g
-/// ((D'² - D D'')/24 + g D''/12), from the double commutators of Strang's splitting. Once drag carries the weight, the
-/// relative error of the speed is less than (h D')²/24. Before that, the last term dominates. Its integral over the
-/// fall, with D = 0 and w = g t, is the second error.
+/// The second error is found as follows. During the fall the speed w changes at the rate g - D(w), with the
+/// deceleration D by drag. Strang's splitting gives an error of at most h² g ((D'² - D D'')/24 + g D''/12), from its
+/// double commutators. Once drag carries the weight, the relative error of the speed is less than (h D')²/24. Before
+/// that, the last term dominates. The integral of this term over the fall, with D = 0 and w = g t, is the second error.
 #[derive(Clone, Copy, Debug)]
 struct DragScales {
-    /// [s] response time τ at the initial slip speed or at the slip speed that gravity causes, whichever is greater.
+    /// [s] response time τ at the larger of two slip speeds: the initial one, and the one that gravity causes.
     response: f64,
     /// [s] relaxation time τ_l at the slip speed that gravity causes.
     relaxation: f64,
-    /// [s²] t/(1/τ_l - 1/τ_0) of the fall; infinite without a fall, or where drag is linear.
+    /// [s²] t/(1/τ_l - 1/τ_0) of the fall; infinite without a fall, or if drag is linear.
     fall: f64,
     /// [1/s] collision rate ν of a particle.
     rate: f64,
-    /// [1/s²] σ² u'/(L_y U): agitation times gradient, over the height and over the velocity of the gas.
+    /// [1/s²] σ² u'/(L_y U) for motion across the gas profile, with the agitation σ, the gradient u' at the walls, and
+    /// the gas velocity U.
     crossing: f64,
 }
 
 impl DragScales {
-    /// Time scales for the particles of a population. If these differ in size, the scales are those of the smallest
-    /// particles and of particles of the mean volume.
+    /// Time scales for the particles of a population. If the particles differ in size, the scales are those of
+    /// particles of the mean volume and of the smallest particles.
     fn of(experiment: &Experiment, population: &Population) -> Vec<Self> {
         let (velocity, fluctuation) = motion(population);
         let scene = &experiment.scene;
         let Some(fluid) = &scene.fluid else { return Vec::new() };
         let gas = fluid.profile.velocity(0.5 * scene.domain.size.y);
-        // slip speed of the mean velocity, or of one particle if particles fly in all directions
+        // slip speed of the mean velocity, or that of a single particle if particles fly in all directions
         let slip = (velocity - Vector3::new(0.0, 0.0, gas)).norm().max(3.0_f64.sqrt() * fluctuation);
         let species = &scene.species[population.species as usize];
         let smallest = species.sizes.is_some().then(|| species.of_one_size(species.smallest()));
@@ -288,11 +290,11 @@ impl DragScales {
         let fall = if falling > 0.0 && steeper > 0.0 { falling / gravity / steeper } else { f64::INFINITY };
         let count: usize = experiment.count();
         let density = count as f64 / scene.domain.volume();
-        // agitation that is expected to develop from a start without agitation; for falling bodies, an equal share of
-        // their speed
+        // without agitation at the start, an agitation is assumed that will develop: a share of the gas velocity or,
+        // for falling bodies, of their speed
         let kept_up = if count < 2 { 0.0 } else { AGITATION * gas.abs().max(falling) };
         let agitation = fluctuation.max(kept_up);
-        // Chapman & Cowling 1970, 5.21: 4 n d² sqrt(π T), T the variance of a component
+        // Chapman & Cowling 1970, 5.21: 4 n d² sqrt(π T), where T is the variance of a velocity component
         let rate = 4.0 * density * species.diameter.powi(2) * PI.sqrt() * agitation;
         let gradient = wall_gradient(&fluid.profile, 0.5 * species.diameter, height);
         let crossing = agitation * agitation * gradient / (height * gas.abs());
@@ -305,19 +307,20 @@ impl DragScales {
         let fall = (12.0 * SPLITTING_ALONE * self.fall).sqrt();
         let agitation = (24.0 * SPLITTING / (1.0 + self.rate * self.response)).sqrt() * self.response;
         let crossing = (6.0 * SPLITTING / self.crossing).sqrt();
-        // 0/0, which occurs in a gas at rest, sets no limit
+        // in a gas at rest 0/0 occurs, which sets no limit
         [fall, agitation, crossing].into_iter().fold(alone, f64::min)
     }
 }
 
-/// Upper limit of the speed of particles of one species in still gas, by drag alone. It determines how windows may
-/// grow.
+/// Upper limit of the speed of particles of one species in still gas, computed from drag alone. The growth of windows
+/// depends on this limit.
 ///
-/// By drag, the root mean square speed R falls at least as fast as the speed of one sphere that starts with R. The
-/// reason is that the power of drag, m w²/τ(w), is a convex function of w² for any law whose 1/τ grows with w. So its
-/// mean is at least the value at R (Jensen's inequality). Collisions and walls at rest add no energy. Gravity adds at
-/// most the speed of a fall from rest. Drag grows at least as fast as w. So the sum of a decay and of a fall is an
-/// upper limit: it grows at least as fast as dR/dt <= g - R/τ(R) allows.
+/// Drag decreases the root mean square speed R at least as fast as the speed of one sphere that starts with the speed
+/// R. The reason is that the power of drag, m w²/τ(w), is a convex function of w² for any law whose 1/τ grows with w.
+/// So the mean of this power is at least its value at R (Jensen's inequality). Collisions and walls at rest add no
+/// energy. Gravity adds at most the speed of a fall from rest. Drag grows at least as fast as w. So the sum S of a
+/// decay and of a fall grows at least as fast as g - S/τ(S), while dR/dt <= g - R/τ(R). Therefore S is an upper limit
+/// of R.
 struct Slowing<'a> {
     experiment: &'a Experiment,
     /// [m/s] root mean square speed R at the start.
@@ -325,7 +328,8 @@ struct Slowing<'a> {
 }
 
 impl<'a> Slowing<'a> {
-    /// Limit for an experiment; `None` if a moving gas, several species or a start without speed make it useless.
+    /// Limit for an experiment. `None` if a moving gas, several species or a start without speed make the limit
+    /// useless.
     fn of(experiment: &'a Experiment) -> Option<Self> {
         let fluid = experiment.scene.fluid.as_ref().filter(|fluid| fluid.drag.is_some())?;
         let still = matches!(fluid.profile, Profile::Uniform(0.0));
@@ -339,7 +343,7 @@ impl<'a> Slowing<'a> {
         (still && of_one_kind && speed > 0.0).then_some(Self { experiment, speed })
     }
 
-    /// [s] longest window allowed at a time [s] of the run; it grows with time.
+    /// [s] longest window allowed at a time [s] of the run; its length grows with time.
     fn longest_window(&self, time: f64) -> f64 {
         let Self { experiment, speed } = self;
         let (scene, gravity) = (&experiment.scene, experiment.scene.gravity.norm());
@@ -354,8 +358,8 @@ impl<'a> Slowing<'a> {
     }
 }
 
-/// [1/s] collision rate of each particle in an elastic gas without driving, at its constant agitation; 0 for all other
-/// scenes.
+/// [1/s] collision rate of each particle in an elastic gas that nothing drives, whose agitation is constant; 0 for all
+/// other scenes.
 fn steady_rate(experiment: &Experiment) -> f64 {
     let scene = &experiment.scene;
     let surfaces = scene.surfaces(experiment.count());
@@ -372,8 +376,8 @@ fn steady_rate(experiment: &Experiment) -> f64 {
     4.0 * count / scene.domain.volume() * PI.sqrt() * each.sum::<f64>()
 }
 
-/// Sets common instants at which the windows of all variants are divided, if their sample times differ. Curves and
-/// paths are compared at these instants.
+/// Sets common instants for all variants if their sample times differ. Windows of all variants are divided at these
+/// instants, and curves and paths are compared there.
 pub fn align(experiments: &mut [&mut Experiment]) {
     let intervals: Vec<f64> = experiments.iter().map(|one| Schedule::new(one).interval()).collect();
     let durations = experiments.iter().map(|one| one.run.duration);
@@ -385,7 +389,8 @@ pub fn align(experiments: &mut [&mut Experiment]) {
     let few = experiments.iter().all(|one| one.count() <= MOST_FOLLOWED);
     let wanted = longest / if few { ROWS_OF_FEW } else { ROWS };
     for one in experiments {
-        // if instants are requested already, their interval becomes a whole number of the common intervals
+        // if the case gives instants already, the common interval is shortened so that the given interval is a whole
+        // multiple of it
         let parts = one.run.instants.map(|every| every / (every / wanted - 1e-9).ceil().max(1.0));
         one.run.instants = Some(parts.unwrap_or(wanted));
     }

@@ -1,8 +1,8 @@
-//! The loop over windows: drag half-kick, engine, drag half-kick, samples. A window is the time between two exchanges
+//! Loop over windows: half-kick of drag, engine, half-kick of drag, samples. A window is the time between two exchanges
 //! of momentum with the gas.
 //!
-//! Drag is a slow, smooth force, so it is split off (Strang); the error is of second order in the window. Each kick is
-//! the exact solution of the drag law for constant gas velocity. So two successive half-kicks equal one whole kick.
+//! Drag is a slow, smooth force, so it is split from the motion (Strang); the error is of second order in the window. A
+//! kick is the exact solution of the drag law for constant gas velocity, so two half-kicks equal one whole kick.
 
 mod contacts;
 mod engines;
@@ -36,7 +36,7 @@ use std::time::Duration;
 use totals::SimulationTotals;
 
 /// Smallest number of particles for which the drag law is tabulated. Making the table takes as long as some dozen kicks
-/// of that many particles, and a run makes hundreds of kicks.
+/// of so many particles, and a run makes hundreds of kicks.
 const TABULATE: usize = 1000;
 
 /// A simulation of one variant: the particles, the engine that moves them, and the records of the run.
@@ -64,13 +64,13 @@ const TABULATE: usize = 1000;
 /// # Ok::<(), diptych::Failure>(())
 /// ```
 pub struct Simulation {
-    /// The particles.
+    /// Particles that this process holds.
     pub particles: Particles,
     /// Collisions and other records since the start.
     pub record: Record,
     /// [s] simulated time.
     pub time: f64,
-    /// Number of windows done.
+    /// Number of completed windows.
     pub windows: u64,
     /// Time spent in the engine, in drag and in observers.
     pub spent: SimulationTimes,
@@ -78,24 +78,24 @@ pub struct Simulation {
     scene: Scene,
     engine: SimulationEngine,
     spheres: Vec<Sphere>,
-    /// The kicks used last: for half a window and for a whole window.
+    /// Kicks that were used last: for half a window and for a whole window.
     kicks: Vec<Kick>,
     /// Sums over all particles of all processes.
     totals: SimulationTotals,
     /// [kg m/s] momentum that walls have given to the particles of all processes since the start.
     by_walls: Vector3<f64>,
-    /// Connection to the processes that share the run; `None` if there are none.
+    /// Connection to the other processes that share the run; `None` if there are no others.
     share: Option<SharedSimulation>,
-    /// Description of the particles gathered from all processes, which replace those of the lead process.
+    /// Description of the particles gathered from all processes, while these replace those of the lead process.
     shown: Option<GatheredParticles>,
     /// True if the drag of the last window has been applied completely, so that velocities and positions belong to one
     /// time.
     half_kicked: bool,
-    /// Failure to be returned because the soft time step is not allowed.
+    /// Failure that is returned by the next run because the soft time step is too long.
     refused: Option<Failure>,
-    /// Limit of the energy growth that the soft scheme itself may cause.
+    /// Limit of the growth of the energy by errors of the soft scheme.
     bound: Option<Bound>,
-    /// [J] elastic energy at the start, until the engine has processed the start (soft).
+    /// [J] elastic energy of the initial overlaps, until the engine has processed the start (soft).
     unseen: Option<f64>,
 }
 
@@ -108,11 +108,11 @@ pub struct SimulationTimes {
     pub drag: Duration,
     /// Time spent in observers.
     pub observers: Duration,
-    /// Time from the start to the end of a run, all parts included.
+    /// Time from the start to the end of a run, including all parts.
     pub whole: Duration,
 }
 
-/// Particles in the order of their ids, wrapped into the box.
+/// Particles in the order of their ids, with positions wrapped into the box.
 fn in_order(mut particles: Particles, scene: &Scene) -> Particles {
     particles.wrap(&scene.domain);
     particles.sort_by_id();
@@ -120,18 +120,18 @@ fn in_order(mut particles: Particles, scene: &Scene) -> Particles {
 }
 
 impl Simulation {
-    /// A simulation at time 0 from the given state.
+    /// Creates a simulation at time 0 from the given state.
     pub fn new(experiment: &Experiment, particles: Particles) -> Self {
         Self::of(experiment, particles, None)
     }
 
-    /// A simulation of particles, of which other processes may hold a part.
+    /// Creates a simulation of particles. With `others`, each process has a part of them.
     fn of(experiment: &Experiment, particles: Particles, others: Option<&dyn Communicator>) -> Self {
         let sample = Sample::part(&particles, others);
         let totals = SimulationTotals::of(&sample);
         let (engine, step) = (engine(experiment, totals.count), soft_step(experiment, totals.count));
         let soft = experiment.model().has_contacts() && may_touch(experiment, totals.count);
-        // a contact that does not end gives no limit: the step is then at most the whole run
+        // contacts that do not end give no limit: the step is then at most the whole run
         let step = step.min(experiment.run.duration);
         let may_run = experiment.soft.allow_unstable || experiment.soft.integrator == Integrator::Rk2;
         let broken = if soft { broken_contract(experiment, totals.count) } else { None };
@@ -141,14 +141,14 @@ impl Simulation {
         Self { refused, bound, unseen, ..Self::with_totals(experiment.scene.clone(), particles, totals, engine) }
     }
 
-    /// A simulation as in [`new`](Self::new), with an engine of the calling program. If processes share it, the lead
-    /// process moves all particles.
+    /// Creates a simulation as [`new`](Self::new) does, with an engine of the calling program. If processes share the
+    /// simulation, the lead process moves all particles.
     pub fn with_engine(scene: Scene, particles: Particles, engine: Box<dyn Engine>) -> Self {
         let totals = SimulationTotals::of(&Sample::from(&particles));
         Self::with_totals(scene, particles, totals, SimulationEngine::Single(engine))
     }
 
-    /// A simulation as in [`with_engine`](Self::with_engine), whose run several processes can share.
+    /// Creates a simulation as [`with_engine`](Self::with_engine) does, whose run several processes can share.
     pub fn with_distributed_engine(scene: Scene, particles: Particles, engine: Box<dyn Distributed>) -> Self {
         let totals = SimulationTotals::of(&Sample::from(&particles));
         Self::with_totals(scene, particles, totals, SimulationEngine::Distributed(engine))
@@ -196,7 +196,7 @@ impl Simulation {
         self.clock.clone()
     }
 
-    /// Runs `windows` windows of `window` [s] each. At the end, velocities and positions belong to one time.
+    /// Runs `windows` windows of `window` [s] each. At the end, velocities and positions belong to the same time.
     ///
     /// # Errors
     /// The engine's failure, an escape, an unstable soft time step, or an energy that grew beyond what the scheme
@@ -212,11 +212,12 @@ impl Simulation {
     /// stopped run can be continued for the remaining windows, here or from a [`snapshot`](Self::snapshot), with
     /// identical bits.
     ///
-    /// If processes share the run, each may hold only its part of the particles when `go_on` is called and after the
-    /// run. [`show`](Self::show) brings the parts together, and [`sample`](Self::sample) makes sums over all particles.
+    /// If several processes share the run, each may hold only its part of the particles when `go_on` is called and
+    /// after the run. [`show`](Self::show) gathers the parts, and [`sample`](Self::sample) is used for sums over all
+    /// particles.
     ///
     /// When `go_on` is called, and after a run that was stopped, velocities lack a half-kick of drag.
-    /// [`look`](Self::look) and [`settle`](Self::settle) apply it.
+    /// [`look`](Self::look) and [`settle`](Self::settle) apply this half-kick.
     ///
     /// # Errors
     /// Errors of [`run`](Self::run).
@@ -250,8 +251,8 @@ impl Simulation {
         Ok(windows)
     }
 
-    /// Applies the half-kick of drag that velocities lack after a run of windows of `window` [s] was stopped. It is for
-    /// a run that is not to be continued.
+    /// Applies the half-kick of drag that velocities lack after a run of windows of `window` [s] was stopped. This
+    /// method is for a run that is not continued.
     pub fn settle(&mut self, window: f64) {
         if !self.half_kicked {
             self.hide();
@@ -260,30 +261,31 @@ impl Simulation {
         }
     }
 
-    /// The scene in which the particles move.
+    /// Scene in which the particles move.
     pub fn scene(&self) -> &Scene {
         &self.scene
     }
 
-    /// The particles in the order of their ids, wrapped into the box: the form in which a state is saved.
+    /// Particles in the order of their ids, with positions wrapped into the box, as in a saved state.
     pub fn state(&self) -> Particles {
         in_order(self.particles.clone(), &self.scene)
     }
 
-    /// Replaces the particles by the [`state`](Self::state) without a copy. It is for a simulation that is over,
-    /// because the engine requires its own order of the particles.
+    /// Replaces the particles by those of [`state`](Self::state), without a copy. This method is for a simulation that
+    /// is over, because the engine requires its own order of the particles.
     pub fn end(&mut self) {
-        // the engine's memory is freed before the particles are copied
+        // the memory of the engine is freed before the particles are copied
         self.engine.forget();
         self.particles = in_order(std::mem::take(&mut self.particles), &self.scene);
     }
 
-    /// [m/s] momentum of all particles over their mass, from sums kept since the start; 0 without particles.
+    /// [m/s] momentum of all particles over their mass, from sums that are updated since the start; 0 without
+    /// particles.
     pub fn mean_velocity(&self) -> Vector3<f64> {
         if self.totals.mass > 0.0 { self.totals.momentum / self.totals.mass } else { Vector3::zeros() }
     }
 
-    /// [kg] mass of all particles, in all processes.
+    /// [kg] mass of all particles in all processes.
     pub fn total_mass(&self) -> f64 {
         self.totals.mass
     }
@@ -293,13 +295,13 @@ impl Simulation {
         self.totals.count
     }
 
-    /// [m] mean radius of all particles.
+    /// [m] mean radius of all particles in all processes.
     pub fn mean_radius(&self) -> f64 {
         self.totals.mean_radius
     }
 
-    /// Indices of the particles that islands (groups of particles that may meet) moved last; `None` if all particles
-    /// were moved at once.
+    /// Indices of the particles that were moved last in islands (groups of particles that may meet). `None` if all
+    /// particles were moved at once.
     pub fn in_islands(&self) -> Option<&[u32]> {
         self.engine.in_islands()
     }
@@ -309,7 +311,7 @@ impl Simulation {
         self.engine.work_done().1
     }
 
-    /// Work counts of the engine.
+    /// Counts of the work that the engine has done since the start.
     pub fn counters(&self) -> Counters {
         self.engine.work_done().0
     }
@@ -326,10 +328,10 @@ impl Simulation {
         );
         self.spent.engine += self.clock.now() - began;
         self.unseen = None;
-        // after a failure the state is that of its instant, so the ledger also ends at this instant
+        // after a failure the state is that at the instant of the failure, so the ledger also ends at this instant
         let reached = result.as_ref().map_or_else(|why| (why.time() - self.time).clamp(0.0, window), |()| window);
         // The work of gravity is computed from the momentum of all particles. Momentum exchanged between particles
-        // cancels; momentum from walls is recorded as if given at the end of the window.
+        // cancels; momentum from walls counts as if it were given at the end of the window.
         let given = self.given_by_walls();
         let by_walls = given - std::mem::replace(&mut self.by_walls, given);
         self.time += reached;
@@ -351,7 +353,7 @@ impl Simulation {
 
     /// Calls `show` during a run, with the missing half-kick of drag, `kick` [s], applied to the velocities. Afterwards
     /// the velocities are restored, so that the next kick is a whole one and rounding does not depend on this call. If
-    /// each process has a part of the particles, all processes do so.
+    /// each process has a part of the particles, all processes apply the half-kick.
     pub fn look<T>(&mut self, kick: f64, show: impl FnOnce(&mut Self) -> T) -> T {
         let dragged = self.scene.fluid.as_ref().is_some_and(|fluid| fluid.drag.is_some());
         let kept = dragged.then(|| {
@@ -377,7 +379,7 @@ impl Simulation {
         answer
     }
 
-    /// Applies drag alone for `duration` [s].
+    /// Applies drag alone for the duration `duration` [s].
     fn kick(&mut self, duration: f64) {
         let Some(fluid) = &self.scene.fluid else { return };
         let Some(law) = &fluid.drag else { return };
@@ -412,11 +414,11 @@ impl Simulation {
 
     /// Checks that all particles are inside the domain and that their energy is within its limit.
     fn check(&mut self) -> Result<(), Failure> {
-        // this also checks part of a window, before all particles are moved at once
+        // this order also checks the first part of a window, before all particles are moved at once
         self.order(&Order::Check);
         self.collect_records();
         if let Some(bound) = &self.bound {
-            // energy is checked first, since excess energy is the cause if particles left the domain
+            // the energy is checked first, since too much energy may be the reason why particles left the domain
             let uniform = self.counters().uniform_steps > 0;
             let (energy, elastic) = (self.energy(), self.engine.elastic_energy());
             // only the lead process has the records of all processes
@@ -440,8 +442,8 @@ impl Simulation {
     }
 }
 
-/// Applies drag alone to all particles in a gas of the given profile. Returns sums of the impulse [kg m/s] along x, y
-/// and z, and of the work [J] of drag.
+/// Applies drag alone to all particles in a gas with the given profile. Returns sums over all particles: the impulse
+/// [kg m/s] of drag along x, y and z, and the work [J] of drag.
 pub fn kick(particles: &mut Particles, profile: &Profile, kick: &Kick) -> [ExactSum; 4] {
     let Particles { position, velocity, mass, species, radius, .. } = particles;
     if velocity.len() <= CHUNK {
@@ -455,8 +457,8 @@ pub fn kick(particles: &mut Particles, profile: &Profile, kick: &Kick) -> [Exact
 /// Positions [m], masses [kg], species and radii [m] of the particles of one chunk.
 type Dragged<'a> = (&'a [Vector3<f64>], (&'a [f64], (&'a [u16], &'a [f64])));
 
-/// Applies [`kick`] on one thread, in three short loops over some particles at a time. Each loop does little per
-/// particle, so that the processor works on several particles at once instead of waiting for one long chain of results.
+/// Applies [`kick`] on one thread, in three short loops over some particles at a time. Each loop does little work per
+/// particle, so that the processor computes several particles at once instead of waiting for one long chain of results.
 fn kick_chunk(
     velocity: &mut [Vector3<f64>],
     (position, (mass, (species, radius))): Dragged,

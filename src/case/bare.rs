@@ -1,4 +1,4 @@
-//! Finds numbers without a unit in keys that require one.
+//! Finds numbers without a unit as values of keys that require a unit.
 //!
 //! A number without a unit is taken as SI, with a warning: the number 406, meant as micrometres, makes a sphere of 406
 //! metres. Numbers of keys without a unit are correct, and so is 0, which is equal in every unit.
@@ -8,7 +8,7 @@ use super::keys::{inner, root, unit};
 use super::source::Sources;
 use super::tree::{CaseNode, Value, child_place};
 
-/// Warnings about all keys whose value has a number without a unit.
+/// Warnings about all keys that require a unit but whose value has a number without one.
 pub fn bare_numbers(tree: &CaseNode, sources: &Sources) -> Vec<Diagnostic> {
     let mut found = Vec::new();
     visit(tree, root(), "", sources, &mut found);
@@ -53,7 +53,7 @@ fn is_bare(node: &CaseNode) -> bool {
     }
 }
 
-/// Text of a number with its unit, as it would be typed; other values as they were typed.
+/// Text of a number with its unit, as a user would type it; any other value as it was typed.
 fn with_unit(node: &CaseNode, unit: Option<&str>, sources: &Sources) -> String {
     let typed = sources.typed(&node.origin);
     match node.value {

@@ -1,12 +1,13 @@
-//! Cases and sets of values that are part of the program, which therefore needs no folder on the disk.
+//! Cases, and sets of values for use in cases, that are compiled into the program. The program therefore needs no
+//! folder on the disk.
 
 use include_dir::{Dir, include_dir};
 use std::path::{Path, PathBuf};
 
-/// Files of the folder `cases`.
+/// Files of the folder `cases`, compiled into the program.
 static CASES: Dir = include_dir!("$CARGO_MANIFEST_DIR/cases");
 
-/// Files of the folder `models`.
+/// Files of the folder `models`, compiled into the program: the sets of values.
 static MODELS: Dir = include_dir!("$CARGO_MANIFEST_DIR/models");
 
 /// Case or set of values that is built into the program.
@@ -14,7 +15,7 @@ static MODELS: Dir = include_dir!("$CARGO_MANIFEST_DIR/models");
 pub struct BuiltIn {
     /// Name of the text: path within its folder, without `.toml`.
     pub name: String,
-    /// Name of the file in messages.
+    /// Path by which messages name the file.
     pub path: PathBuf,
     /// Whole text of the file.
     pub text: &'static str,

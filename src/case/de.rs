@@ -1,9 +1,9 @@
 //! Reads the tree of a case into the types of [`super::file`] through serde, and keeps the source position of each
 //! value.
 //!
-//! The code derived by serde contains the keys of each table. This deserializer walks through the tree, and stores the
-//! position of a value that does not fit its type. A field of type [`Located`] also receives the source position of a
-//! value that does fit.
+//! The code that serde derives for each table contains the keys of that table. This deserializer walks through the tree
+//! and gives the values to that code. If a value does not fit its type, the error contains the source position of the
+//! value. A field of type [`Located`] receives the source position of a value that fits.
 
 use super::diagnostic::Diagnostic;
 use super::source::{Origin, Sources};
@@ -42,8 +42,8 @@ impl Error {
         Self { kind, at: None }
     }
 
-    /// Adds the source position and the key path. An error that has a position already keeps it: that of the innermost
-    /// value.
+    /// Adds the source position and the key path. An error that already has a position keeps it: this is the position
+    /// of the innermost value.
     fn at(mut self, origin: &Origin, path: &str) -> Self {
         self.at.get_or_insert_with(|| Box::new((origin.clone(), path.to_string())));
         self
@@ -86,7 +86,7 @@ impl Error {
 
 /// Known name nearest to a misspelt name; `None` if all known names are too different.
 pub fn nearest<'a, S: AsRef<str>>(name: &str, known: &'a [S]) -> Option<&'a str> {
-    // the time and memory for the distance are proportional to the product of both lengths
+    // computing the edit distance takes time and memory in proportion to the product of both lengths
     if known.iter().all(|known| name.len() > 2 * known.as_ref().len() + 8) {
         return None;
     }
@@ -95,7 +95,7 @@ pub fn nearest<'a, S: AsRef<str>>(name: &str, known: &'a [S]) -> Option<&'a str>
     distances.min().filter(|(distance, known)| *distance <= 1 + known.len() / 3).map(|(_, known)| known)
 }
 
-/// List of all known names, after "did you mean `x`?" if a known name is near.
+/// List of all known names; before the list, "did you mean `x`?" if a known name is similar.
 pub(super) fn suggestion<S: AsRef<str>>(name: &str, known: &[S], what: &str) -> String {
     let list = known.iter().map(|known| format!("`{}`", known.as_ref())).collect::<Vec<_>>().join(", ");
     match nearest(name, known) {
@@ -172,9 +172,9 @@ impl de::Error for Error {
 /// Value with its source position and its key path, which later checks use in messages.
 #[derive(Clone, Debug)]
 pub struct Located<T> {
-    /// The value.
+    /// Value that was read from the case.
     pub value: T,
-    /// Position in the source text.
+    /// Position of the value in its source text.
     pub origin: Origin,
     /// Path of the key, such as `particles[0].diameter`.
     pub path: String,
@@ -217,7 +217,7 @@ impl<T: JsonSchema> JsonSchema for Located<T> {
     }
 }
 
-/// Reads the tree of a case into a value of a type.
+/// Reads the tree of a case into a value of type `T`, such as the type of a whole case.
 ///
 /// # Errors
 /// The first value that does not fit, with its source position.

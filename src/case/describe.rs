@@ -26,7 +26,7 @@ pub fn describe_variants<'a>(variants: impl IntoIterator<Item = &'a Experiment>)
         let own = own.chain(own_run.lines().filter(|line| !run.contains(line)));
         let line = std::iter::once(model.trim_start_matches("Model ")).chain(own).collect::<Vec<_>>().join(" ");
         let line = format!("\"{}\": {line}\n", experiment.name);
-        // further points of a sweep may contain a variant without changes: its line is written once
+        // at several points of a sweep a variant may have equal settings: its line is written once
         if !text.contains(&line) {
             text += &line;
         }
@@ -215,7 +215,7 @@ pub(crate) fn model_in_words(experiment: &Experiment) -> String {
         }
         Model::Soft => {
             let soft = &experiment.soft;
-            // method of the engine for each choice: see its module `local`
+            // these texts name the methods of the soft engine (engine/soft/local) for each choice
             let integrator = match (soft.integrator, soft.stepping) {
                 (Integrator::Rk2, _) => "second-order Runge-Kutta",
                 (Integrator::VelocityVerlet, SoftStepping::Uniform) => "velocity Verlet",

@@ -23,22 +23,22 @@ pub struct SourceLocation {
     pub line: usize,
     /// Column in characters, 1 for the first.
     pub column: usize,
-    /// Number of characters to underline.
+    /// Number of characters that are underlined in the message.
     pub width: usize,
-    /// Text of the line.
+    /// Text of the line that contains the position.
     pub text: String,
 }
 
 /// An error or a warning about a case.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Diagnostic {
-    /// Error or warning.
+    /// Severity of the message: error or warning.
     pub severity: Severity,
     /// Problem in words: key, value, allowed range.
     pub message: String,
     /// Position to which the message refers.
     pub place: Option<Box<SourceLocation>>,
-    /// Remedy in words.
+    /// Remedy in words; `None` if there is none.
     pub help: Option<String>,
 }
 
@@ -90,7 +90,7 @@ impl fmt::Display for Diagnostic {
     }
 }
 
-/// Writes the line of the position with an underline; of a long line, only the part near the position.
+/// Writes the line of the position with an underline. If the line is long, only its part near the position is written.
 fn excerpt(f: &mut fmt::Formatter<'_>, place: &SourceLocation) -> fmt::Result {
     const SHOWN: usize = 110;
     let first = place.column.saturating_sub(SHOWN / 2).min(place.text.chars().count().saturating_sub(SHOWN));

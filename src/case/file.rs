@@ -1,7 +1,7 @@
 //! All keys that may be typed in a case, with their descriptions.
 //!
-//! Every key is optional in these types, so that one message can name all missing keys. Choices are tables named after the law
-//! (`[drag.schiller_naumann]`), so that a misspelt law is an error at its line.
+//! Every key is optional in these types, so that one message can name all missing keys. Choices are tables named after
+//! the law (`[drag.schiller_naumann]`), so that a misspelt law is an error at its line.
 //!
 //! These types are the only list of keys. serde reads a case into them. schemars makes from them the reference of
 //! `diptych keys`, the page `docs/keys.md` and the schema for editors. The comment of a field becomes the description
@@ -13,8 +13,7 @@
 //! - `x-one-of`: the name of a group, of which a table has one key at most; a later source replaces the key of an
 //!   earlier one.
 //!
-//! An example that is a list stands in `extend("examples" = [[…]])`, because schemars by itself does not read a list
-//! there.
+//! An example that is a list is given by `extend("examples" = [[…]])`, because schemars cannot read it by `example`.
 
 mod contact;
 mod region;
@@ -39,10 +38,10 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 
-/// Components along x, y, z.
+/// Vector in a case: components along x, y and z.
 pub type Three<T> = Located<[Located<T>; 3]>;
 
-/// A whole case.
+/// A whole case, as it is typed.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CaseFile {
@@ -78,8 +77,8 @@ pub struct CaseFile {
     pub run: Option<Located<RunFile>>,
     /// Slices and sampling of the averages.
     pub statistics: Option<Located<StatisticsFile>>,
-    /// Trajectories to write besides the results, equal for all variants. Without this table no trajectories are
-    /// written.
+    /// Settings of the trajectory files, which are written in addition to the results of every variant. Without this
+    /// table no trajectories are written.
     pub output: Option<Located<OutputFile>>,
     /// One variant that `compare` runs. Without any such table `compare` runs a soft and a hard variant.
     pub compare: Option<Vec<Located<CompareFile>>>,
@@ -87,11 +86,11 @@ pub struct CaseFile {
     pub sweep: Option<Vec<Located<SweepFile>>>,
 }
 
-/// `[domain]`.
+/// Table `[domain]`: the box.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DomainFile {
-    /// Edge lengths of the box.
+    /// Edge lengths of the box along x, y and z.
     #[schemars(extend("examples" = [["120 mm", "40 mm", "64 mm"]]))]
     #[schemars(extend("x-required" = "always", "x-range" = "1e-6 m ..= 1e4 m"))]
     pub size: Option<Three<Length>>,
@@ -100,15 +99,15 @@ pub struct DomainFile {
     pub periodic: Option<Vec<Located<Axis>>>,
 }
 
-/// An axis by name.
+/// Axis of space, given by its name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Axis {
-    /// Spanwise.
+    /// Spanwise axis.
     X,
-    /// Wall-normal.
+    /// Wall-normal axis.
     Y,
-    /// Streamwise.
+    /// Streamwise axis.
     Z,
 }
 
@@ -119,18 +118,18 @@ impl Axis {
     }
 }
 
-/// `[gravity]`.
+/// Table `[gravity]`.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct GravityFile {
-    // the range ends at a hundred times the fastest centrifuges
+    // the range ends at a hundred times the acceleration in the fastest centrifuges
     /// Components of the acceleration along x, y and z.
     #[schemars(extend("examples" = [["0 m/s^2", "-9.81 m/s^2", "0 m/s^2"]]))]
     #[schemars(extend("x-required" = "always", "x-range" = "-1e9 ..= 1e9 m/s^2"))]
     pub acceleration: Option<Three<Acceleration>>,
 }
 
-/// `[fluid]`.
+/// Table `[fluid]`: the gas and its flow.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FluidFile {
@@ -147,30 +146,30 @@ pub struct FluidFile {
     pub profile: Option<Located<ProfileFile>>,
 }
 
-/// `[drag.*]`.
+/// Tables `[drag.*]`: choice of a drag law.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum DragFile {
-    /// Schiller and Naumann (1935), the paper's.
+    /// Drag law of Schiller and Naumann (1935), which the reference paper uses.
     SchillerNaumann {},
     /// Stokes drag of creeping flow, whose solution is known in closed form.
     Stokes {},
 }
 
-/// `[fluid.profile.*]`.
+/// Tables `[fluid.profile.*]`: choice of a velocity profile of the gas.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum ProfileFile {
     /// Uniform velocity: equal everywhere.
     Uniform {
-        /// Velocity along z; 0 is still air.
+        /// Velocity along z; 0 means a gas at rest.
         #[schemars(example = &"0 m/s")]
         #[schemars(extend("x-required" = "always", "x-range" = "-1e4 ..= 1e4 m/s"))]
         velocity: Option<Located<Speed>>,
     },
     /// Velocities from a table in a file.
     Table {
-        /// Name of a CSV file with the columns `y_m,U_m_s`, relative to the file that names it.
+        /// Name of a CSV file with the columns `y_m,U_m_s`, relative to the folder of the file that contains this key.
         #[schemars(example = &"gas.csv", extend("x-required" = "always"))]
         file: Option<Located<String>>,
     },
@@ -207,7 +206,8 @@ pub enum ProfileFile {
         #[schemars(extend("x-required" = "or `reynolds_number`", "x-one-of" = "flow rate"))]
         #[schemars(extend("x-range" = "greater than 0, up to 1e3 m/s"))]
         friction_velocity: Option<Located<Speed>>,
-        /// Reynolds number of the bulk velocity and the full width, U_b L_y/ν, from which the friction velocity follows.
+        /// Reynolds number of the bulk velocity and the full width, U_b L_y/ν. The friction velocity follows from this
+        /// number.
         #[schemars(example = 42000, extend("x-range" = "6000 ..= 1e8", "x-one-of" = "flow rate"))]
         reynolds_number: Option<Located<Ratio>>,
         /// Von Kármán's constant κ.
@@ -219,31 +219,31 @@ pub enum ProfileFile {
     },
 }
 
-/// A k-ε model by name.
+/// Name of a k-ε model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum TurbulenceFile {
-    /// Standard k-ε with wall functions.
+    /// Standard k-ε model with wall functions.
     WallFunctions,
-    /// Launder and Sharma (1974), integrated to the wall.
+    /// Model of Launder and Sharma (1974) for low Reynolds numbers, integrated down to the wall.
     LaunderSharma,
 }
 
-/// `[[particles]]`: one kind.
+/// Table `[[particles]]`: one kind of particles.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ParticlesFile {
     /// Name of the kind in messages and results.
     #[schemars(example = &"glass 2 mm", extend("x-default" = "`particles 0`, `particles 1`, …"))]
     pub name: Option<Located<String>>,
-    /// Diameter, d.
+    /// Diameter of the particles, d.
     #[schemars(example = &"406 um", extend("x-required" = "or `sizes`", "x-range" = "1e-7 m ..= 1 m"))]
     #[schemars(extend("x-one-of" = "size"))]
     pub diameter: Option<Located<Length>>,
     /// Distribution of the diameters, in place of `diameter`.
     #[schemars(extend("x-one-of" = "size"))]
     pub sizes: Option<Located<SizesFile>>,
-    /// Density of the material, ρ_p.
+    /// Density of the material of the particles, ρ_p.
     #[schemars(example = &"1038 kg/m^3", extend("x-required" = "always", "x-range" = "0.1 ..= 3e4 kg/m^3"))]
     pub density: Option<Located<Density>>,
     /// Number of particles, at random positions without overlap.
@@ -267,36 +267,36 @@ pub struct ParticlesFile {
     /// List of particles, each with its position.
     #[schemars(extend("x-one-of" = "amount"))]
     pub at: Option<Located<Vec<Located<PlacedFile>>>>,
-    /// Mean velocity of a random start. The sample mean equals it exactly.
+    /// Mean velocity of the particles at a random start. The mean of the drawn velocities is exactly this value.
     #[schemars(extend("examples" = [["0 m/s", "0 m/s", "9.5 m/s"]]))]
     #[schemars(extend("default" = ["0 m/s", "0 m/s", "0 m/s"], "x-range" = "-1e5 ..= 1e5 m/s"))]
     pub velocity_mean: Option<Three<Speed>>,
     /// Standard deviation of each velocity component of a random start: one value for all components, or a list of
-    /// three along x, y and z. With two or more particles the sample has exactly this deviation.
+    /// three along x, y and z. With two or more particles the drawn velocities have exactly this deviation.
     #[schemars(example = &"0.5 m/s", extend("default" = "0 m/s", "x-range" = "0 ..= 1e5 m/s"))]
     pub velocity_fluctuation: Option<Located<FluctuationFile>>,
-    // two thirds may be typed as 0.667
-    /// Moment of inertia about the centre over m r²: 0.4 of a solid sphere, 2/3 of a thin shell.
+    // a user may type two thirds as 0.667
+    /// Ratio of the moment of inertia about the centre to m r²: 0.4 for a solid sphere, 2/3 for a thin shell.
     #[schemars(example = 0.667, extend("default" = 0.4, "x-range" = "greater than 0, up to 0.667"))]
     pub inertia_factor: Option<Located<Ratio>>,
-    // at the end of the range the surface of a sphere of 1 µm radius has 1000 m/s
-    /// Mean spin of a random start.
+    // at the end of the range the surface of a sphere of 1 µm radius moves at 1000 m/s
+    /// Mean spin of the particles at a random start.
     #[schemars(extend("examples" = [["0 rad/s", "100 rad/s", "0 rad/s"]]))]
     #[schemars(extend("default" = ["0 rad/s", "0 rad/s", "0 rad/s"], "x-range" = "-1e9 ..= 1e9 rad/s"))]
     pub spin_mean: Option<Three<Spin>>,
-    /// Standard deviation of each spin component of a random start. With two or more particles the sample has exactly
-    /// this deviation.
+    /// Standard deviation of each spin component of a random start. With two or more particles the drawn spins have
+    /// exactly this deviation.
     #[schemars(example = &"500 rad/s", extend("default" = "0 rad/s", "x-range" = "0 ..= 1e9 rad/s"))]
     pub spin_fluctuation: Option<Located<Spin>>,
     /// Elasticity of these particles, if it differs from `[soft.hertz]`.
     pub elasticity: Option<Located<ElasticityFile>>,
 }
 
-/// One particle of a list.
+/// One particle in the list `at` of a kind.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PlacedFile {
-    /// Position of the centre.
+    /// Position of the centre of this particle.
     #[schemars(extend("examples" = [["2 mm", "2 mm", "1.8 mm"]], "x-required" = "always"))]
     pub position: Option<Three<Length>>,
     /// Diameter of this particle, needed if its kind has `sizes`.
@@ -306,13 +306,13 @@ pub struct PlacedFile {
     #[schemars(extend("examples" = [["0 m/s", "0 m/s", "0.5 m/s"]]))]
     #[schemars(extend("default" = ["0 m/s", "0 m/s", "0 m/s"], "x-range" = "-1e5 ..= 1e5 m/s"))]
     pub velocity: Option<Three<Speed>>,
-    /// Spin of this particle, right-handed about its direction.
+    /// Spin (angular velocity) of this particle. It rotates about the direction of the vector by the right-hand rule.
     #[schemars(extend("examples" = [["0 rad/s", "0 rad/s", "-400 rad/s"]]))]
     #[schemars(extend("default" = ["0 rad/s", "0 rad/s", "0 rad/s"], "x-range" = "-1e9 ..= 1e9 rad/s"))]
     pub spin: Option<Three<Spin>>,
 }
 
-/// `[soft]`.
+/// Table `[soft]`: settings of the soft engine.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SoftFile {
@@ -335,21 +335,21 @@ pub struct SoftFile {
     /// True: allows a time step beyond the stability limit of the integrator. Energy then grows without bound.
     #[schemars(example = true, extend("default" = false))]
     pub allow_unstable: Option<Located<bool>>,
-    /// Particles that are stepped in time.
+    /// Choice of the particles that are moved by time steps.
     #[schemars(example = &"local", extend("default" = "auto"))]
     pub stepping: Option<Located<SoftStepping>>,
-    /// Time integrator.
+    /// Time integrator of the soft engine.
     #[schemars(example = &"rk2", extend("default" = "velocity_verlet"))]
     pub integrator: Option<Located<Integrator>>,
-    /// Tangential law of spheres that rotate: exactly one of the tables below. Giving one lets spheres rotate.
+    /// Tangential law of spheres that rotate: exactly one of the tables below. With such a table spheres rotate.
     pub tangential: Option<Located<TangentialFile>>,
-    /// Rolling resistance of contacts that last: exactly one of the tables below. Giving one lets spheres rotate.
+    /// Rolling resistance of contacts that last: exactly one of the tables below. With such a table spheres rotate.
     pub rolling: Option<Located<RollingFile>>,
-    /// Twisting resistance of contacts that last. It needs a tangential spring.
+    /// Twisting resistance of contacts that last. This table requires a tangential spring.
     pub twisting: Option<Located<TwistingFile>>,
 }
 
-/// `[soft.linear_spring_dashpot]`.
+/// Table `[soft.linear_spring_dashpot]`: constants of the linear contact law.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SpringFile {
@@ -358,7 +358,7 @@ pub struct SpringFile {
     pub stiffness: Option<Located<Stiffness>>,
 }
 
-/// `[soft.hertz]`; a kind of particles or a wall may have its own.
+/// `[soft.hertz]`, or the `elasticity` of a kind of particles or of a wall.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ElasticityFile {
@@ -370,7 +370,7 @@ pub struct ElasticityFile {
     pub poissons_ratio: Option<Located<Ratio>>,
 }
 
-/// `[hard]`.
+/// Table `[hard]`: settings of the hard engine.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct HardFile {
@@ -384,12 +384,12 @@ pub struct HardFile {
     #[schemars(example = &"1e-6 s", extend("x-default" = "every collision has its restitution"))]
     #[schemars(extend("x-range" = "greater than 0 s"))]
     pub contact_time: Option<Located<Time>>,
-    /// Rule of the tangential impulse of spheres that rotate: exactly one of the tables below. Giving one lets spheres
-    /// rotate.
+    /// Rule of the tangential impulse of spheres that rotate: exactly one of the tables below. With such a table
+    /// spheres rotate.
     pub friction: Option<Located<ImpactRuleFile>>,
 }
 
-/// `[hybrid]`.
+/// Table `[hybrid]`: settings of the hybrid engine.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct HybridFile {
@@ -410,20 +410,20 @@ pub enum HardSteppingFile {
     Steps,
 }
 
-/// `[run]`.
+/// Table `[run]`: settings of a run.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RunFile {
     /// Collision model; `--model` overrides it. A case that is only used with `compare` need not have one.
     #[schemars(example = &"hard", extend("x-required" = "by `run` without `--model`"))]
     pub model: Option<Located<Model>>,
-    /// Simulated time. 0 s writes the initial state only.
+    /// Simulated time. With 0 s only the initial state is written.
     #[schemars(example = &"2 s", extend("x-required" = "always", "x-range" = "0 ..= 1e9 s"))]
     pub duration: Option<Located<Time>>,
     /// Start of averaging. "steady": the run detects when the flow has become steady.
     #[schemars(example = &"1.5 s", extend("default" = "steady"))]
     pub average_from: Option<Located<AverageFromFile>>,
-    /// Time between two drag kicks. "auto": chosen from the scene.
+    /// Window: time between two kicks by which drag changes the velocities. "auto": chosen from the scene.
     #[schemars(example = &"0.2 ms", extend("default" = "auto"))]
     pub window: Option<Located<WindowFile>>,
     /// Seed of the random start; `--seed` overrides it.
@@ -438,19 +438,19 @@ pub struct RunFile {
     pub relax: Option<Located<bool>>,
 }
 
-/// `[statistics]`.
+/// Table `[statistics]`: settings of the averages.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct StatisticsFile {
     /// Number of slices of equal thickness across y in which profiles are averaged.
     #[schemars(example = 15, extend("default" = 40, "x-range" = "1 ..= 100000"))]
     pub slices: Option<Located<i64>>,
-    /// Time between two samples.
+    /// Time between two samples, the instants at which measurements are taken.
     #[schemars(example = &"1 ms", extend("x-default" = "chosen from the scene", "x-range" = "greater than 0 s"))]
     pub sample_interval: Option<Located<Time>>,
 }
 
-/// `[output]`.
+/// Table `[output]`: settings of the trajectory files.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct OutputFile {
@@ -464,7 +464,7 @@ pub struct OutputFile {
     pub format: Option<Located<TrajectoryFormat>>,
 }
 
-/// `[[compare]]`: one variant.
+/// Table `[[compare]]`: one variant of the case.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CompareFile {
@@ -474,24 +474,24 @@ pub struct CompareFile {
     /// Collision model of the variant.
     #[schemars(example = &"soft", extend("x-default" = "`run.model`"))]
     pub model: Option<Located<Model>>,
-    /// Name of the variant that this one is compared with.
+    /// Name of the variant with which this variant is compared.
     #[schemars(example = &"hard", extend("x-default" = "the first hard one, or else the first"))]
     pub against: Option<Located<String>>,
-    // read from the tree, which keeps the source positions
+    // the value is taken from the tree of the case, which contains the source positions
     /// Keys that differ from the case, by their full names.
     #[schemars(with = "Option<std::collections::BTreeMap<String, serde_json::Value>>")]
     #[schemars(extend("examples" = [{ "contact.restitution": 0.9 }]))]
     pub set: Option<Located<IgnoredAny>>,
 }
 
-/// `[[sweep]]`: one key and its values.
+/// Table `[[sweep]]`: one key and its values.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SweepFile {
     /// Full name of the key.
     #[schemars(example = &"soft.linear_spring_dashpot.stiffness", extend("x-required" = "always"))]
     pub key: Option<Located<String>>,
-    // read from the tree, which keeps the source positions
+    // the values are taken from the tree of the case, which contains the source positions
     /// Values of the key, one after the other.
     #[schemars(with = "Vec<serde_json::Value>")]
     #[schemars(extend("examples" = [["300 N/m", "1 kN/m", "3 kN/m"]], "x-required" = "always"))]

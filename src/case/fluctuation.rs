@@ -10,9 +10,9 @@ use std::borrow::Cow;
 /// Standard deviation of the velocities of a random start.
 #[derive(Clone, Debug)]
 pub enum FluctuationFile {
-    /// One speed for x, y and z.
+    /// One speed for all of x, y and z.
     Same(Speed),
-    /// One speed each for x, y and z.
+    /// Three speeds: one each for x, y and z.
     Each(Box<[Located<Speed>; 3]>),
 }
 

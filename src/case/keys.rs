@@ -62,11 +62,11 @@ static SCHEMA: LazyLock<Value> = LazyLock::new(|| {
     generator.into_root_schema_for::<CaseFile>().to_value()
 });
 
-/// All tables in the order of the types; each comes before the tables within it.
+/// All tables of a case in the order of their types; each comes before the tables within it.
 static TABLES: LazyLock<Vec<KeyTable>> = LazyLock::new(|| {
     let mut tables = Vec::new();
     collect(&SCHEMA, &SCHEMA, "", false, &mut tables);
-    // keys of the case itself are all tables
+    // the case as a whole has only tables as keys, and these have descriptions of their own
     tables.retain(|table| !table.name.is_empty());
     tables
 });

@@ -5,7 +5,7 @@ use super::source::Origin;
 use super::tree::{CaseNode, Entry, KeyPart, Value, child_place};
 
 impl CaseNode {
-    /// Merges `over` into this node, whose key path is `place`. Tables are merged key by key; other values are
+    /// Merges the node `over` into this node, whose key path is `place`. Tables are merged key by key; other values are
     /// replaced. A new key removes the keys that exclude it.
     pub fn overlay(&mut self, over: CaseNode, place: &str) {
         let (entries, over_entries) = match (&mut self.value, over.value) {

@@ -55,14 +55,14 @@ pub type Checked = (Experiment, Vec<Diagnostic>);
 
 /// Case that has been read, with the changes of the command line. Only the syntax of the case has been checked.
 pub struct Case {
-    /// Path as given by the user.
+    /// Path of the case as given by the user.
     pub path: PathBuf,
     /// Title: first paragraph of the comment at the beginning, or the name of the file if there is none. The changes of
     /// the command line follow.
     pub title: String,
     /// Whole comment at the beginning of the file, without `#`.
     pub heading: String,
-    /// Text of the file.
+    /// Text of the case file.
     pub text: Arc<str>,
     sources: Sources,
     tree: CaseNode,
@@ -182,7 +182,7 @@ impl Case {
             Some(Value::Array(items)) => items.as_slice(),
             _ => &[],
         };
-        // a variant is made from the case without its `[[compare]]` list, so that the list is not read again for each
+        // variants are made from the case without its `[[compare]]` list, so that the list is not read again for each
         // variant
         let mut case = self.tree.clone();
         case.remove("compare");

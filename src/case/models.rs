@@ -69,7 +69,8 @@ impl Library {
         }
         match &mut node.value {
             Value::Table(entries) => {
-                // the changes of a variant are applied to the case before its sets are read
+                // the list `[[compare]]` is left out: the changes of a variant are first applied to the case, then sets
+                // are read
                 for entry in entries.iter_mut().filter(|entry| !(place.is_empty() && entry.key == "compare")) {
                     self.expand_at(&mut entry.node, &child_place(place, &entry.key), depth, sources)?;
                 }

@@ -1,4 +1,4 @@
-//! Every resolved parameter in SI, as JSON.
+//! All parameters of an experiment, with defaults and computed values, as JSON in SI.
 
 use crate::contact_law::ContactLaw;
 use crate::experiment::{Amount, AverageFrom, Experiment, HardStepping, TimeStep};
@@ -8,10 +8,10 @@ use crate::walls::Wall;
 use nalgebra::Vector3;
 use serde_json::{Value, json};
 
-/// Points at which the gas velocity is listed.
+/// Number of points at which the gas velocity is listed.
 const PROFILE_POINTS: usize = 41;
 
-/// All parameters of an experiment; every length in m, time in s, and so on. Names are those of the case format.
+/// All parameters of an experiment in SI units, by the names of the case format.
 pub fn parameters(experiment: &Experiment) -> Value {
     let scene = &experiment.scene;
     json!({
@@ -37,7 +37,7 @@ pub fn parameters(experiment: &Experiment) -> Value {
     })
 }
 
-/// The settings of the soft engine, with the contact law as a table of its own, as in a case.
+/// Settings of the soft engine. The contact law is a table within them, as in a case.
 fn soft(experiment: &Experiment) -> Value {
     let soft = &experiment.soft;
     let mut value = json!({
@@ -64,7 +64,7 @@ fn soft(experiment: &Experiment) -> Value {
     value
 }
 
-/// The settings of the hard engine, with its impact rule where spheres rotate.
+/// Settings of the hard engine; if spheres rotate, also the impact rule.
 fn hard(experiment: &Experiment) -> Value {
     let mut value = match experiment.hard.stepping {
         HardStepping::Events => json!({ "stepping": "events", "contact_time": experiment.hard.contact_time }),
@@ -84,8 +84,8 @@ fn surface(surface: &Surface) -> Value {
     json!({ "restitution": surface.restitution, "friction": surface.friction })
 }
 
-/// Contact properties of particles: those of all particles, and the pairs with their own. Walls are given by their
-/// index in the case.
+/// Contact properties of particles: those common to all particles, and those of the pairs that differ. A wall is given
+/// by its index in the case.
 fn contact(experiment: &Experiment) -> Value {
     let scene = &experiment.scene;
     let mut value = surface(&scene.contact);
@@ -131,8 +131,8 @@ fn fluid_parameters(fluid: &Fluid, height: f64) -> Value {
     })
 }
 
-/// [m/s] mean of the profile over 0 ..= height, by the midpoint rule on 2000 strips; for a pipe the mean over its
-/// cross-section.
+/// [m/s] mean gas velocity over 0 ≤ y ≤ `height` [m], by the midpoint rule on 2000 strips. For a pipe it is the mean
+/// over its cross-section.
 pub(super) fn bulk_velocity(fluid: &Fluid, height: f64) -> f64 {
     const STRIPS: usize = 2000;
     if let (Profile::Pipe(_), Some(bulk)) = (&fluid.profile, fluid.profile.bulk_velocity()) {
@@ -142,7 +142,7 @@ pub(super) fn bulk_velocity(fluid: &Fluid, height: f64) -> f64 {
     (0..STRIPS).map(|i| fluid.profile.velocity((i as f64 + 0.5) * strip)).sum::<f64>() / STRIPS as f64
 }
 
-/// [-] share of the box that all particles fill.
+/// [-] share of the volume of the box that all particles fill.
 pub(super) fn volume_fraction(experiment: &Experiment, scene: &Scene) -> f64 {
     let volumes = experiment.start.iter().filter_map(|population| {
         let species = scene.species.get(usize::from(population.species))?;

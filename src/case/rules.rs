@@ -11,7 +11,7 @@ use serde_json::Value as Schema;
 const GROUP: &str = "x-one-of";
 
 /// Attribute of a key with the condition, in words, under which the key is required. The conditions `always` and `or
-/// ...` are checked in this file, other conditions where the key is resolved.
+/// ...` are checked in this file. Other conditions are checked by the code that resolves the key.
 const REQUIRED: &str = "x-required";
 
 /// Attribute of a key with the allowed range of its numbers, in the same words as in messages.
@@ -157,7 +157,7 @@ fn is_required(schema: &Schema) -> bool {
     words(schema, REQUIRED) == Some("always")
 }
 
-/// Required keys of an absent table. If the table has no required keys, the result is the table itself.
+/// Required keys of a table that the case lacks. If the table has no required keys, the result is the table itself.
 fn absent<'a>(schema: &'static Schema, path: String, table: Option<&'a Origin>) -> Vec<MissingKey<'a>> {
     let required = properties(schema).filter(|(_, inner)| is_required(inner));
     let keys: Vec<_> = required.flat_map(|(key, inner)| absent(inner, child_place(&path, key), table)).collect();

@@ -1,4 +1,4 @@
-//! Lines above the table of a saved state, from which a changed file is recognized.
+//! Header lines of a saved state (`state.csv`), by which a changed file is recognized.
 //!
 //! The first line contains the number of particles and a checksum of the rest. A table that was cut short or changed is
 //! therefore not accepted as a saved state. The other lines describe the run.
@@ -13,7 +13,7 @@ pub fn sign(text: &str, particles: usize) -> String {
     format!("{BEGIN}{particles} particles, checksum {:016x}\n{text}", checksum(text))
 }
 
-/// Returns true if `text` is an unchanged saved state, false if it has no first line of that kind.
+/// Returns true if `text` is an unchanged saved state, false if it does not begin with the first line of a saved state.
 ///
 /// # Errors
 /// In words: the text does not match the checksum or the number of particles in its first line.
@@ -48,7 +48,7 @@ pub fn box_lines(domain: &Domain) -> [(&'static str, String); 2] {
     [("box_m", edges.join(" ")), ("periodic", axes.collect::<Vec<_>>().join(" "))]
 }
 
-/// Checksum of a text, by which different cases are distinguished.
+/// Checksum of the text of a case, by which different cases are distinguished.
 pub fn fingerprint(text: &str) -> u64 {
     checksum(text)
 }
@@ -57,6 +57,6 @@ pub fn fingerprint(text: &str) -> u64 {
 /// matter.
 pub(super) fn checksum(text: &str) -> u64 {
     let bytes = text.trim_end().bytes().filter(|byte| *byte != b'\r');
-    // offset basis and prime: Fowler, Noll & Vo
+    // offset basis and prime of the FNV-1a hash (Fowler, Noll & Vo)
     bytes.fold(0xcbf2_9ce4_8422_2325, |hash: u64, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
 }

@@ -37,7 +37,6 @@ pub fn add_limits(schema: &mut Value) {
 
 /// Adds to every table the condition that no two keys of a group are present. A choice between laws contains this
 /// condition already.
-/// already.
 fn add_exclusions(schema: &mut Value) {
     let groups = if is_choice(schema) { Vec::new() } else { groups(schema) };
     let groups: Vec<Vec<String>> =

@@ -13,9 +13,9 @@ pub struct Source {
     pub name: String,
     /// Folder to which file names in the text are relative.
     pub folder: PathBuf,
-    /// Whole text.
+    /// Whole text of the source.
     pub text: Arc<str>,
-    /// Kind of the text.
+    /// Kind of the source text: file, built-in text or argument.
     pub kind: SourceKind,
 }
 
@@ -35,7 +35,7 @@ pub enum SourceKind {
 pub struct Origin {
     /// Index of the text in [`Sources`].
     pub source: usize,
-    /// Range from the first byte to the byte after the last.
+    /// Range of the value in the text, from its first byte to the byte after its last.
     pub span: Range<usize>,
 }
 
@@ -101,7 +101,8 @@ impl Sources {
             });
         }
         let text = &source.text;
-        // the range of an empty or incomplete text may end anywhere: both ends are moved to a character boundary
+        // the range of an empty or incomplete text may end within a character: both ends are moved to a character
+        // boundary
         let mut start = origin.span.start.min(text.len());
         while !text.is_char_boundary(start) {
             start -= 1;

@@ -53,8 +53,8 @@ fn number(value: &CaseNode) -> Option<f64> {
 }
 
 impl Case {
-    /// Keys that a sweep varies: first those of the case, then those of `arguments` (each `key=a,b,c`). A key in an
-    /// argument replaces the equal key of the case.
+    /// Keys that a sweep varies: first those of the case, then those of `arguments` (each `key=a,b,c`). If a key is in
+    /// both, the values in `arguments` replace those of the case.
     ///
     /// # Errors
     /// There is no key, a key occurs twice, a value is empty, or an argument is not such a list.

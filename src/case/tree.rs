@@ -61,7 +61,7 @@ pub struct Entry {
     pub node: CaseNode,
 }
 
-/// Path of a key in the table at `place`: `place.key`, or `key` in the case itself.
+/// Path of a key of the table at the path `place`: `place.key`, or only `key` if the table is the case itself.
 pub fn child_place(place: &str, key: &str) -> String {
     if place.is_empty() { key.to_string() } else { format!("{place}.{key}") }
 }
@@ -132,7 +132,7 @@ pub fn parse_path(text: &str) -> Result<Vec<KeyPart>, String> {
     let bad = |why: &str| format!("`{}` is not a key such as `particles[0].count`: {why}", quote(text));
     let mut path = Vec::new();
     for part in text.split('.') {
-        // steps become nested tables, which are visited by recursion: their number must be limited
+        // the steps become nested tables, which recursive functions visit: the number of steps must be limited
         if path.len() >= DEEPEST {
             return Err(bad(&format!("it has more than {DEEPEST} parts")));
         }

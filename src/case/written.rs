@@ -12,7 +12,7 @@ pub struct Variant<'a> {
     pub name: &'a str,
     /// Collision model of the variant.
     pub model: Model,
-    /// Changes to the case for this variant, each `key=value`.
+    /// Changes to the case for this variant, each of the form `key=value`.
     pub sets: &'a [&'a str],
 }
 

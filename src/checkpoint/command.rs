@@ -1,11 +1,11 @@
 //! Stored form of a command: its command line and the identities of its runs. With these data a command can be started
-//! again, and a change of its case is noticed.
+//! again, and a change of its case is detected.
 
 use crate::experiment::Experiment;
 use serde::{Deserialize, Serialize};
 use std::ffi::OsString;
 
-/// Stored data of a command that writes checkpoints.
+/// Data of a command that are stored in its checkpoint.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct StoredCommand {
     /// Words of the command line; the first is the program.
@@ -21,14 +21,14 @@ pub struct StoredCommand {
 /// Identity of one run of a command: its name, with checksums of the parts of its experiment.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct RunIdentity {
-    /// Name of the variant, or a hash of all that determines the run.
+    /// Name of the variant, or a hash of all data that determine the run.
     pub name: String,
     /// Names of the parts of the experiment, such as `scene`, with a checksum of each part.
     parts: Vec<(String, u32)>,
 }
 
 impl RunIdentity {
-    /// Identity of the run of an experiment; `start` is a checksum of the initial state.
+    /// Creates the identity of the run of an experiment; `start` is a checksum of the initial state.
     ///
     /// # Errors
     /// If the experiment cannot be written as JSON.
@@ -48,7 +48,7 @@ impl RunIdentity {
         Ok(Self { name: name.clone(), parts })
     }
 
-    /// Identity made only of a hash of all that determines a run.
+    /// Creates an identity that consists only of a hash of all data that determine a run.
     pub fn of_hash(hash: &str) -> Self {
         Self { name: hash.to_owned(), parts: Vec::new() }
     }
@@ -60,7 +60,7 @@ impl RunIdentity {
         self.parts.iter().zip(&other.parts).find(differs).map(|(own, _)| own.0.as_str())
     }
 
-    /// Identifier of the run in names of files: the given hash, or a checksum of the parts.
+    /// Part of the names of files by which the run is identified: the given hash, or a checksum of the parts.
     pub fn file_name(&self) -> String {
         if self.parts.is_empty() { self.name.clone() } else { format!("{:08x}", self.checksum()) }
     }

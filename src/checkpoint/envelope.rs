@@ -45,7 +45,7 @@ fn program() -> String {
     format!("diptych {version} on {system} {machine}, layout {LAYOUT}")
 }
 
-/// Bytes of a checkpoint file with the data of `value`.
+/// Bytes of a checkpoint file that contains the data of `value`.
 ///
 /// # Errors
 /// Errors of [`Stored::of`].
@@ -63,7 +63,7 @@ pub fn seal<T: Serialize>(value: &T) -> Result<Vec<u8>, StoreError> {
 /// An [`Unreadable`] if the bytes are incomplete, were written by another program, or contain a value of another type.
 pub fn open<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, Unreadable> {
     if !bytes.starts_with(MAGIC) {
-        // a file whose first line is incomplete counts as damaged
+        // a file that contains only a part of the first line counts as damaged
         return Err(if MAGIC.starts_with(bytes) { Unreadable::Damaged } else { Unreadable::Foreign });
     }
     let Some((whole, checksum)) = bytes.split_last_chunk::<CHECKSUM>() else { return Err(Unreadable::Damaged) };

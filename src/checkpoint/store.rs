@@ -11,8 +11,8 @@ use serde::{Deserialize, Serialize};
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-/// Names of the files of the two generations, which are the last two states of a run. If several runs are simultaneous,
-/// `-` and a checksum of the run follow.
+/// Names of the files of the two generations, which are the last two states of a run. If several runs are done at the
+/// same time, `-` and a checksum of the run follow each name.
 const GENERATIONS: [&str; 2] = ["a", "b"];
 
 /// Beginning of the names of files that hold finished runs.
@@ -21,18 +21,19 @@ const DONE: &str = "done-";
 /// Stored data of one run.
 #[derive(Serialize, Deserialize)]
 pub struct StoredRun {
-    /// State of the run at the instant from which it continues.
+    /// State of the run, from which the run continues.
     pub pause: Pause,
-    /// End of the run: `None` if the run is not over, `Some(None)` if it is complete, else the failure that stopped it.
+    /// `None` if the run is not over, `Some(None)` if the run is complete, else the failure that stopped it.
     pub over: Option<Option<Failure>>,
 }
 
-/// Checkpoint in a folder of results, with the position of its subfolder.
+/// Checkpoint in a folder of results, with the path of its subfolder.
 pub struct Store {
     place: PathBuf,
     /// Names of the files in which the two generations of the state are stored in turn.
     generations: [String; 2],
-    /// Number of the next generation; even numbers are written to the first file, odd numbers to the second.
+    /// Number of the next generation. Generations with even numbers are written to the first file, those with odd
+    /// numbers to the second.
     next: u64,
 }
 
@@ -50,13 +51,14 @@ impl Store {
         Self { place: folder.join(CHECKPOINT), generations: GENERATIONS.map(String::from), next: 0 }
     }
 
-    /// Checkpoint in the same subfolder for one of several simultaneous runs; its generations have separate files.
+    /// Checkpoint in the same subfolder for one of several runs done at the same time. Its generations have separate
+    /// files.
     pub fn for_run(&self, run: &RunIdentity) -> Self {
         let generations = GENERATIONS.map(|name| format!("{name}-{}", run.file_name()));
         Self { place: self.place.clone(), generations, next: 0 }
     }
 
-    /// Stores a command that starts, and removes the checkpoint of an earlier command.
+    /// Stores a command that begins, and removes the checkpoint of an earlier command.
     ///
     /// # Errors
     /// If a file cannot be written.
@@ -80,15 +82,15 @@ impl Store {
     pub fn command(&self) -> Result<StoredCommand, Unreadable> {
         let [first, copy] = COMMAND;
         match self.read(first) {
-            // both files were written by the same program, so the second file cannot help
+            // both files were written by the same program, so the second file cannot be used either
             Err(why @ Unreadable::OtherProgram { .. }) => Err(why),
             Err(why) => self.read(copy).map_err(|_| why),
             whole => whole,
         }
     }
 
-    /// Stores the data `part` of the process `number`, if several processes share a run. The call comes before
-    /// [`keep`](Self::keep) stores the remaining state, or before [`finish`](Self::finish) does so if the run is over.
+    /// Stores the data `part` of the process with the number `number`, if several processes share a run. The remaining
+    /// state is stored after this call, by [`keep`](Self::keep) or, if the run is over, by [`finish`](Self::finish).
     ///
     /// # Errors
     /// If a file cannot be written; the state then cannot be stored.
@@ -98,8 +100,9 @@ impl Store {
         self.write(&part_of(&of, number), &(age, run, part))
     }
 
-    /// Reads the data of the process `number` from the newest state of a run, or from its end. The call follows one of
-    /// [`newest`](Self::newest) or [`finished`](Self::finished), which checks that all files of the state can be used.
+    /// Reads the data of the process with the number `number` from the newest state of a run or, if `over` is true,
+    /// from its final state. This call must follow a call of [`newest`](Self::newest) or [`finished`](Self::finished),
+    /// which checks that all files of the state can be used.
     ///
     /// # Errors
     /// If the file cannot be used.
@@ -113,7 +116,7 @@ impl Store {
 
     fn read_part(&self, of: &str, (age, run): (u64, &RunIdentity), number: usize) -> Result<Vec<u8>, Unreadable> {
         let (found, whose, part) = self.read::<(u64, RunIdentity, Vec<u8>)>(&part_of(of, number))?;
-        // data of another generation: the program was stopped before all processes had written their files
+        // the data belong to another generation if the program was stopped before all processes had written their files
         if (found, &whose) == (age, run) { Ok(part) } else { Err(Unreadable::Damaged) }
     }
 
@@ -154,20 +157,22 @@ impl Store {
         Newest { found: newest.map(|(_, run, kept)| (run, kept)), refused }
     }
 
-    /// Stores the end of a run, or the result computed from it.
+    /// Stores the final state of a run with the data of its observers, or the result computed from these.
     ///
     /// # Errors
     /// If a file cannot be written.
     pub fn finish<T: Serialize>(&self, run: &RunIdentity, end: &T) -> Result<(), OutputError> {
         self.write(&done(run), &(run, end))?;
-        // files of generations that only this run uses are no longer needed, and no other run would replace them
+        // generations of one among several runs have separate files, which are no longer needed and which no other run
+        // would replace
         for name in self.generations.iter().filter(|name| !GENERATIONS.contains(&name.as_str())) {
             let _ = std::fs::remove_file(self.place.join(name));
         }
         Ok(())
     }
 
-    /// Reads the end of a run; `None` if no end is stored, or if the file belongs to another run.
+    /// Reads the final state of a run with the data of its observers. `None` if no such data are stored, or if the file
+    /// belongs to another run.
     ///
     /// # Errors
     /// The path of the file and the reason, if the file cannot be used.
@@ -181,7 +186,7 @@ impl Store {
         }
     }
 
-    /// Reads the result of a run, if a result is stored instead of the end of the run.
+    /// Reads the result of a run, if it is stored in place of the final state.
     pub fn result(&self, run: &RunIdentity) -> Option<Vec<u8>> {
         let (of, result) = self.read::<(RunIdentity, Vec<u8>)>(&done(run)).ok()?;
         (of == *run).then_some(result)
@@ -197,7 +202,8 @@ impl Store {
             Err(why) if why.kind() == ErrorKind::NotFound => return Ok(()),
             Err(why) => return Err(OutputError::io("read", &self.place, why)),
         };
-        // the file of the command is removed first: if the program is killed here, nothing is left to continue
+        // the file of the command is removed first: if the program is killed after that, no command remains that could
+        // be continued
         for path in COMMAND.map(|name| self.place.join(name)) {
             match std::fs::remove_file(&path) {
                 Err(why) if why.kind() != ErrorKind::NotFound => {
@@ -233,12 +239,12 @@ impl Store {
     }
 }
 
-/// Name of the file with the data of process `number`, which belongs to the file `name`.
+/// Name of the file with the data of the process `number`; the file `name` contains the other data of this state.
 fn part_of(name: &str, number: usize) -> String {
     format!("{name}-part-{number}")
 }
 
-/// Name of the file that holds the end of a run.
+/// Name of the file that contains the final state of a run, or its result.
 fn done(run: &RunIdentity) -> String {
     format!("{DONE}{}", run.file_name())
 }

@@ -7,7 +7,7 @@
 /// Number of random bytes in the token, which is written in twice as many hexadecimal digits.
 const BYTES: usize = 16;
 
-/// Secret part of the address, too long to be guessed.
+/// Secret part of the address of the lab, too long to be guessed.
 #[derive(Clone, Debug)]
 pub struct Token(String);
 

@@ -1,8 +1,8 @@
 //! Frame of the lab: the data from which the page draws one instant.
 //!
 //! A frame is a sequence of bytes, little endian. The length of the JSON [u32] comes first, then the JSON, then blanks
-//! up to a multiple of four. For each panel and each particle, in the order of ids, follow x, y, z [m], speed [m/s] and
-//! overlap [m], as f32.
+//! up to a multiple of four. The particles of the left panel and then those of the right panel follow, in the order of
+//! their ids. Each particle has x, y, z [m], speed [m/s] and overlap [m], as f32.
 
 use crate::engine::Failure;
 use serde::Serialize;
@@ -10,7 +10,7 @@ use serde::Serialize;
 /// State of one panel, apart from its particles.
 #[derive(Clone, Debug, Serialize)]
 pub struct Now {
-    /// [s] simulated time.
+    /// [s] simulated time that the panel has reached.
     pub time: f64,
     /// State of the run: `running`, `over` or `failed`.
     pub state: &'static str,
@@ -25,7 +25,7 @@ pub struct Now {
 /// Numbers of a run that the page shows next to the panel.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Live {
-    /// [J] kinetic energy.
+    /// [J] kinetic energy of all particles.
     pub kinetic: f64,
     /// [J] elastic energy stored in contacts.
     pub elastic: f64,
@@ -43,13 +43,13 @@ pub struct Live {
     pub walls: u64,
     /// [-] realised restitution of all impacts.
     pub restitution: Option<f64>,
-    /// [-] largest overlap over the diameter, which is the smaller diameter of two spheres.
+    /// [-] largest overlap over the diameter (of two different spheres, over the smaller diameter).
     pub overlap: Option<f64>,
     /// [s] mean duration of an impact.
     pub duration: Option<f64>,
     /// [s/s] wall time of the engine per simulated time.
     pub cost: Option<f64>,
-    /// Number of time steps.
+    /// Number of time steps since the start.
     pub steps: u64,
     /// Number of collisions that were resolved by an impulse.
     pub events: u64,
@@ -85,7 +85,7 @@ pub struct Head<'a> {
     pub judged: Option<PanelComparison>,
 }
 
-/// Bytes of a frame, from its JSON part and the values of the particles of both panels.
+/// Bytes of a frame, made from its JSON part and the values of the particles of both panels.
 pub fn bytes(head: &Head, particles: [&[[f32; 5]]; 2]) -> Vec<u8> {
     let mut json = serde_json::to_vec(head).unwrap_or_default();
     json.resize(json.len().next_multiple_of(4), b' ');

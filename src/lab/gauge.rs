@@ -11,7 +11,7 @@ use crate::scene::Scene;
 use crate::simulation::Simulation;
 use serde::Serialize;
 
-/// Number of intervals by which a theoretical curve is drawn.
+/// Number of intervals of a theoretical curve.
 const POINTS: usize = 200;
 
 /// Set of quantities that a scene measures and draws.
@@ -29,7 +29,7 @@ pub enum Gauge {
     Energy,
     /// Energy of a gas whose energy should be constant, on a logarithmic axis.
     Explosion,
-    /// Mean motion of particles in a channel; the page also shows their profiles.
+    /// Mean motion of particles in a channel. The page also shows profiles of both panels.
     Channel,
     /// Overlap, impacts and kinetic energy of a column of spheres on a floor.
     Column,
@@ -37,7 +37,7 @@ pub enum Gauge {
     Missed,
 }
 
-/// Graph of measured columns over time, or over another measured column.
+/// Graph of measured columns as functions of time or of another measured column.
 #[derive(Clone, Debug, Serialize)]
 pub struct Graph {
     /// Title of the graph.
@@ -64,8 +64,8 @@ impl Graph {
     }
 }
 
-/// Points of a function of the time [s], up to the end of an experiment. The times of the points are in units of `unit`
-/// [s].
+/// Points of a function of the time [s], up to the end of the run of an experiment. The times of the points are in
+/// units of `unit` [s].
 fn curve(experiment: &Experiment, unit: f64, at: impl Fn(f64) -> Option<f64>) -> Vec<[f64; 2]> {
     let times = (0..=POINTS).map(|k| experiment.run.duration * k as f64 / POINTS as f64);
     times.filter_map(|time| Some([time / unit, at(time)?])).collect()
@@ -167,7 +167,7 @@ impl Gauge {
         }
     }
 
-    /// Value at the start by which measured values are divided: the temperature or the energy.
+    /// Divisor of measured values, taken at the start: the temperature or the energy.
     fn scale(self, simulation: &Simulation) -> f64 {
         match self {
             Self::Gas => temperature(&simulation.particles),
@@ -176,7 +176,8 @@ impl Gauge {
     }
 }
 
-/// Overlap of the lowest of n spheres at rest on top of each other, n m g/k, over the diameter [%], for the whole run.
+/// Overlap of the lowest of n spheres that rest on top of each other, n m g/k, over the diameter [%]. It is constant
+/// over the whole run.
 fn statics(experiment: &Experiment, start: &Particles) -> Option<Vec<[f64; 2]>> {
     let law = experiment.law()?;
     let wall = experiment.scene.walls.first().map(|_| 0)?;
@@ -208,8 +209,9 @@ impl<'a> Meter<'a> {
         Self { gauge, experiment, at_start: None, rows: Vec::new() }
     }
 
-    /// Time [µs], overlap δ [µm], normal velocity [m/s], and force of the spring, of the dashpot and of both [mN] of
-    /// the first two spheres. The forces follow from the contact law at this instant, and are 0 without an overlap.
+    /// Time [µs], overlap δ [µm], normal velocity [m/s], and three forces [mN] of the first two spheres: of the spring,
+    /// of the dashpot, and their sum. The forces are computed from the contact law at this instant, and are 0 without
+    /// an overlap.
     fn meeting(&self, simulation: &Simulation) -> Vec<f64> {
         let (particles, scene) = (&simulation.particles, simulation.scene());
         let met = Couple { i: 0, other: Other::Particle(1) }.meet(particles, scene, FrameTime::default());

@@ -6,12 +6,12 @@
 //!          <--frames------------------------- <--tells--
 //! ```
 //!
-//! A scene is a case of `cases/` with changes in the form of `--set` arguments, so that scenes need no description of
-//! another kind. No frame is made while two earlier ones are still to be drawn, so that a slow page receives fewer
+//! A scene is a case of `cases/` with changes in the form of `--set` arguments, so that scenes have no other
+//! description. No frame is made while two earlier ones are still to be drawn, so that a slow page receives fewer
 //! frames.
 //!
-//! No file is read or written. The address contains a token that cannot be guessed. A request under another name than
-//! that of this machine is refused ([`access`]).
+//! The lab reads and writes no files. The address contains a token that cannot be guessed. A request with another host
+//! name than that of this machine is refused ([`access`]).
 
 pub mod access;
 mod engine_lock;

@@ -1,6 +1,6 @@
 //! Files of the page of the lab, which are built into the program.
 
-/// A file of the page.
+/// File of the page.
 pub struct Asset {
     /// Path of the file in the address, after the token.
     pub path: &'static str,
@@ -13,7 +13,7 @@ pub struct Asset {
 const SCRIPT: &str = "text/javascript; charset=utf-8";
 const STYLE: &str = "text/css; charset=utf-8";
 
-/// All files; the first is the page itself.
+/// All files of the page; the first is the page itself.
 pub const ASSETS: &[Asset] = &[
     Asset { path: "", kind: "text/html; charset=utf-8", text: include_str!("page/index.html") },
     Asset { path: "shared.css", kind: STYLE, text: include_str!("../output/page/style.css") },

@@ -1,5 +1,5 @@
-//! One panel of the lab: a simulation that is continued window by window, and its state for the page. A window is the
-//! time between two exchanges of momentum with the gas.
+//! Panel of the lab: a simulation that advances window by window, and its state for the page. A window is the time
+//! between two exchanges of momentum with the gas.
 
 use super::frame::{Live, Now, words};
 use super::gauge::{Gauge, Meter};
@@ -17,7 +17,8 @@ use std::time::Duration;
 /// Largest number of measured rows in a frame; if there are more, some are left out.
 const MOST_ROWS: usize = 100;
 
-/// Smallest number of windows per frame at the default pace of a scene. Motion at a slower pace is then still smooth.
+/// Smallest number of windows per frame at the default pace of a scene. With so many windows, motion is smooth also at
+/// a slower pace.
 const WINDOWS_PER_FRAME: f64 = 2.0;
 
 /// Running simulation of one panel.
@@ -32,7 +33,7 @@ pub struct LabPanel<'a> {
     failure: Option<Failure>,
 }
 
-/// Sequence of windows of a panel whose frames are `frame` [s] of simulated time apart. With drag or stepped hard
+/// Schedule of the windows of a panel; frames are `frame` [s] of simulated time apart. With drag or stepped hard
 /// spheres these are the windows of the case. Otherwise the windows are short enough for the frames, and whole
 /// multiples of the time step.
 fn schedule(experiment: &Experiment, particles: usize, frame: f64) -> Schedule {
@@ -51,7 +52,7 @@ fn schedule(experiment: &Experiment, particles: usize, frame: f64) -> Schedule {
 }
 
 impl<'a> LabPanel<'a> {
-    /// Creates a panel at its start; `frame` [s] is the simulated time between two frames.
+    /// Creates a panel in its initial state; `frame` [s] is the simulated time between two frames.
     pub fn new(experiment: &'a Experiment, start: Particles, gauge: Gauge, frame: f64) -> Self {
         let schedule = schedule(experiment, start.len(), frame);
         let mut seen = (gauge == Gauge::Channel).then(|| StandardObservers::new(experiment, start.fingerprint()));
@@ -73,8 +74,8 @@ impl<'a> LabPanel<'a> {
         (!self.over).then_some(self.simulation.time)
     }
 
-    /// Continues the run to simulated time `until` [s]. The call ends earlier when the wall time `most` has passed or
-    /// the run is over.
+    /// Continues the run up to the simulated time `until` [s]. The call ends earlier if the wall time `most` has passed
+    /// or the run is over.
     pub fn run(&mut self, until: f64, most: Duration) {
         if self.over || self.simulation.time >= until {
             return;
@@ -102,7 +103,7 @@ impl<'a> LabPanel<'a> {
         let mut rows = std::mem::take(&mut self.meter.rows);
         let every = rows.len().div_ceil(MOST_ROWS).max(1);
         let mut place = rows.len();
-        // the last row is always kept
+        // the last row is always among those that remain
         rows.retain(|_| {
             place -= 1;
             place.is_multiple_of(every)
@@ -159,7 +160,7 @@ impl<'a> LabPanel<'a> {
         drawn
     }
 
-    /// Results of the panel so far, in scenes whose statistics are tested; `None` in others and at the start.
+    /// Results of the panel so far, in scenes whose statistics are tested; `None` in other scenes and at the start.
     pub fn outcome(&self) -> Option<Outcome> {
         let seen = self.seen.clone()?;
         let hash = self.simulation.state().fingerprint();

@@ -33,16 +33,16 @@ pub enum LabParameter {
     Integrator,
     /// Window h: time between two exchanges of momentum with the gas [µs].
     Window,
-    /// Number of particles of a gas. The box grows or shrinks so that the volume fraction remains.
+    /// Number of particles of a gas. The size of the box changes with this number so that the volume fraction remains.
     Count,
     /// Number of spheres in a row.
     Row,
     /// Speed of each of two spheres before they meet [m/s].
     Approach,
-    /// Step criterion θ of stepped hard spheres: path of a typical pair in one step over the diameter [-].
+    /// Step criterion θ of stepped hard spheres [-]: distance that a typical pair moves in one step, over the diameter.
     Theta,
     /// Clearance of hybrid spheres, in contact times [-]. A touch is an instantaneous collision if no other particle
-    /// can arrive within this time.
+    /// can reach the two within this time.
     Clearance,
     /// Seed of the random start.
     Seed,
@@ -69,7 +69,7 @@ pub enum ParameterKind {
         least: f64,
         /// Largest allowed value.
         most: f64,
-        /// True if equal distances on the slider are equal factors.
+        /// True if the scale of the slider is logarithmic.
         logarithmic: bool,
         /// True if only whole numbers are allowed.
         whole: bool,
@@ -149,7 +149,7 @@ impl LabParameter {
         matches!(self, Self::Stiffness | Self::StepsPerContact | Self::Window | Self::Approach | Self::Theta)
     }
 
-    /// Value of the parameter in an experiment; `None` where the experiment has no such parameter.
+    /// Value of the parameter in an experiment; `None` if the experiment has no such parameter.
     pub fn value(self, experiment: &Experiment) -> Option<ParameterValue> {
         let number = match self {
             Self::Restitution => experiment.scene.contact.restitution,
@@ -179,7 +179,7 @@ impl LabParameter {
         Some(ParameterValue::Number(rounded(number)))
     }
 
-    /// The `--set` arguments that give an experiment this value.
+    /// Arguments of `--set` by which the parameter of an experiment gets this value.
     pub fn sets(self, setting: &ParameterValue, experiment: &Experiment) -> Vec<String> {
         let value = match setting {
             ParameterValue::Word(word) => return vec![format!("soft.integrator={word}")],
@@ -241,7 +241,7 @@ fn rounded(value: f64) -> f64 {
     format!("{value:.*e}", DIGITS as usize - 1).parse().unwrap_or(value)
 }
 
-/// Changes that set a property, such as the restitution, for pairs and for every wall.
+/// Changes that set a property, such as the restitution, for contacts of pairs and of every wall.
 fn surfaces(experiment: &Experiment, key: &str, value: f64) -> Vec<String> {
     let walls = (0..experiment.scene.walls.len()).map(|wall| format!("walls[{wall}].{key}={value}"));
     std::iter::once(format!("contact.{key}={value}")).chain(walls).collect()
@@ -253,14 +253,14 @@ fn crowd(experiment: &Experiment, count: f64) -> Vec<String> {
     let sides: Vec<usize> = (0..3).filter(|axis| domain.periodic[*axis]).collect();
     let factor = (count / experiment.count() as f64).powf(1.0 / sides.len().max(1) as f64);
     let sizes = sides.into_iter().map(|axis| {
-        // five significant decimals, more than the page shows: the volume fraction stays within 0.1 %
+        // five significant decimals, more than on the page, keep the volume fraction within 0.1 %
         format!("domain.size[{axis}]={:.5} mm", 1e3 * domain.size[axis] * factor)
     });
     sizes.chain(std::iter::once(format!("particles[0].count={count}"))).collect()
 }
 
-/// Changes that set the number of spheres in the row of the case. The first spheres of the case are used; further ones
-/// continue the row at equal distances.
+/// Changes that set the number of spheres in the row of the case. The row consists of the first spheres of the case;
+/// further spheres continue the row at equal distances.
 fn row(experiment: &Experiment, count: usize) -> Vec<String> {
     let Some(Amount::Placed(placed)) = experiment.start.first().map(|population| &population.amount) else {
         return Vec::new();
@@ -291,8 +291,8 @@ fn approach(experiment: &Experiment, speed: f64) -> Vec<String> {
     (0..placed.len()).flat_map(|k| (0..3).filter_map(move |axis| moving(k, axis))).collect()
 }
 
-/// Changes that set θ of stepped hard spheres, and the window in proportion. One window is one step of this engine, and
-/// a step would be cut at the end of a window.
+/// Changes that set θ of stepped hard spheres, and the window in proportion. One window is one step of this engine,
+/// because a step ends at the end of a window at the latest.
 fn theta(experiment: &Experiment, theta: f64) -> Vec<String> {
     let mut sets = vec![format!("hard.theta={theta}")];
     if let (Some(window), HardStepping::Steps { theta: before }) = (experiment.run.window, experiment.hard.stepping) {

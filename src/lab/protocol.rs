@@ -11,17 +11,17 @@ use std::collections::BTreeMap;
 /// [bytes] length of the longest message that a page may send.
 pub const LONGEST: usize = 16 * 1024;
 
-/// Values of the parameters that the page has set, by the names of the parameters. Other parameters have the values of
-/// the case.
+/// Values of the parameters that the user has set on the page, by the names of the parameters. Other parameters have
+/// the values of the case.
 pub type Settings = BTreeMap<String, ParameterValue>;
 
-/// Scene and settings that the page has chosen.
+/// Scene and settings that the user has chosen on the page.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SceneChoice {
     /// Name of the scene.
     pub scene: String,
-    /// Values of parameters that the page has set.
+    /// Values of parameters that the user has set.
     #[serde(default)]
     pub settings: Settings,
     /// Model of the right panel, as its index in the list of the scene.
@@ -50,7 +50,7 @@ pub enum Ask {
         /// [-] factor on the default pace.
         factor: f64,
     },
-    /// Reports if the page is visible.
+    /// Reports whether the page is visible.
     Look {
         /// True if the page is visible.
         on: bool,
@@ -164,11 +164,11 @@ pub enum Tell {
     },
     /// Reports that a scene has been opened.
     Opened(Box<Opened>),
-    /// Reports that a choice cannot be run, and the reason. The former scene continues.
+    /// Reports that a choice cannot be run, and the reason. The scene that was opened before continues.
     Refused {
         /// Serial number of the refused choice of scene and settings.
         serial: u32,
-        /// Reason in words.
+        /// Reason for the refusal in words.
         why: String,
     },
 }

@@ -12,11 +12,11 @@ use crate::placement::initial_state;
 use crate::predict::contact::ContactTimes;
 use crate::study::quoted;
 
-/// Scene of the lab that is ready to run: both experiments with their initial states.
+/// Scene of the lab that is ready to run, with the experiments and initial states of both panels.
 pub struct SceneState {
-    /// Scene that the page has chosen.
+    /// Scene that the user has chosen on the page.
     pub scene: &'static LabScene,
-    /// Settings of the scene that the page has chosen.
+    /// Choice of the user on the page: scene and settings.
     pub choice: SceneChoice,
     /// Experiments of the left and the right panel.
     pub experiments: [Experiment; 2],
@@ -29,7 +29,7 @@ pub struct SceneState {
 }
 
 impl SceneState {
-    /// Reads and checks the scene that a page has chosen.
+    /// Reads and checks the scene that the user has chosen on the page.
     ///
     /// # Errors
     /// In words: there is no such scene or setting, a number is beyond its limits, or the case has an error.
@@ -127,8 +127,8 @@ impl SceneState {
         command(["diptych", "run", self.scene.case, "--model", side.model.name()], sets)
     }
 
-    /// Command that compares the models of both panels. The command names the built-in case if `compare` runs these two
-    /// variants by default, else the case file that the page can save.
+    /// Command that compares the models of both panels. The command contains the name of the built-in case if `compare`
+    /// runs these two variants by default. Otherwise it contains the name of the case file that the page can save.
     fn command(&self) -> String {
         let plain = [&self.scene.left, self.right()].iter().all(|side| side.sets.is_empty());
         if plain && !self.case.names_variants() && self.right().model == Model::Hard {
@@ -142,7 +142,8 @@ impl SceneState {
         format!("lab-{}.toml", self.scene.name)
     }
 
-    /// Text of a case file with the present settings: `run` repeats the left panel, `compare` both panels.
+    /// Text of a case file with the present settings. With this file `run` repeats the left panel, and `compare` both
+    /// panels.
     pub fn file(&self) -> String {
         let heading = format!(
             "{}: as set in `diptych lab`\n\nQuestion: {}\nSource: the built-in case `{}`.\n{}",
@@ -156,7 +157,7 @@ impl SceneState {
             model: side.model,
             sets: side.sets,
         });
-        // a case that was read can also be written; if not, the page shows the reason instead
+        // a case that was read can also be written; if this fails, the page shows the reason
         self.case.written(&heading, &variants).unwrap_or_else(|why| format!("# {}\n", why.message))
     }
 }
@@ -166,7 +167,7 @@ fn plain(scene: &LabScene) -> Vec<String> {
     scene.sets.iter().map(|set| (*set).to_owned()).collect()
 }
 
-/// Changes to the built-in case by the scene and by the settings of the page. Values equal to those of the case are
+/// Changes to the built-in case by the scene and by the settings on the page. Values equal to those of the case are
 /// left out.
 fn changes(scene: &LabScene, choice: &SceneChoice, own: &Experiment) -> Result<Vec<String>, String> {
     if let Some(name) = choice.settings.keys().find(|name| !scene.knobs.iter().any(|range| range.knob.name() == **name))
@@ -194,7 +195,7 @@ fn of_side(case: &BuiltIn, sets: &[String], side: &PanelSetup) -> Result<(Case, 
     Ok((case, checked))
 }
 
-/// Method of an experiment for collisions, in a few words.
+/// Method by which an experiment computes collisions, in a few words.
 fn method(experiment: &Experiment, particles: usize) -> String {
     match (experiment.model(), experiment.hard.stepping) {
         (Model::Soft, _) => soft_method(experiment, particles),

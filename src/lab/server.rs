@@ -27,11 +27,11 @@ use tokio::sync::{Semaphore, mpsc, watch};
 /// Largest number of pages that may be open at the same time.
 const MOST_SESSIONS: usize = 4;
 
-/// Largest number of requests of a page that may be waiting for its session. The connection is closed if a page sends
-/// more.
+/// Largest number of requests of a page that its session has not yet read. If a page sends more, the connection is
+/// closed.
 const MOST_ASKS: usize = 256;
 
-/// Largest number of messages that may wait between a session and its WebSocket.
+/// Largest number of messages of a session that its WebSocket has not yet sent.
 const UNSENT: usize = 4;
 
 /// Largest number of simultaneous connections, apart from WebSockets. A page opens six, and many systems allow a
@@ -113,7 +113,7 @@ impl LabServer {
         Ok(Self { address, token, sessions, stop, server })
     }
 
-    /// The address to open in a browser.
+    /// Address that the user opens in a browser.
     pub fn url(&self) -> String {
         format!("http://{}/{}/", self.address, self.token.as_str())
     }
@@ -153,7 +153,7 @@ async fn serve(listener: TcpListener, shared: ServerState) {
             () = until_told(&mut stop) => {}
         }
     }
-    // each WebSocket is closed at the signal to stop, and its session then ends
+    // at the signal to stop each WebSocket is closed, and its session then ends
     let threads = std::mem::take(&mut *threads.lock().unwrap_or_else(PoisonError::into_inner));
     for thread in threads {
         while !thread.is_finished() {
@@ -169,7 +169,7 @@ async fn accept(listener: tokio::net::TcpListener, router: Router) {
     let places = Arc::new(Semaphore::new(MOST_CONNECTIONS));
     while let Ok(place) = Arc::clone(&places).acquire_owned().await {
         let Ok((stream, _)) = listener.accept().await else {
-            // an error such as too many open files: other connections close during the pause
+            // after an error such as too many open files, other connections can close during this pause
             tokio::time::sleep(AFTER_ERROR).await;
             continue;
         };
@@ -186,7 +186,7 @@ async fn accept(listener: tokio::net::TcpListener, router: Router) {
     }
 }
 
-/// Waits for the signal to stop the server.
+/// Waits for the signal by which the server is stopped.
 async fn until_told(stop: &mut watch::Receiver<bool>) {
     // an error means that the server object no longer exists
     drop(stop.wait_for(|stop| *stop).await);
@@ -199,7 +199,7 @@ fn plain(status: StatusCode) -> Response<Body> {
     response
 }
 
-/// Text of a header that occurs exactly once; `None` otherwise, because a proxy may have used another of several
+/// Text of a header that occurs exactly once; otherwise `None`, because a proxy may have used any of several equal
 /// headers.
 fn text(headers: &HeaderMap, name: header::HeaderName) -> Option<&str> {
     let mut all = headers.get_all(name).iter();
@@ -207,8 +207,8 @@ fn text(headers: &HeaderMap, name: header::HeaderName) -> Option<&str> {
     only.to_str().ok()
 }
 
-/// Refuses a request with another host name than that of this machine, from another page, or without the token. Each
-/// answer gets headers that isolate the page from other pages.
+/// Refuses a request that has another host name than that of this machine, that comes from another page, or that lacks
+/// the token. Each answer gets headers that isolate the page from other pages.
 async fn check(State(shared): State<ServerState>, request: Request, next: Next) -> Response<Body> {
     let headers = request.headers();
     let upgrade = headers.contains_key(header::UPGRADE);
@@ -265,7 +265,7 @@ async fn socket(State(shared): State<ServerState>, upgrade: WebSocketUpgrade) ->
         .on_upgrade(move |socket| serve_page(socket, shared, place))
 }
 
-/// Place of an open page among the limited number of pages. Dropping this value frees the place.
+/// Permission for one open page, out of a limited number. If this value is dropped, another page may be opened.
 struct PageSlot(Arc<AtomicUsize>);
 
 impl Drop for PageSlot {
@@ -274,7 +274,7 @@ impl Drop for PageSlot {
     }
 }
 
-/// Starts the session of a page, and passes messages between both until one of them has ended.
+/// Starts the session of a page, and passes messages between the page and the session until one of them has ended.
 async fn serve_page(mut socket: WebSocket, shared: ServerState, place: PageSlot) {
     let (ask, asks) = sync_channel(MOST_ASKS);
     let (tells, mut told) = mpsc::channel(UNSENT);
@@ -304,7 +304,7 @@ async fn serve_page(mut socket: WebSocket, shared: ServerState, place: PageSlot)
     }
 }
 
-/// Passes a request of a page to its session. Returns true if the connection is to stay open.
+/// Passes a request of a page to its session. Returns true if the connection remains open.
 fn hear(message: &ws::Message, ask: &SyncSender<Ask>) -> bool {
     match message {
         ws::Message::Text(text) => serde_json::from_str(text).is_ok_and(|asked| ask.try_send(asked).is_ok()),
@@ -327,7 +327,7 @@ fn start(
         threads.push(thread);
         Ok(())
     });
-    // the pool ends after it has been dropped and the session is over
+    // the thread of the pool ends when the pool has been dropped and the session is over
     pool.build()?.spawn(move || {
         session.run();
         drop(place);

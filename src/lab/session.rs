@@ -1,7 +1,7 @@
 //! Session of an open page, in a separate thread: runs two panels side by side while the page is visible.
 //!
-//! Both panels advance to equal simulated times. While the page has still to draw two frames, nothing is computed. A
-//! page that is slow, hidden or stopped therefore costs no work, and each frame on the page is recent.
+//! Both panels advance to equal simulated times. Nothing is computed while two frames are still to be drawn by the
+//! page. A page that is slow, hidden or stopped therefore causes no work, and the frame on a page is always recent.
 
 use super::engine_lock::EngineLock;
 use super::frame::{Head, Now, PanelComparison, bytes};
@@ -23,10 +23,11 @@ const UNDRAWN: u32 = 2;
 /// Wall time between two frames.
 const FRAME: Duration = Duration::from_millis(33);
 
-/// Largest wall time that a panel may compute for one frame. The frame then shows the time that the panel has reached.
+/// Largest wall time that a panel may compute for one frame. If it is not enough, the frame shows the time that the
+/// panel has reached.
 const BUDGET: Duration = Duration::from_millis(14);
 
-/// Longest wall time since the last frame that the motion makes up for; the rest is skipped.
+/// Longest wall time since the last frame that the next frame takes into account; a longer pause is not made up for.
 const LATEST: Duration = Duration::from_millis(100);
 
 /// Wall time between two comparisons of the panels.
@@ -41,7 +42,7 @@ const PACES: [f64; 2] = [0.02, 10.0];
 /// Messages of a session to its page.
 #[derive(Debug)]
 pub enum PageMessage {
-    /// Message in JSON.
+    /// Message as JSON text.
     Text(String),
     /// Bytes of a frame.
     Frame(Vec<u8>),
@@ -57,7 +58,7 @@ pub struct Session {
     pub turn: EngineLock,
 }
 
-/// Present state of the page: paused or not, visible or not, frames still to be drawn, pace.
+/// Present state of the page: paused or not, visible or not, number of frames still to be drawn, pace.
 struct Wish {
     playing: bool,
     looking: bool,
@@ -66,7 +67,7 @@ struct Wish {
     factor: f64,
 }
 
-/// Error: the page has been closed.
+/// Error that means that the page has been closed.
 struct Gone;
 
 impl Session {
@@ -97,8 +98,8 @@ impl Session {
         }
     }
 
-    /// Opens the scene that the page has chosen, and sends its description. If the choice cannot be run, the page gets
-    /// the reason, and the result is `None`.
+    /// Opens the scene that the user has chosen on the page, and sends its description. If the scene cannot be run, the
+    /// reason is sent to the page, and the result is `None`.
     fn open(&self, choice: &SceneChoice) -> Result<Option<SceneState>, Gone> {
         let stage = {
             let _turn = self.turn.take();
@@ -146,7 +147,7 @@ impl Session {
         };
         while let Some(next) = ask {
             match next {
-                // only the last of several choices is opened: moving a slider sends many
+                // only the last of several choices is opened, because moving a slider sends many choices
                 Ask::Open(other) => choice = Some(other),
                 Ask::Play { on } => wish.playing = on,
                 Ask::Step => wish.single = true,
@@ -209,7 +210,7 @@ impl<'a> StageRun<'a> {
     }
 
     fn until_next_frame(&self) -> Duration {
-        // at least 1 ms, so that other sessions can take the lock of the engine
+        // at least 1 ms, so that other sessions can get the lock of the engine
         (self.shown + FRAME).saturating_sub(self.clock.now()).max(Duration::from_millis(1))
     }
 
@@ -219,7 +220,7 @@ impl<'a> StageRun<'a> {
         self.stage.pace() * factor * passed.as_secs_f64()
     }
 
-    /// Advances both panels to a time `stretch` [s] beyond that of the slower panel.
+    /// Advances both panels to one simulated time: that of the slower panel plus `stretch` [s].
     fn go_on(&mut self, stretch: f64) {
         let times = self.panels.iter().filter_map(LabPanel::running);
         let until = times.fold(f64::INFINITY, f64::min) + stretch;

@@ -1,12 +1,13 @@
-//! Energy balance of a run: the change of energy that the ledger of the run does not explain.
+//! Energy balance of a run: the change of energy that the ledger does not explain. The ledger contains the sums of all
+//! work and losses.
 
 use super::{Needs, Observer, plain_data};
 use crate::simulation::Simulation;
 use crate::statistics::{Estimate, estimate};
 use serde::{Deserialize, Serialize};
 
-/// Energy at the start and the end of a run. Also, at every sample, the energy that the ledger (the sums of all work
-/// and losses) does not explain.
+/// Energy at the start and the end of a run, and the unexplained energy at every sample. This is the change of the
+/// energy minus the work and losses in the ledger.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct EnergyBooks {
     /// [J] kinetic plus elastic energy at the start.
@@ -15,15 +16,14 @@ pub struct EnergyBooks {
     pub at_end: f64,
     /// [J] unexplained energy at the end.
     unexplained: f64,
-    /// [s] simulated time of the last sample.
+    /// [s] simulated time of the last recorded sample.
     seen: f64,
     /// [J] unexplained energy since the start, at every sample.
     samples: Vec<f64>,
 }
 
 impl EnergyBooks {
-    /// [J] energy that the ledger does not explain over the whole run, with the standard error of this energy by
-    /// chance.
+    /// [J] energy that the ledger does not explain over the whole run, with the standard error that is due to chance.
     pub fn residual(&self) -> Estimate {
         let steps: Vec<f64> = self.samples.windows(2).map(|pair| pair[1] - pair[0]).collect();
         let error = estimate(&steps).and_then(|step| step.error);

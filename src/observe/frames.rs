@@ -1,4 +1,4 @@
-//! Particles at several instants, for animations.
+//! Records the particles at several instants, for animations.
 
 use super::{Needs, Observer, plain_data};
 use crate::experiment::Experiment;
@@ -9,11 +9,11 @@ use crate::work_sharing;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Largest number of particles that are followed. More particles could not be distinguished in a picture, nor drawn
+/// Largest number of particles that are recorded. More particles could not be distinguished in a picture, nor drawn
 /// fast enough.
 const MOST_PARTICLES: usize = 500;
 
-/// Number of particles up to which each can be followed by eye, however far it flies between two frames.
+/// Number of particles up to which a viewer can follow each one, even if it flies far between two frames.
 const FEW: usize = 50;
 
 /// Smallest and largest number of frames of a run.
@@ -23,17 +23,17 @@ const FRAMES: std::ops::RangeInclusive<usize> = 40..=241;
 /// a page.
 const BUDGET: usize = 90_000;
 
-/// [radii] mean distance, relative to the other particles, that a particle flies between two frames: short enough to
-/// show its collisions.
+/// [-] mean distance that a particle flies relative to the others between two frames, in units of its radius. This
+/// distance is short enough to show collisions.
 const FLIGHT: f64 = 1.0;
 
-/// [-] factor on the distance `FLIGHT` that is accepted if the frames can then cover the whole run.
+/// [-] factor by which the distance may exceed `FLIGHT` if the frames can then cover the whole run.
 const WHOLE: f64 = 5.0;
 
-/// State of the followed particles at one instant.
+/// State of the recorded particles at one instant.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Frame {
-    /// [s] simulated time.
+    /// [s] simulated time of the frame.
     pub time: f64,
     /// [m] centres, inside the box along periodic axes.
     pub position: Vec<Vector3<f32>>,
@@ -51,24 +51,24 @@ pub struct Frame {
 /// frames are close enough in time to show collisions, and end before the run does.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Frames {
-    /// [s] length of the run.
+    /// [s] duration of the run.
     duration: f64,
-    /// Largest number of followed particles, and largest number of frames.
+    /// Largest number of recorded particles, and largest number of frames.
     most: (usize, usize),
     /// [s] time to the next frame.
     spacing: f64,
     /// Number of particles of the scene.
     pub particles: usize,
-    /// [m] radius of each followed particle, in the order of ids.
+    /// [m] radius of each recorded particle, in the order of ids.
     pub radius: Vec<f32>,
-    /// Species of each followed particle.
+    /// Species of each recorded particle.
     pub species: Vec<u16>,
     /// Frames in the order of time.
     pub frames: Vec<Frame>,
 }
 
 impl Frames {
-    /// An observer of one run, where `variants` runs are shown together on a page.
+    /// Creates an observer of one run. `variants` is the number of runs that are shown together on a page.
     pub fn new(experiment: &Experiment, variants: usize) -> Self {
         let room = BUDGET / variants.max(1);
         let particles = MOST_PARTICLES.min(room / FRAMES.start()).min(experiment.count().max(1)).max(1);
@@ -81,16 +81,17 @@ impl Frames {
         Self { particles: radius.len(), species: vec![0; radius.len()], radius, frames, ..Self::default() }
     }
 
-    /// Step n in the ids: every n-th particle is followed.
+    /// Step n in the ids of the recorded particles: every n-th particle is recorded.
     fn every(&self) -> usize {
         self.particles.div_ceil(self.most.0.max(1)).max(1)
     }
 
-    /// [s] time to the next frame. Frames are evenly spaced over the run if the particles do not fly too far between
-    /// frames.
+    /// [s] time to the next frame. Frames are evenly spaced over the whole run if the particles then do not fly too far
+    /// between frames.
     fn space(&self, simulation: &Simulation) -> f64 {
         let even = self.duration / self.most.1.saturating_sub(1).max(1) as f64;
-        // the spacing is chosen at the start: frames spaced over the whole run stay so
+        // the spacing is chosen at the start: if the frames are spaced over the whole run, their spacing does not
+        // change
         let goes_on = self.frames.len() > 1 && self.spacing >= even;
         if simulation.count() <= FEW || goes_on {
             return even;
@@ -101,8 +102,8 @@ impl Frames {
 }
 
 impl Frames {
-    /// True if there is room for a last frame at `time` [s]. This frame shows the end of a run that is shown as a
-    /// whole, or that has stopped.
+    /// True if a last frame at `time` [s] is missing and there is room for it. This frame shows the end of a run whose
+    /// frames cover the whole run, or of a run that has stopped.
     fn lacks(&self, time: f64) -> bool {
         self.frames.len() < self.most.1 && self.frames.last().is_some_and(|frame| frame.time < time)
     }
@@ -113,7 +114,7 @@ impl Observer for Frames {
         (self.frames.len() < self.most.1).then_some(now + self.spacing)
     }
 
-    // no drag update is needed: particles flew from the last frame to this one with the velocities of the last window
+    // drag need not be added: particles flew from the last frame to this one with the velocities of the last window
     fn needs_velocities(&self) -> bool {
         false
     }

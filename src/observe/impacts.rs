@@ -8,17 +8,18 @@ use crate::simulation::Simulation;
 use crate::statistics::{Batches, Estimate, FEWEST_BLOCKS, estimate};
 use serde::{Deserialize, Serialize};
 
-/// Number of parts of a run at whose ends averaging may start, if the start is detected. The start lies in the first
-/// half of the run and is found to a fortieth of the run ([`judge`](crate::statistics::judge)).
+/// Number of equal parts of a run. If the start of averaging is detected, it may be at the end of any part. The
+/// detected start is in the first half of the run, with an accuracy of a fortieth of the run
+/// ([`judge`](crate::statistics::judge)).
 const MARKS: u64 = 40;
 
 /// Sums over all impacts from the start of the run to a sample.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct ImpactSample {
     count: u64,
-    /// [m²/s²] squared normal speeds of approach, summed.
+    /// [m²/s²] sum of the squared normal speeds of approach.
     approach: f64,
-    /// [m²/s²] squared normal speeds of rebound, summed.
+    /// [m²/s²] sum of the squared normal speeds of rebound.
     rebound: f64,
 }
 
@@ -46,12 +47,13 @@ pub struct ImpactSeries {
     duration: f64,
     schedule: Schedule,
     samples: Vec<ImpactSample>,
-    /// Sums over all impacts up to a time [s], stored at times at which averaging begins or may turn out to have begun.
+    /// Sums over all impacts up to a time [s]. They are stored at times at which averaging begins or at which it may be
+    /// found to begin.
     marks: Vec<(f64, Impacts)>,
 }
 
 impl ImpactSeries {
-    /// A series of impacts between particles.
+    /// Creates the series of the impacts between particles.
     pub fn of_pairs(experiment: &Experiment, schedule: &Schedule) -> Self {
         Self {
             on_walls: false,
@@ -63,7 +65,7 @@ impl ImpactSeries {
         }
     }
 
-    /// A series of impacts on walls.
+    /// Creates the series of the impacts on walls.
     pub fn of_walls(experiment: &Experiment, schedule: &Schedule) -> Self {
         Self { on_walls: true, ..Self::of_pairs(experiment, schedule) }
     }
@@ -89,8 +91,8 @@ impl ImpactSeries {
         self.samples.windows(2).map(|pair| pair[1].since(&pair[0]))
     }
 
-    /// Impacts since the first mark (possible start of averaging) at or after `from` [s]. If all marks are earlier,
-    /// impacts since the last mark; without marks, none.
+    /// Impacts since the first mark at or after `from` [s]. A mark is a stored sum up to a possible start of averaging.
+    /// If all marks are earlier, the result is the impacts since the last mark; without marks, none.
     pub fn since(&self, from: f64, record: &Record) -> Impacts {
         let begun = self.marks.iter().find(|(time, _)| *time >= from * (1.0 - 1e-9)).or(self.marks.last());
         begun.map_or_else(Impacts::default, |(_, before)| self.of(record).since(before))
@@ -107,16 +109,16 @@ impl ImpactSeries {
         self.intervals().skip(first).map(|totals| totals.count as f64 / interval).collect()
     }
 
-    /// Impact rate averaged over blocks of time from sample `first` on, which is at `from` [s]; `None` if no sample
-    /// follows. The time of a rate is the end of its interval.
+    /// Impact rate averaged over blocks of time from sample `first` on, which is taken at `from` [s]. `None` if no
+    /// sample follows. The time of each rate is the end of its interval.
     pub fn batches(&self, first: usize, from: f64) -> Option<Batches> {
         let interval = self.schedule.interval();
         Batches::of_series(&self.rates(first), interval, from + interval)
     }
 
-    /// Realised restitution: root of the normal energy after the impacts over the normal energy before, both summed
-    /// over all impacts. Its standard error is computed from the scatter over the intervals of rebound² - e² approach²,
-    /// the excess energy in an interval. `None` without an impact.
+    /// Realised restitution: square root of the ratio of the normal energy after the impacts to that before, both
+    /// summed over all impacts. The excess energy in an interval is rebound² - e² approach²; the scatter of this excess
+    /// gives the standard error. `None` without an impact.
     pub fn restitution(&self) -> Option<Estimate> {
         let intervals: Vec<ImpactSample> = self.intervals().collect();
         let before: f64 = intervals.iter().map(|totals| totals.approach).sum();
@@ -130,7 +132,7 @@ impl ImpactSeries {
             return Some(Estimate::without_error(value));
         }
         let beyond: Vec<f64> = intervals.iter().map(|totals| totals.rebound - square * totals.approach).collect();
-        // δ(e²) = 2 e δe
+        // error of e from the error of e²: δ(e²) = 2 e δe
         let error = estimate(&beyond).and_then(|mean| mean.error);
         let error = error.map(|error| error * intervals.len() as f64 / before / (2.0 * value));
         Some(Estimate { value, error })

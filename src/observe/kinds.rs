@@ -12,7 +12,7 @@ use crate::statistics::{Accumulator, Batches, Estimate, ProfileTable, VelocitySp
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Means over the particles of one species at every sample.
+/// Means over the particles of one species, each with one value per sample.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct OfSpecies {
     species: u16,
@@ -22,7 +22,8 @@ struct OfSpecies {
     velocity: Vec<f64>,
     /// [m²/s²] granular temperature at every sample; `None` at samples with too few particles.
     temperature: Vec<Option<f64>>,
-    /// [J] mean kinetic energy per degree of freedom at every sample. Empty unless masses differ within the species.
+    /// [J] mean kinetic energy of the random motion per degree of freedom at every sample. Empty unless the masses
+    /// differ within the species.
     energy: Vec<Option<f64>>,
 }
 
@@ -51,44 +52,46 @@ pub struct SpeciesAverages {
     pub number_density: f64,
     /// [m/s] mean streamwise velocity of the species.
     pub velocity: Option<Estimate>,
-    /// [m²/s²] granular temperature, about the mean of the species in each slice at the same instant.
+    /// [m²/s²] granular temperature. Velocities are relative to the mean velocity of the species in each slice at the
+    /// same instant.
     pub temperature: Option<Estimate>,
     /// [J] mean kinetic energy of the random motion per degree of freedom, m T/2; if masses differ, the mean of m (v -
     /// U)²/2.
     pub random_energy: Option<Estimate>,
-    /// Slice averages of this species alone.
+    /// Time averages in slices, for this species alone.
     #[serde(skip)]
     pub profiles: ProfileTable,
-    /// Blocks of time of the velocity, the temperature and the rate of impacts with particles.
+    /// Averages over blocks of time of the velocity, the temperature and the rate of impacts with particles.
     #[serde(skip)]
     pub batches: [Option<Batches>; 3],
 }
 
-/// Impacts of two kinds over the averaging period.
+/// Impacts between two kinds over the averaging period.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MeetingAverages {
-    /// Names of the two: a species, and a species or a wall by its index in the case.
+    /// Names of the two kinds: a species, and a second species or a wall by its index in the case.
     pub between: [String; 2],
-    /// Number of impacts that ended.
+    /// Number of impacts that ended in the averaging period.
     pub count: u64,
-    /// [1/s] impact rate.
+    /// [1/s] rate of the impacts between the two kinds.
     pub rate: Option<Estimate>,
-    /// [m/s] mean normal speed of approach.
+    /// [m/s] mean normal speed of approach in these impacts.
     pub normal_speed: Option<f64>,
-    /// [-] restitution given in the case.
+    /// [-] restitution of these impacts that the case gives.
     pub restitution_asked: f64,
-    /// [-] realised restitution: root of the normal energy after over before, summed over the impacts.
+    /// [-] realised restitution: square root of the ratio of the normal energy after the impacts to that before, both
+    /// summed over the impacts.
     pub restitution: Option<f64>,
 }
 
-/// A quantity of one kind or of two over the whole run.
+/// Quantity of one kind or of a pair of kinds over the whole run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct KindCurve {
     /// Name of the quantity.
     pub name: String,
-    /// Unit of the quantity, empty for none.
+    /// Unit of the quantity; empty if it has none.
     pub unit: &'static str,
-    /// True for a sum over particles.
+    /// True if the quantity is a sum over particles.
     pub sum: bool,
     /// Time [s] and value at every sample.
     pub points: Vec<(f64, f64)>,
@@ -111,17 +114,17 @@ impl KindCurve {
 /// Averages of a mixture, in addition to those of all particles; empty for a single species.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct KindAverages {
-    /// Each species that has particles.
+    /// Averages of each species that has particles.
     pub species: Vec<SpeciesAverages>,
-    /// Each pair of kinds that met.
+    /// Impacts of each pair of kinds that had impacts.
     pub meetings: Vec<MeetingAverages>,
-    /// Temperatures and impacts so far over the whole run.
+    /// Temperatures, and numbers of impacts since the start, over the whole run.
     #[serde(skip)]
     pub curves: Vec<KindCurve>,
 }
 
-/// Mean of independent estimates of one number. It has no error if one of them has none. `None` if one value is not
-/// known.
+/// Mean of independent estimates of one number. The mean has no error if one of the estimates has none. `None` if one
+/// of the values is unknown.
 fn mean_of(estimates: impl Iterator<Item = Option<Estimate>>) -> Option<Estimate> {
     let all: Vec<Estimate> = estimates.collect::<Option<_>>()?;
     let count = all.len() as f64;
@@ -131,15 +134,15 @@ fn mean_of(estimates: impl Iterator<Item = Option<Estimate>>) -> Option<Estimate
     (!all.is_empty()).then(|| Estimate { value, error: square.map(|sum| sum.sqrt() / count) })
 }
 
-/// Blocks of time of all runs; `None` if one run has none.
+/// Averages over blocks of time of all runs; `None` if they are missing in one run.
 fn pool<'a>(runs: impl Iterator<Item = &'a Option<Batches>>, by_runs: bool) -> Option<Batches> {
     let all: Option<Vec<&Batches>> = runs.map(Option::as_ref).collect();
     Batches::pool(&all?, by_runs)
 }
 
 impl KindAverages {
-    /// Averages of several independent runs of one variant as one: means over the runs, and the impacts of all of them.
-    /// `by_runs`: as for [`Batches::pool`].
+    /// Averages of several independent runs of one variant: means over the runs, and the impacts of all runs. `by_runs`
+    /// has the meaning that it has in [`Batches::pool`].
     pub fn pool(runs: &[&Self], by_runs: bool) -> Self {
         let Some((first, others)) = runs.split_first() else { return Self::default() };
         let species = first.species.iter().enumerate().map(|(place, own)| {
@@ -154,7 +157,7 @@ impl KindAverages {
             }
         });
         let mut meetings: Vec<MeetingAverages> = Vec::new();
-        // a pair that met in some of the runs only counts with zero impacts in the others
+        // a pair of kinds that had impacts in some runs only counts with zero impacts in the other runs
         let known = |one: &MeetingAverages, other: &MeetingAverages| one.between == other.between;
         let every = first.meetings.iter().chain(others.iter().flat_map(|run| &run.meetings));
         for met in every {
@@ -170,7 +173,7 @@ impl KindAverages {
 }
 
 impl MeetingAverages {
-    /// Impacts of one pair of kinds in several runs; `None` for runs in which the two did not meet.
+    /// Impacts of one pair of kinds in several runs; `None` for runs in which this pair had no impact.
     fn pool(first: &Self, runs: &[Option<&Self>]) -> Self {
         let met = || runs.iter().flatten();
         let count: u64 = met().map(|one| one.count).sum();
@@ -183,7 +186,8 @@ impl MeetingAverages {
             count,
             rate: mean_of(runs.iter().map(|run| run.map_or(never, |one| one.rate))),
             normal_speed: weighted(|one| one.normal_speed),
-            // energies after and before add up; impacts of one pair of kinds have similar energies
+            // mean of the ratios of energies after and before, weighted by counts, since impacts of one pair of kinds
+            // have similar energies
             restitution: weighted(|one| one.restitution.map(|e| e * e)).filter(|square| *square > 0.0).map(f64::sqrt),
             ..first.clone()
         }
@@ -191,7 +195,7 @@ impl MeetingAverages {
 }
 
 impl Kinds {
-    /// Samples of an experiment, before the first one.
+    /// Creates the measurements for an experiment, before the first sample.
     pub fn new(experiment: &Experiment, schedule: &Schedule) -> Self {
         let (slices, height) = (experiment.statistics.slices, experiment.scene.domain.size.y);
         let of = |(species, count): (usize, usize)| OfSpecies {
@@ -208,7 +212,7 @@ impl Kinds {
         Self { slices, interval: schedule.interval(), species, impacts: Vec::new(), times: Vec::new() }
     }
 
-    /// Averages from sample `first` on, which is at `from` [s].
+    /// Averages from sample `first` on, which is taken at `from` [s].
     pub fn averages(&self, scene: &Scene, first: usize, from: f64) -> KindAverages {
         let species = self.species.iter().map(|of| {
             let rate = Batches::of_series(&self.rates(of.species, first), self.interval, from + self.interval);
@@ -232,7 +236,8 @@ impl Kinds {
         counts.windows(2).map(|pair| (pair[1] - pair[0]) as f64 / self.interval).collect()
     }
 
-    /// Mean velocity and temperature of each species at every sample; their scales come from the largest temperature.
+    /// Mean velocity and temperature of each species at every sample, for the test for a steady state. Their scales are
+    /// computed from the largest temperature.
     pub fn series(&self, scene: &Scene) -> Vec<Followed> {
         let speed = scene.rest_speed();
         let of = |of: &OfSpecies| {
@@ -282,7 +287,7 @@ impl Kinds {
     }
 }
 
-/// Names of two kinds: a species, and a species or a wall by its index in the case.
+/// Names of two kinds: a species, and a second species or a wall by its index in the case.
 fn names(scene: &Scene, between: Between) -> [String; 2] {
     let other = match between.other {
         Kind::Species(other) => scene.species[usize::from(other)].name.clone(),
@@ -291,7 +296,7 @@ fn names(scene: &Scene, between: Between) -> [String; 2] {
     [scene.species[usize::from(between.species)].name.clone(), other]
 }
 
-/// True if these are impacts of the species with other particles.
+/// True if `between` means impacts of the species with other particles.
 fn takes_part(species: u16, between: Between) -> bool {
     match between.other {
         Kind::Species(other) => species == between.species || species == other,
@@ -300,7 +305,7 @@ fn takes_part(species: u16, between: Between) -> bool {
 }
 
 impl OfSpecies {
-    /// Averages from sample `first` on, which is at `from` [s], with `interval` [s] between samples.
+    /// Averages from sample `first` on, which is taken at `from` [s]; samples are `interval` [s] apart.
     fn averages(
         &self,
         scene: &Scene,
@@ -333,7 +338,7 @@ impl OfSpecies {
     }
 }
 
-/// Positions and velocities of one species, in the order of the store.
+/// Copy of the particles of one species with their positions and velocities, in the order of the store.
 fn only(particles: &Particles, species: u16) -> Particles {
     let mut own = Particles::default();
     for (place, _) in particles.species.iter().enumerate().filter(|(_, own)| **own == species) {
@@ -346,7 +351,7 @@ fn only(particles: &Particles, species: u16) -> Particles {
 
 /// [J] mean of m (v - U)²/2 per degree of freedom over the particles of one instant. U is the mean velocity of the
 /// particles in one of `slices` slices, which together have the thickness `height` [m]. Each slice loses one degree of
-/// freedom for its mean. `None` if every slice holds at most one particle.
+/// freedom because of its mean. `None` if every slice contains at most one particle.
 fn energy(sample: Sample, slices: usize, height: f64) -> Option<f64> {
     let own = sample.particles;
     let slice = |x: &Vector3<f64>| ((x.y / height * slices as f64).max(0.0) as usize).min(slices.max(1) - 1);

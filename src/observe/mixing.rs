@@ -1,9 +1,10 @@
-//! Mixing: the share of particles that stay in one layer. Time averages of one run are valid for other runs only if
-//! particles change layers.
+//! Mixing of the particles, measured by the share of particles that stay in one layer. Time averages of one run are
+//! valid for other runs only if particles change layers.
 //!
-//! Every particle has fixed random signs +1 or -1, drawn from its id. The signs are summed in layers along y at two
-//! instants. The product of the two sums of a layer estimates the number of particles that are in the layer at both
-//! instants: signs of one particle multiply to 1, while products of two particles cancel on average.
+//! Every particle has fixed random signs +1 or -1, computed from its id. The signs are summed in layers along y at two
+//! instants. The product of the two sums of a layer estimates the number of particles that are in this layer at both
+//! instants. In this product the signs of one particle multiply to 1, while products of two particles cancel on
+//! average.
 
 use super::{Needs, Observer, plain_data};
 use crate::experiment::Experiment;
@@ -13,10 +14,10 @@ use rand::{Rng, SeedableRng};
 use rand_xoshiro::SplitMix64;
 use serde::{Deserialize, Serialize};
 
-/// Number of sums per layer: the number of particles, and 31 sums of signs. The share of particles that stay has a
-/// statistical error of 1/sqrt(31 layers).
+/// Number of sums per layer: the number of particles, and 31 sums of signs. With n layers the share of particles that
+/// stay has a statistical error of 1/sqrt(31 n).
 const SUMS: usize = 32;
-/// Largest number of layers, for which the share of particles that stay has an error of 0.02.
+/// Largest number of layers. With so many layers the share of particles that stay has an error of 0.02.
 const LAYERS: f64 = 64.0;
 /// Smallest number of layers. With fewer layers too many particles stay in a layer by chance.
 const FEWEST_LAYERS: f64 = 4.0;
@@ -43,7 +44,7 @@ pub struct Mixing {
 }
 
 impl Mixing {
-    /// An observer for a run with the given schedule, before the start of the run.
+    /// Creates an observer for a run with the given schedule, before the start of the run.
     pub fn new(experiment: &Experiment, schedule: &Schedule) -> Self {
         let height = experiment.scene.domain.size.y;
         let largest = experiment.scene.species.iter().map(|species| species.diameter).fold(0.0, f64::max);
@@ -57,7 +58,7 @@ impl Mixing {
         }
     }
 
-    /// [-] share of the particles that are in one layer at `from` [s] and at the end, minus the share expected by
+    /// [-] share of the particles that are in the same layer at `from` [s] and at the end, minus the share expected by
     /// chance. The value is 1 for a bed at rest and 0 for a gas that mixes. `None` if there are too few layers or
     /// particles.
     pub fn remembered(&self, from: f64) -> Option<f64> {
@@ -73,7 +74,7 @@ impl Mixing {
     }
 }
 
-/// Contribution of a particle to the sums of its layer: 1, then its signs.
+/// Contribution of a particle to the sums of its layer: the number 1, then the signs of the particle.
 fn row(id: u32) -> [f64; SUMS] {
     let bits = SplitMix64::seed_from_u64(u64::from(id)).next_u32();
     std::array::from_fn(|k| if k == 0 || bits >> k & 1 == 0 { 1.0 } else { -1.0 })
@@ -100,7 +101,7 @@ impl Observer for Mixing {
         let (sample, per_length) = (simulation.sample(), self.layers as f64 / self.height);
         let particles = sample.particles;
         let rows = sample.sums_in_groups(self.layers, |place| {
-            // the cast sends negative numbers to 0
+            // the cast turns negative numbers into 0
             let layer = ((particles.position[place].y * per_length) as usize).min(self.layers - 1);
             (layer, row(particles.id[place]))
         });

@@ -1,11 +1,10 @@
 //! Measurements while a simulation runs.
 //!
-//! An [`Observer`] is called with the simulation at the times that it requests, and keeps the data that it needs.
-//! [`run`] is the loop over a run: it advances the simulation from sample to sample and calls each observer at the
-//! requested times. A sample is an instant of the schedule at which measurements are taken. A window is the time
-//! between two exchanges of momentum with the gas. The data of observers are plain, so that they can be stored with the
-//! state of the particles. [`RunLoop`] is the loop for runs that may be stopped at the end of any window, stored, and
-//! resumed.
+//! An [`Observer`] is called with the simulation at times that it specifies, and stores data from it. [`run`] is the
+//! loop over a run: it advances the simulation from sample to sample and calls each observer at its times. A sample is
+//! an instant of the schedule at which measurements are taken. A window is the time between two exchanges of momentum
+//! with the gas. The data of observers are plain, so that they can be stored with the state of the particles.
+//! [`RunLoop`] is the loop for runs that may be stopped at the end of any window, stored, and resumed.
 
 mod energy;
 mod frames;
@@ -43,7 +42,7 @@ use crate::simulation::Simulation;
 use crate::statistics::Accumulator;
 use crate::stored::{StoreError, Stored};
 
-/// Implements storing for an observer that consists of plain data.
+/// Implements the methods that store and restore an observer, for observers that consist of plain data.
 macro_rules! plain_data {
     () => {
         fn stored(&self) -> Result<crate::stored::Stored, crate::stored::StoreError> {
@@ -58,25 +57,26 @@ macro_rules! plain_data {
 }
 use plain_data;
 
-/// Particles that an observer needs if several processes share a run, each with a part of the particles.
+/// Particles that an observer requires if several processes share a run, each with a part of the particles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Needs {
-    /// The observer needs no particles.
+    /// The observer requires no particles.
     Nothing,
     /// Sums over all particles, computed with [`Simulation::sample`], and those records that are documented as sums. At
-    /// a sample every process calls its copy of the observer with the local particles. Only in the lead process does
-    /// the simulation contain the records of the whole run.
+    /// a sample every process calls its copy of the observer with the local particles. The records of the whole run are
+    /// contained only in the simulation of the lead process.
     Sums,
-    /// The local particles in every process, while each process has a part of the particles; otherwise all particles in
-    /// the lead process. Unlike for sums, this holds at any time, and the records are not those of the whole run.
+    /// The local particles in every process, if each process has a part of the particles; otherwise all particles in
+    /// the lead process. Unlike for sums, the observer may be called at any time, and the records are not those of the
+    /// whole run.
     Parts,
     /// Every n-th particle by id (1: all), and the particles in contact with these. [`Simulation::count`] and
-    /// [`Simulation::agitation`] refer to all particles nevertheless.
+    /// [`Simulation::agitation`] nevertheless refer to all particles.
     Every(u32),
 }
 
-/// Measurement that is called with the simulation at several times of a run. An observer only reads: results are
-/// bitwise equal for any observers and times.
+/// Measurement that is called with the simulation at several times of a run. An observer only reads the simulation:
+/// results are equal bit by bit, whatever the observers and their times are.
 ///
 /// Every closure that takes a `&Simulation` is an observer that is called at every sample.
 pub trait Observer: Send {
@@ -87,20 +87,21 @@ pub trait Observer: Send {
         Some(now + schedule.interval())
     }
 
-    /// True if velocities must belong to the instant of the positions. Between two samples velocities lag behind by up
-    /// to half a window of drag. To update them costs as much as the drag of a window.
+    /// True if the observer requires velocities of the same instant as the positions. Between two samples the
+    /// velocities lack the effect of drag for up to half a window. To add this effect costs as much as the drag of a
+    /// window.
     fn needs_velocities(&self) -> bool {
         true
     }
 
-    /// Particles that the observer needs if processes share a run; by default all. The observer must also work if it is
-    /// called with all particles.
+    /// Particles that the observer requires if several processes share a run; by default all. The observer must also
+    /// work if it is called with all particles.
     fn sight(&self) -> Needs {
         Needs::Every(1)
     }
 
-    /// Takes the data that the observer needs from the simulation. Positions and velocities belong to one instant if
-    /// [`needs_velocities`](Self::needs_velocities) returns true.
+    /// Takes data from the simulation and stores them in the observer. Positions and velocities belong to one instant
+    /// if [`needs_velocities`](Self::needs_velocities) returns true.
     fn see(&mut self, simulation: &Simulation);
 
     /// Reason to stop the run, such as a full disk; called at every sample. `None` if the run may continue.
@@ -108,8 +109,8 @@ pub trait Observer: Send {
         None
     }
 
-    /// Particles that the observer needs at the end of the run, `now` [s]. An observer that then needs sums is called
-    /// once more before its [`end`](Self::end). By default, none.
+    /// Particles that the observer requires at the end of the run, at the time `now` [s]. If these are sums, the
+    /// observer is called once more before its [`end`](Self::end). By default, none.
     fn sight_of_end(&self, _now: f64) -> Needs {
         Needs::Nothing
     }
@@ -117,19 +118,19 @@ pub trait Observer: Send {
     /// Takes data from the last state of the run, which is over or has stopped with a failure.
     fn end(&mut self, _simulation: &Simulation) {}
 
-    /// Data of the observer, stored so that the run can be resumed after the program has ended. By default there are
-    /// none, which suits an observer that only displays. An observer that writes files during the run stores its
-    /// position in them.
+    /// Data of the observer, stored so that the run can be resumed after the program has ended. By default there are no
+    /// data, which is correct for an observer that only displays. An observer that writes files during the run stores
+    /// its position in these files.
     /// # Errors
     /// The data cannot be stored.
     fn stored(&self) -> Result<Stored, StoreError> {
         Ok(Stored::default())
     }
 
-    /// Restores the data that an observer of this type has stored in the same run.
+    /// Restores the data that an observer of the same type has stored in the same run.
     ///
     /// # Errors
-    /// The bytes are not those of such an observer.
+    /// The bytes are not data of an observer of this type.
     fn restore(&mut self, _stored: &Stored) -> Result<(), StoreError> {
         Ok(())
     }
@@ -141,7 +142,7 @@ impl<F: FnMut(&Simulation) + Send> Observer for F {
     }
 }
 
-/// Slice averages are taken at every sample.
+/// Takes the data of slice averages at every sample.
 impl Observer for Accumulator {
     fn sight(&self) -> Needs {
         Needs::Sums

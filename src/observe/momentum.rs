@@ -6,13 +6,13 @@ use crate::simulation::Simulation;
 use crate::statistics::{Estimate, estimate};
 use serde::{Deserialize, Serialize};
 
-/// Mean streamwise (z) forces on all particles over the averaging period [N]. A force is `None` if the period contains
-/// no sample. In a steady flow the forces add up to zero.
+/// Mean streamwise (z) forces on all particles together over the averaging period [N]. A force is `None` if the period
+/// contains no sample. In a steady flow the forces add up to zero.
 #[derive(Clone, Copy, Debug, Default, Serialize)]
 pub struct Balance {
-    /// [N] mean drag.
+    /// [N] mean drag force of the gas.
     pub drag: Option<Estimate>,
-    /// [N] weight N m g of all particles along z (negative: against the flow).
+    /// [N] weight N m g of all N particles along z (negative: against the flow).
     pub weight: f64,
     /// [N] mean shear force of the walls on the particles.
     pub wall: Option<Estimate>,
@@ -27,19 +27,19 @@ pub struct MomentumBooks {
     interval: f64,
     /// [N] weight of all particles along z.
     weight: f64,
-    /// [kg m/s] momentum given by drag, at every sample.
+    /// [kg m/s] momentum given by drag since the start, at every sample.
     drag: Vec<f64>,
-    /// [kg m/s] momentum given by walls, at every sample.
+    /// [kg m/s] momentum given by walls since the start, at every sample.
     wall: Vec<f64>,
 }
 
 impl MomentumBooks {
-    /// An observer for a run with the given schedule.
+    /// Creates an observer for a run with the given schedule.
     pub fn new(schedule: &Schedule) -> Self {
         Self { interval: schedule.interval(), weight: 0.0, drag: Vec::new(), wall: Vec::new() }
     }
 
-    /// Mean forces from sample `first` on.
+    /// Mean forces over the time from sample `first` on.
     pub fn balance(&self, first: usize) -> Balance {
         let forces = |impulses: &[f64]| -> Vec<f64> {
             impulses.windows(2).skip(first).map(|pair| (pair[1] - pair[0]) / self.interval).collect()
@@ -56,7 +56,7 @@ impl MomentumBooks {
 }
 
 impl Balance {
-    /// True if drag, weight and wall force are known to be zero along the stream.
+    /// True if drag, weight and wall force along the stream are certainly zero.
     pub fn is_idle(&self) -> bool {
         let none = |force: Option<Estimate>| force.is_some_and(|force| force.value == 0.0);
         none(self.drag) && self.weight == 0.0 && none(self.wall)

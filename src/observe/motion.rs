@@ -10,14 +10,14 @@ use serde::{Deserialize, Serialize};
 /// Means over all particles at every sample, for the test for a steady state.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Motion {
-    /// Number of slices for the temperature.
+    /// Number of slices in which the temperature is computed.
     slices: usize,
     /// [s] times of the samples.
     times: Vec<f64>,
-    /// [m/s] mean velocity.
+    /// [m/s] mean velocity at every sample.
     velocity: Vec<Vector3<f64>>,
-    /// [m²/s²] mean square of the velocity about the mean velocity. It drifts as long as the agitation or the velocity
-    /// profile does.
+    /// [m²/s²] mean square of the velocity about the mean velocity, at every sample. It drifts while the agitation or
+    /// the velocity profile drifts.
     agitation: Vec<f64>,
     /// [m²/s²] parts of the granular temperature along x, y and z; `None` at samples with too few particles.
     temperature: Vec<Option<Vector3<f64>>>,
@@ -25,9 +25,9 @@ pub struct Motion {
     place: Vec<[f64; 4]>,
     /// Number of impacts so far, of pairs and on walls, at every sample.
     impacts: Vec<[u64; 2]>,
-    /// True for each axis along which a mean position is defined, that is, which is not periodic.
+    /// True for each axis that is not periodic; along such an axis a mean position is defined.
     bounded: [bool; 3],
-    /// [m] lengths of the domain.
+    /// [m] edge lengths of the domain.
     size: Vector3<f64>,
     /// [m/s] rest speed, see [`Scene::rest_speed`](crate::scene::Scene::rest_speed).
     rest_speed: f64,
@@ -51,12 +51,12 @@ impl Followed {
     }
 }
 
-/// [-] largest drift of a mean position that counts as rest, as a share of a diameter. Likewise, speeds below a
-/// hundredth of sqrt(g d) count as rest.
+/// [-] largest drift of a mean position that counts as rest, over the diameter. Likewise, speeds below a hundredth of
+/// sqrt(g d) count as rest.
 const PLACE: f64 = 0.01;
 
 impl Motion {
-    /// The motion of an experiment's particles, before any sample.
+    /// Creates the measurement for the particles of an experiment, before any sample.
     pub fn new(experiment: &Experiment) -> Self {
         let domain = &experiment.scene.domain;
         Self {
@@ -74,9 +74,9 @@ impl Motion {
         }
     }
 
-    /// Start of averaging, as given or detected, and the result of the test for a steady state from then on. The test
-    /// covers all quantities that are compared between steady runs: velocity, temperature, positions and impact rates.
-    /// `more` holds quantities that other observers measured at the same samples.
+    /// Start of averaging, as given or detected, and the result of the test for a steady state from this start on. The
+    /// test covers all quantities that are compared between steady runs: velocity, temperature, positions and impact
+    /// rates. `more` contains quantities that other observers measured at the same samples.
     pub fn steadiness(&self, asked: AverageFrom, more: Vec<Followed>) -> Steadiness {
         let from = match asked {
             AverageFrom::Time(from) => Some(from),
@@ -88,7 +88,8 @@ impl Motion {
 
     /// All tested quantities over time.
     fn series(&self) -> Vec<Followed> {
-        // the mean velocity is compared with the agitation: if momentum is conserved, only its rounding is left
+        // if momentum is conserved, the mean velocity changes only by rounding, which is small compared with the
+        // agitation
         let agitation = self.agitation.iter().copied().fold(0.0, f64::max);
         let (speed, diameter) = (self.rest_speed, self.diameter);
         let followed = |values, scale, step| Followed { values, scale, step };

@@ -1,4 +1,4 @@
-//! The path of every particle, for scenes with few particles.
+//! Paths of all particles, for scenes with few particles.
 
 use super::series::interval;
 use super::{Needs, Observer, plain_data};
@@ -7,7 +7,7 @@ use crate::simulation::Simulation;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Number of instants at which a path is recorded, whatever the length of the run.
+/// Number of instants at which a path is recorded, for runs of any length.
 const INSTANTS: u64 = 1000;
 
 /// State of one particle at one instant.
@@ -19,9 +19,9 @@ pub struct PathSample {
     pub id: u32,
     /// [m] centre, inside the box along periodic axes.
     pub position: Vector3<f64>,
-    /// [m/s] velocity.
+    /// [m/s] velocity of the particle.
     pub velocity: Vector3<f64>,
-    /// [rad/s] spin; `None` where spheres do not rotate.
+    /// [rad/s] spin; `None` if spheres do not rotate.
     pub spin: Option<Vector3<f64>>,
     /// [m] largest overlap of the particle at that time; 0 without contact.
     pub overlap: f64,
@@ -38,14 +38,14 @@ pub struct Paths {
 }
 
 impl Paths {
-    /// An observer for a run with the given schedule.
+    /// Creates an observer for a run with the given schedule.
     pub fn new(schedule: &Schedule) -> Self {
         Self { interval: interval(schedule, INSTANTS, INSTANTS), points: Vec::new() }
     }
 }
 
 impl Paths {
-    /// True if the paths end before a time [s].
+    /// True if the recorded paths end before a time [s].
     fn lacks(&self, time: f64) -> bool {
         self.points.last().is_some_and(|point| point.time < time)
     }
@@ -53,7 +53,7 @@ impl Paths {
 
 impl Observer for Paths {
     fn next(&self, now: f64, _schedule: &Schedule) -> Option<f64> {
-        // a scene with too many particles has no points
+        // a scene with too many particles has no recorded points
         (!self.points.is_empty()).then_some(now + self.interval)
     }
 

@@ -1,4 +1,4 @@
-//! Pipe flow: averages in rings about the axis of the pipe.
+//! Averages in rings about the axis of a pipe, through which the gas flows.
 
 use super::{Needs, Observer, plain_data};
 use crate::experiment::Experiment;
@@ -21,9 +21,9 @@ pub struct Rings {
 /// One ring about the axis of a pipe, and the gas in it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Ring {
-    /// [m] inner radius.
+    /// [m] inner radius of the ring.
     pub inner: f64,
-    /// [m] outer radius.
+    /// [m] outer radius of the ring.
     pub outer: f64,
     /// [m/s] mean velocity of the gas over the area of the ring.
     pub gas: f64,
@@ -32,11 +32,11 @@ pub struct Ring {
 /// Averages in rings, from the axis to the wall.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct RingAverages {
-    /// The rings; none if the gas does not flow through a pipe.
+    /// Rings about the axis; none if the gas does not flow through a pipe.
     pub rings: Vec<Ring>,
-    /// Time averages, in the order of the rings. `y` is the radius [m] that halves the area of the ring. V is the mean
-    /// velocity away from the axis and W the mean velocity around the axis; the moments use these components too.
-    /// Densities are relative to the mean density in the pipe.
+    /// Time averages, in the order of the rings. `y` is the radius [m] that divides the area of the ring into two equal
+    /// parts. V is the mean velocity away from the axis and W the mean velocity around the axis; the moments use these
+    /// components too. Densities are relative to the mean density in the pipe.
     #[serde(skip)]
     pub profiles: ProfileTable,
 }
@@ -50,15 +50,16 @@ fn pipe(scene: &Scene) -> Option<&Pipe> {
 }
 
 impl Rings {
-    /// An observer for an experiment, before any sample; the number of rings is the number of slices of the case.
+    /// Creates an observer for an experiment, before any sample. The number of rings is the number of slices in the
+    /// case.
     pub fn new(experiment: &Experiment) -> Self {
         let count = experiment.statistics.slices;
-        // in the square of the radius, rings of equal area are slices of equal height
+        // rings of equal area are slices of equal height if the coordinate is the square of the radius
         let profiles = pipe(&experiment.scene).map(|_| Accumulator::new(count, 1.0));
         Self { profiles, count }
     }
 
-    /// Averages in rings from the time `from` [s] on.
+    /// Time averages in rings from the time `from` [s] on.
     pub fn averages(&self, scene: &Scene, from: f64) -> RingAverages {
         /// Number of circles per ring at which the gas velocity is taken.
         const CIRCLES: usize = 16;
@@ -90,7 +91,7 @@ impl Observer for Rings {
         for (place, velocity) in simulation.particles.position.iter().zip(&simulation.particles.velocity) {
             let (x, y) = (place.x - x, place.y - y);
             let r = x.hypot(y);
-            // at the axis itself no direction points outwards
+            // on the axis itself the outward direction is undefined
             let (cos, sin) = if r > 0.0 { (x / r, y / r) } else { (1.0, 0.0) };
             let outwards = velocity.x * cos + velocity.y * sin;
             let around = velocity.y * cos - velocity.x * sin;

@@ -1,5 +1,5 @@
-//! The loop over a run, which can be stopped at the end of any window, stored, and resumed. A window is the time
-//! between two exchanges of momentum with the gas.
+//! Loop over a run, which can be stopped at the end of any window, stored, and resumed. A window is the time between
+//! two exchanges of momentum with the gas.
 
 use super::{Needs, Observer};
 use crate::engine::Failure;
@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RunLoop {
     schedule: Schedule,
-    /// Number of windows done, in units of the shortest windows of the schedule.
+    /// Number of completed windows, in units of the shortest windows of the schedule.
     done: u64,
     /// [s] requested instant at which the current window was last interrupted; `None` if the run is at the end of a
     /// window.
@@ -25,14 +25,14 @@ pub struct RunLoop {
 /// State of a run that was stopped at the end of a window, with all data needed to resume it with the same bits.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Pause {
-    /// State of the simulation.
+    /// State of the simulation at the pause.
     pub snapshot: Snapshot,
     course: RunLoop,
     observers: Vec<Stored>,
 }
 
 impl RunLoop {
-    /// The start of a run with the given number of observers.
+    /// Creates the loop for a run from its start, with the given number of observers.
     pub fn new(schedule: &Schedule, observers: usize) -> Self {
         Self { schedule: *schedule, done: 0, cut: None, due: vec![Some(0.0); observers] }
     }
@@ -76,7 +76,8 @@ impl RunLoop {
             if self.done == self.schedule.length() {
                 return Ok(true);
             }
-            // a run that has not moved must go on, or it would stop at this position for ever
+            // a run that has not advanced since it was resumed must continue, or it would stop at this position for
+            // ever
             if has_moved && pause() {
                 return Ok(false);
             }
@@ -108,8 +109,8 @@ impl RunLoop {
         }
     }
 
-    /// Calls the observers whose time has come at `now` [s], between two windows. The velocities lack a half-kick of
-    /// drag of duration `kick` [s], which is added for observers that need velocities.
+    /// Calls the observers whose time has come at `now` [s], between two samples. The velocities lack a half-kick of
+    /// drag with the duration `kick` [s]. This half-kick is added for observers that require velocities.
     fn see_between(
         &mut self,
         simulation: &mut Simulation,
@@ -140,14 +141,14 @@ impl RunLoop {
         self.cut.unwrap_or(self.done as f64 * self.schedule.window)
     }
 
-    /// Adds to the velocities the half-kick of drag that they lack in a run stopped between two samples. It serves
+    /// Adds the half-kick of drag that the velocities lack in a run stopped between two samples. This function is for
     /// callers that do not continue the run.
     pub fn settle(&self, simulation: &mut Simulation) {
         simulation.settle(self.schedule.window * self.schedule.together(self.done) as f64);
     }
 
-    /// Calls the observers whose time has come at a sample. If processes share the run, observers that need sums or
-    /// parts are called with the local particles in every process.
+    /// Calls the observers whose time has come at a sample. If several processes share the run, observers that require
+    /// sums or parts are called with the local particles in every process.
     fn sample(&mut self, simulation: &mut Simulation, observers: &mut [&mut dyn Observer]) {
         let by_parts = |place: &usize| {
             matches!(observers[*place].sight(), Needs::Sums | Needs::Parts) && simulation.is_seen_by_all(*place)
@@ -159,8 +160,8 @@ impl RunLoop {
         self.see(simulation, self.now(), observers, &others);
     }
 
-    /// Calls the observers at the end of a run. After a failure of the engine they are called with all particles. If a
-    /// run is stopped on request, observers that need parts are called with these first.
+    /// Calls the observers at the end of a run. After a failure of the engine they are called with all particles. If
+    /// the run was stopped on request, observers that require parts are first called with the local particles.
     pub fn end(&mut self, simulation: &mut Simulation, observers: &mut [&mut dyn Observer], failure: Option<&Failure>) {
         let sight: Vec<Needs> = observers.iter().map(|observer| observer.sight_of_end(simulation.time)).collect();
         let by_parts = |place: &usize| match sight[*place] {
@@ -185,7 +186,7 @@ impl RunLoop {
     fn see(&mut self, simulation: &Simulation, now: f64, observers: &mut [&mut dyn Observer], places: &[usize]) {
         for &place in places {
             observers[place].see(simulation);
-            // an observer is not called twice at one time
+            // an observer is not called twice at the same time
             let later = now + 2.0 * self.schedule.rounding();
             self.due[place] = observers[place].next(now, &self.schedule).map(|time| time.max(later));
         }
@@ -198,7 +199,7 @@ impl RunLoop {
         self.due.iter().enumerate().filter_map(is_due).collect()
     }
 
-    /// Stores all data that the run needs to continue from here.
+    /// Stores all data with which the run can continue from its present state.
     ///
     /// # Errors
     /// The caller's engine or one of its observers cannot be stored.
@@ -214,14 +215,14 @@ fn show_parts(simulation: &mut Simulation, observers: &[&mut dyn Observer], plac
     simulation.show_parts(places, |place| observers[place].stored().unwrap_or_default());
 }
 
-/// Gathers in the lead process the particles that the observers need.
+/// Gathers those particles in the lead process that the observers require.
 fn show(simulation: &mut Simulation, sights: impl Iterator<Item = Needs>) {
     let asked = sights.filter_map(|sight| match sight {
         Needs::Nothing => None,
         Needs::Sums | Needs::Parts => Some(1),
         Needs::Every(every) => Some(every),
     });
-    // only if all observers follow the same few particles is it enough to gather these
+    // it is enough to gather a few particles only if all observers require the same ones
     if let Some(every) = asked.reduce(|one, other| if one == other { one } else { 1 }) {
         simulation.show(every);
     }
@@ -242,7 +243,7 @@ impl Pause {
         self.resume_as(fresh, experiment, observers)
     }
 
-    /// Resumes the run with `fresh`, a simulation of the start of the experiment.
+    /// Resumes the run. `fresh` is a simulation of the experiment in its initial state.
     ///
     /// # Errors
     /// Errors of [`resume`](Self::resume).

@@ -11,11 +11,11 @@
 //!     + impacts                                   between particles and on walls
 //! ```
 //!
-//! All four terms are measured independently. The work of impacts is computed from the velocities before and after the
-//! engine has moved the particles through a window, minus drag and gravity; this holds for any model. A window is the
-//! time between two exchanges of momentum with the gas. The remainder shows how well the budget closes: it is due to
-//! chance and to the width of the slices. Impacts carry momentum over the distance between two centres, which is part
-//! of the impact term.
+//! All four terms are measured independently. The change by impacts is computed from the velocities before and after
+//! the engine has moved the particles through a window, minus drag and gravity; this method is valid for any model. A
+//! window is the time between two exchanges of momentum with the gas. The remainder of the budget is due to chance and
+//! to the width of the slices. Impacts carry momentum over the distance between two centres, which is part of the
+//! impact term.
 
 use super::Observer;
 use crate::exact::Groups;
@@ -26,7 +26,7 @@ use crate::statistics::{Estimate, estimate};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// The four moments, as pairs of components of (u, v, w) = (streamwise, wall-normal, spanwise).
+/// Names of the four moments, each with its two components of (u, v, w) = (streamwise, wall-normal, spanwise).
 pub const MOMENTS: [(&str, usize, usize); 4] = [("uu", 0, 0), ("vv", 1, 1), ("ww", 2, 2), ("uv", 0, 1)];
 /// Number of parts of a run whose sums are stored separately. The averaging period starts with one of the parts.
 const PARTS: u64 = 200;
@@ -40,11 +40,11 @@ pub struct Terms<T> {
     pub production: T,
     /// [m²/s³] transport by velocity fluctuations from other slices.
     pub transport: T,
-    /// [m²/s³] work of drag.
+    /// [m²/s³] change by drag.
     pub drag: T,
     /// [m²/s³] change by impacts between particles and on walls.
     pub impacts: T,
-    /// [m²/s³] sum of the other terms: zero but for chance and the width of slices.
+    /// [m²/s³] sum of the other terms, which is zero except for chance and the width of slices.
     pub rest: T,
 }
 
@@ -63,13 +63,13 @@ impl<T> From<[T; 5]> for Terms<T> {
 /// Budgets of the four moments of a run, in the order of [`MOMENTS`].
 #[derive(Clone, Debug, Serialize)]
 pub struct Budgets {
-    /// For every slice: its centre y [m], and its terms.
+    /// Centre y [m] of each slice, and its terms for the four moments.
     pub slices: Vec<(f64, [Terms<Estimate>; 4])>,
     /// Terms of the budgets, averaged over all particles.
     pub whole: [Terms<Estimate>; 4],
-    /// [m²/s³] change of uu + ww by friction at walls, mean over all particles: a part of the impact terms.
+    /// [m²/s³] change of uu + ww by friction at walls, as a mean over all particles. It is a part of the impact terms.
     pub wall_friction: Estimate,
-    /// [m²/s³] change of vv by the restitution of walls, mean over all particles: a part of the impact term.
+    /// [m²/s³] change of vv by the restitution of walls, as a mean over all particles. It is a part of the impact term.
     pub wall_restitution: Estimate,
     /// [s] start of the averaging period.
     pub from: f64,
@@ -80,23 +80,23 @@ pub struct Budgets {
 struct MomentSums {
     count: f64,
     velocity: Vector3<f64>,
-    /// Sum of v_i v_j, by rows.
+    /// Sum of the products v_i v_j, where i is the row.
     square: [[f64; 3]; 3],
-    /// Sum of v_i v_j v for the four moments, v the wall-normal component.
+    /// Sum of v_i v_j v for the four moments, where v is the wall-normal component.
     carried: [f64; 4],
     acceleration: Vector3<f64>,
-    /// Sum of a_i v_j + a_j v_i for the four moments, a the acceleration by drag.
+    /// Sum of a_i v_j + a_j v_i for the four moments, where a is the acceleration by drag.
     drag: [f64; 4],
     jump: Vector3<f64>,
     /// Sum of the changes of v_i v_j by impacts, for the four moments.
     jumps: [f64; 4],
 }
 
-/// Number of sums of a slice, and one unused number that makes a multiple of four.
+/// Number of sums of a slice, including one unused number that makes a multiple of four.
 const TERMS: usize = 32;
 
 impl From<[f64; TERMS]> for MomentSums {
-    /// Reads the sums in the order of [`row`].
+    /// Creates the sums from an array with the order of [`row`].
     fn from(all: [f64; TERMS]) -> Self {
         let vector = |first: usize| Vector3::new(all[first], all[first + 1], all[first + 2]);
         let four = |first: usize| std::array::from_fn(|k| all[first + k]);
@@ -157,7 +157,7 @@ impl MomentSums {
         self.square[i][j] / self.count - mean[i] * mean[j]
     }
 
-    /// Third moment <v_i″ v_j″ v″> [m³/s³] for one of the four moments.
+    /// Third moment <v_i″ v_j″ v″> [m³/s³] for one of the four moments, with the wall-normal fluctuation v″.
     fn third(&self, moment: usize) -> f64 {
         let (_, i, j) = MOMENTS[moment];
         let (m, raw) = (self.mean(), |a: usize, b: usize| self.square[a][b] / self.count);
@@ -165,8 +165,8 @@ impl MomentSums {
             + 2.0 * m[i] * m[j] * m[1]
     }
 
-    /// Sum of changes of v_i v_j relative to the mean velocity. Changes of v_i and v_j that only move the mean are
-    /// subtracted.
+    /// Sum of the changes of v_i v_j by impacts, relative to the mean velocity. The part that is due to changes
+    /// `single` of the mean velocity is subtracted.
     fn about(&self, moment: usize, products: f64, single: &Vector3<f64>) -> f64 {
         let (_, i, j) = MOMENTS[moment];
         let mean = self.mean();
@@ -174,7 +174,7 @@ impl MomentSums {
     }
 }
 
-/// Sums over one part of the run.
+/// Sums over one part of the run, with its start.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct MomentBlock {
     /// [s] start of the part.
@@ -185,16 +185,16 @@ struct MomentBlock {
     walls: [f64; 3],
 }
 
-/// An observer that is called at the end of every window of a run and sums the terms of the budgets.
+/// Observer that is called at the end of every window of a run and sums the terms of the budgets.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct SecondMoments {
     slices: usize,
     schedule: Schedule,
     mass: f64,
     height: f64,
-    /// [m/s] (u, v, w) subtracted from all velocities.
+    /// [m/s] velocity (u, v, w) that is subtracted from all velocities.
     reference: Vector3<f64>,
-    /// [m/s] velocities (u, v, w) given to the engine in the next window, by particle id.
+    /// [m/s] velocities (u, v, w) with which the engine begins the next window, by particle id.
     given: Vec<Vector3<f64>>,
     walls: [f64; 3],
     parts: Vec<MomentBlock>,
@@ -213,7 +213,7 @@ fn drag(fluid: &Fluid, sphere: &crate::drag::Sphere, place: &Vector3<f64>, veloc
 }
 
 impl SecondMoments {
-    /// An observer with the given number of slices (at least one) for a run with the given schedule.
+    /// Creates an observer with the given number of slices (at least one) for a run with the given schedule.
     pub fn new(slices: usize, schedule: &Schedule) -> Self {
         Self {
             slices: slices.max(1),
@@ -227,7 +227,7 @@ impl SecondMoments {
         }
     }
 
-    /// Terms averaged over the parts of the run that begin at `from` [s] or later; `None` if there are none.
+    /// Budgets averaged over the parts of the run that begin at `from` [s] or later; `None` if there are none.
     pub fn budgets(&self, from: f64) -> Option<Budgets> {
         let used: Vec<&MomentBlock> = self.parts.iter().filter(|part| part.start >= from * (1.0 - 1e-9)).collect();
         let from = used.first()?.start;
@@ -254,7 +254,7 @@ impl SecondMoments {
         })
     }
 
-    /// Terms computed from the sums of some parts of the run; `None` if a slice contained no particle.
+    /// Budgets computed from the sums of several parts of the run; `None` if a slice contained no particle.
     fn terms(&self, parts: &[&MomentBlock]) -> Option<Derived> {
         let mut sums = vec![MomentSums::default(); self.slices];
         let (mut windows, mut walls) = (0, [0.0; 3]);
@@ -277,7 +277,7 @@ impl SecondMoments {
         });
         let time = windows as f64 * self.schedule.window;
         let [friction, restitution, impulse] = walls;
-        // the particles that walls slow down have the mean velocity of the slices at the walls
+        // the particles that friction at walls slows down have the mean velocity of the slices at the walls
         let ends = 0.5 * (sums[0].mean().x + sums[self.slices - 1].mean().x) + self.reference.x;
         let per = 2.0 / (self.mass * time);
         Some(Derived { slices, whole, friction: -per * (friction + ends * impulse), restitution: -per * restitution })
@@ -289,7 +289,7 @@ impl SecondMoments {
         std::array::from_fn(|k| {
             let (_, i, j) = MOMENTS[k];
             let production = -here.second(i, 1) * gradient[j] - here.second(j, 1) * gradient[i];
-            // no particle carries anything through a wall
+            // no particle carries momentum through a wall
             let face = |below: usize| {
                 let carried = |sum: &MomentSums| sum.count * sum.third(k);
                 0.5 * (carried(&sums[below]) + carried(&sums[below + 1]))
@@ -303,7 +303,7 @@ impl SecondMoments {
         })
     }
 
-    /// The part of the run that contains a window ending at `time` [s]; a new part is begun if needed.
+    /// Part of the run that contains the window ending at `time` [s]; a new part is begun if necessary.
     fn part(&mut self, time: f64) -> &mut MomentBlock {
         let length = (self.schedule.length() as f64 / PARTS as f64).max(1.0) * self.schedule.window;
         let begins = |part: &MomentBlock| time - part.start > length * (1.0 + 1e-9);
@@ -325,8 +325,8 @@ struct Derived {
     restitution: f64,
 }
 
-/// Difference of the mean velocity from slice to slice [m/s]: central differences, one-sided of second order at the
-/// ends.
+/// Gradient of the mean velocity in units of the slice thickness [m/s]: central differences, and one-sided differences
+/// of second order at the ends.
 fn gradient(sums: &[MomentSums], slice: usize) -> Vector3<f64> {
     let (last, mean) = (sums.len() - 1, |k: usize| sums[k].mean());
     match slice {
@@ -376,7 +376,7 @@ impl Observer for SecondMoments {
                 .map(|fluid| drag(fluid, &sphere(&spheres[species]), &particles.position[place], velocity));
             let push = components(&push.unwrap_or_default());
             let velocity = components(velocity) - reference;
-            // velocities half a kick later and earlier, exact to the order of the splitting
+            // velocities half a kick of drag later and earlier, exact to the order of the splitting
             let before = std::mem::replace(&mut given[particles.id[place] as usize], velocity + push * half) + fall;
             let slice = ((y / height * count as f64) as usize).min(count - 1);
             slices.add(slice, row([&velocity, &push, &before, &(velocity - push * half)]));

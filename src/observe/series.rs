@@ -9,10 +9,10 @@ use crate::statistics::VelocitySpread;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Largest number of rows of a series, whatever the length of the run. A picture cannot show more.
+/// Largest number of rows of a series, for runs of any length. A picture cannot show more.
 const MOST: u64 = 1000;
 
-/// Number of rows of a scene with few particles and fewer samples than this: enough for a curve.
+/// Number of rows for a scene with few particles whose run has fewer samples than this number; enough for a curve.
 const CURVE: u64 = 200;
 
 /// Largest number of particles for which rows may be more frequent than samples, since a row then costs little.
@@ -23,39 +23,40 @@ const FEW: usize = 10_000;
 pub struct Row {
     /// [s] simulated time.
     pub time: f64,
-    /// [m²/s²] parts of the granular temperature T along x, y and z, about the mean velocities of slices; T is their
-    /// mean. `None` if every slice holds at most one particle.
+    /// [m²/s²] parts of the granular temperature T along x, y and z, relative to the mean velocities of slices; T is
+    /// the mean of the three. `None` if every slice contains at most one particle.
     pub temperature: Option<Vector3<f64>>,
     /// [m/s] mean velocity of the particles.
     pub velocity: Vector3<f64>,
-    /// [J] kinetic energy.
+    /// [J] kinetic energy of the translation of all particles.
     pub kinetic_energy: f64,
     /// [J] elastic energy stored in contacts.
     pub elastic_energy: f64,
-    /// Rotation of the particles; `None` where spheres do not rotate.
+    /// Rotation of the particles; `None` if spheres do not rotate.
     pub rotation: Option<RotationSums>,
-    /// [kg m/s] momentum.
+    /// [kg m/s] momentum of all particles.
     pub momentum: Vector3<f64>,
     /// Number of impacts between particles that have ended since the start.
     pub pair_impacts: u64,
     /// Number of impacts on walls that have ended since the start.
     pub wall_impacts: u64,
-    /// [-] present contacts per particle, with other particles and with walls; 0 if contacts have no duration.
+    /// [-] number of present contacts per particle, with other particles and with walls; 0 if contacts have no
+    /// duration.
     pub coordination: f64,
     /// [-] largest overlap of the present contacts, over the diameter of the smaller particle.
     pub largest_overlap: f64,
-    /// [m] centre of mass along x, y and z. `None` without particles, and along a periodic axis, on which a centre of
-    /// mass is not defined.
+    /// [m] centre of mass along x, y and z. `None` without particles, and along a periodic axis, where a centre of mass
+    /// is not defined.
     pub centre: [Option<f64>; 3],
 }
 
 /// Rotation of all particles at one instant.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RotationSums {
-    /// [J] rotational energy.
+    /// [J] rotational energy of all particles.
     pub energy: f64,
-    /// [m²/s²] parts of the rotational temperature along x, y and z: Σ I (ω - Ω)²/Σ m per component, about the mean
-    /// spin Ω = Σ I ω/Σ I. Their mean is T_r, which equals T where rotation and translation have equal energies.
+    /// [m²/s²] parts of the rotational temperature along x, y and z: Σ I (ω - Ω)²/Σ m per component, with the mean spin
+    /// Ω = Σ I ω/Σ I. The mean of the three parts is T_r. T_r equals T if rotation and translation have equal energies.
     pub temperature: Vector3<f64>,
     /// [rad/s] mean spin Ω of the particles.
     pub spin: Vector3<f64>,
@@ -85,7 +86,7 @@ impl Row {
         self.kinetic_energy + self.elastic_energy + self.rotation.map_or(0.0, |rotation| rotation.energy)
     }
 
-    /// [m²/s²] rotational temperature T_r; `None` where spheres do not rotate.
+    /// [m²/s²] rotational temperature T_r; `None` if spheres do not rotate.
     pub fn rotational_temperature(&self) -> Option<f64> {
         self.rotation.map(|rotation| rotation.temperature.sum() / 3.0)
     }
@@ -112,7 +113,7 @@ impl Row {
         }
     }
 
-    /// [m²/s²] granular temperature T.
+    /// [m²/s²] granular temperature T of all particles.
     pub fn granular_temperature(&self) -> Option<f64> {
         self.temperature.map(|parts| parts.sum() / 3.0)
     }
@@ -124,9 +125,9 @@ struct MassSums {
     mass: f64,
     /// [kg m] sum of mass times position.
     moment: Vector3<f64>,
-    /// [kg m/s] momentum.
+    /// [kg m/s] momentum of all particles.
     momentum: Vector3<f64>,
-    /// [J] kinetic energy.
+    /// [J] kinetic energy of all particles.
     kinetic_energy: f64,
 }
 
@@ -144,9 +145,9 @@ impl MassSums {
     }
 }
 
-/// [s] time between rows, so that at most `most` rows are kept. It is a whole number of sample intervals. With fewer
-/// samples than `least`, it is a part of a sample interval, but at least a window. If requested instants are closer in
-/// time or sufficient for a curve, the rows are at these instants, which are equal in all variants.
+/// [s] time between rows, so that at most `most` rows are stored. It is a whole number of sample intervals. If there
+/// are fewer samples than `least`, it is a part of a sample interval, but at least a window. If instants given by the
+/// case are closer in time or sufficient for a curve, the rows are at these instants, which are equal in all variants.
 pub(super) fn interval(schedule: &Schedule, least: u64, most: u64) -> f64 {
     let between = |all: u64, rows: u64| all.div_ceil(rows.max(1)).max(1) as f64;
     let own = if schedule.samples >= least {
@@ -159,11 +160,11 @@ pub(super) fn interval(schedule: &Schedule, least: u64, most: u64) -> f64 {
     asked.map_or(own, |asked| if duration / asked >= CURVE as f64 - 0.5 { asked } else { asked.min(own) })
 }
 
-/// Averages over all particles at times that are equal in every variant of a scene. At most a thousand rows are kept,
-/// and one for the end.
+/// Averages over all particles at times that are equal in every variant of a scene. At most a thousand rows are stored,
+/// and one more for the end of the run.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Series {
-    /// Number of slices for the temperature.
+    /// Number of slices in which the temperature is computed.
     slices: usize,
     /// [s] time between rows.
     interval: f64,
@@ -172,7 +173,7 @@ pub struct Series {
 }
 
 impl Series {
-    /// An observer for an experiment that runs with the given schedule.
+    /// Creates an observer for an experiment that runs with the given schedule.
     pub fn new(experiment: &Experiment, schedule: &Schedule) -> Self {
         let least = if experiment.count() <= FEW { CURVE } else { 0 };
         Self { slices: experiment.statistics.slices, interval: interval(schedule, least, MOST), rows: Vec::new() }

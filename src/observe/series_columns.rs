@@ -1,16 +1,16 @@
-//! Columns of the averages over time. `series.csv`, verdicts and pictures use this one table.
+//! Columns of the averages over time. `series.csv`, verdicts and pictures all use the table in this file.
 
 use super::series::Row;
 use nalgebra::Vector3;
 
-/// A quantity of all particles over time: a column of `series.csv`.
+/// Quantity of all particles over time, which is a column of `series.csv`.
 #[derive(Clone, Copy)]
 pub struct SeriesColumn {
     /// Name of the column in the file, with its unit.
     pub key: &'static str,
     /// Name of the quantity in a sentence.
     pub name: &'static str,
-    /// SI unit; empty for a number.
+    /// SI unit of the quantity; empty for a pure number.
     pub unit: &'static str,
     /// True if the quantity is a sum over all particles, false if it is a mean.
     pub is_sum: bool,
@@ -25,8 +25,8 @@ pub struct SeriesColumn {
 pub enum CurveScale {
     /// Largest value of the quantity.
     LargestValue,
-    /// Largest change of the quantity, or the agitation where it is larger. This serves velocities, whose value depends
-    /// on the frame of reference.
+    /// Largest change of the quantity, or the agitation if it is larger. This scale is for velocities, whose value
+    /// depends on the frame of reference.
     LargestChange,
 }
 
@@ -37,7 +37,7 @@ impl SeriesColumn {
     }
 }
 
-/// One component of a vector that only some scenes have.
+/// One component of a vector; `None` if the scene does not have this vector.
 fn part(of: Option<Vector3<f64>>, axis: usize) -> Option<f64> {
     of.map(|vector| vector[axis])
 }

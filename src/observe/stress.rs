@@ -1,4 +1,4 @@
-//! Stress, contacts per particle, and volume fraction of each slice.
+//! Stress in the particles, number of contacts per particle, and volume fraction of each slice.
 
 use super::{Needs, Observer, plain_data};
 use crate::domain::Domain;
@@ -21,31 +21,32 @@ const MOST_SAMPLES: u64 = 400;
 /// positive.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Stress {
-    /// [Pa] Σ m c c over the volume of the box, with c the velocity relative to the mean of its slice at the same
-    /// instant.
+    /// [Pa] kinetic part: Σ m c c over the volume of the box. Here c is the velocity relative to the mean velocity of
+    /// the slice at the same instant.
     pub kinetic: [Option<Estimate>; 6],
-    /// [Pa] time average of Σ r f over the volume of the box. r points from one centre to the other of two particles in
-    /// contact, and f is the force between them. A collision counts as a force of no duration.
+    /// [Pa] contact part: time average of Σ r f over the volume of the box. r is the vector between the centres of two
+    /// particles in contact, and f is the force between them. A collision of hard spheres counts as its impulse.
     pub contact: [Option<Estimate>; 6],
-    /// [Pa] a third of the trace of the sum of the kinetic and the contact part.
+    /// [Pa] pressure: a third of the trace of the sum of the kinetic and the contact part.
     pub pressure: Option<Estimate>,
-    /// [-] pressure over its kinetic part; for a gas at rest this is the compressibility factor Z.
+    /// [-] ratio of the pressure to its kinetic part; for a gas at rest this is the compressibility factor Z.
     pub compressibility: Option<Estimate>,
-    /// [-] mean number of bodies in contact with a particle at an instant, walls included. `None` for hard spheres,
+    /// [-] mean number of bodies in contact with a particle at an instant, including walls. `None` for hard spheres,
     /// which have no lasting contacts.
     pub coordination: Option<Estimate>,
-    /// [-] volume fraction of the particles in each slice, from y = 0 up.
+    /// [-] volume fraction of the particles in each slice, in the order of increasing y.
     pub volume_fraction: Vec<Option<Estimate>>,
 }
 
 /// Sums over all particles at one instant.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct StressSample {
-    /// [J] Σ m c c.
+    /// [J] kinetic sum Σ m c c, where c is the velocity relative to the mean velocity of the slice.
     kinetic: [f64; 6],
-    /// [J s] Σ r f, integrated over time since the start.
+    /// [J s] contact sum Σ r f integrated over time since the start, where r is the vector between the centres and f
+    /// the force.
     contact: [f64; 6],
-    /// [-] mean number of bodies in contact with a particle.
+    /// [-] mean number of bodies in contact with a particle at this instant.
     touched: f64,
     /// [m³] volume of particles within each slice.
     filled: Vec<f64>,
@@ -66,7 +67,7 @@ pub struct Stresses {
 }
 
 impl Stresses {
-    /// An observer for a run with the given schedule.
+    /// Creates an observer for a run with the given schedule.
     pub fn new(experiment: &Experiment, schedule: &Schedule) -> Self {
         let every = schedule.samples.div_ceil(MOST_SAMPLES).max(1);
         Self {
@@ -79,7 +80,7 @@ impl Stresses {
         }
     }
 
-    /// Time averages from sample `first` of the run on.
+    /// Time averages over the samples of the run from sample `first` on.
     pub fn averages(&self, first: usize) -> Stress {
         let samples = self.samples.get(first.div_ceil(self.every as usize)..).unwrap_or_default();
         let kinetic = |k: usize| samples.iter().map(|sample| sample.kinetic[k] / self.volume).collect::<Vec<_>>();
@@ -88,7 +89,7 @@ impl Stresses {
                 |pair: &[StressSample]| (pair[1].contact[k] - pair[0].contact[k]) / (self.interval * self.volume);
             samples.windows(2).map(within).collect::<Vec<_>>()
         };
-        // kinetic part of an interval: the mean of its two ends; contact part: the change within the interval
+        // kinetic part of an interval: the mean of the values at its ends; contact part: the change within the interval
         let traces: Vec<(f64, f64)> = samples
             .windows(2)
             .map(|pair| {
@@ -140,8 +141,8 @@ fn six(m: &Matrix3<f64>) -> [f64; 6] {
     [mean(0, 0), mean(1, 1), mean(2, 2), mean(0, 1), mean(0, 2), mean(1, 2)]
 }
 
-/// [J] Σ m c c about the mean velocity of each slice, and [m³] volume of the particles in each slice. The result
-/// depends neither on the number of threads nor on the order of the particles.
+/// Kinetic sums Σ m c c [J] with velocities c relative to the mean velocity of each slice, and volume of the particles
+/// [m³] in each slice. The result depends neither on the number of threads nor on the order of the particles.
 fn sums(all: Sample, domain: &Domain, slices: usize) -> ([f64; 6], Vec<f64>) {
     let particles = all.particles;
     let thickness = domain.size.y / slices as f64;
@@ -164,7 +165,7 @@ fn sums(all: Sample, domain: &Domain, slices: usize) -> ([f64; 6], Vec<f64>) {
         }
         filled
     };
-    // no more pieces than the work justifies, since each piece has a copy of all sums
+    // the number of pieces is limited, since each piece has a copy of all sums
     let pieces = particles.len().div_ceil(CHUNK).clamp(1, 2 * rayon::current_num_threads());
     let start = |k: usize| particles.len() * k / pieces;
     let mut filled = vec![ExactSum::default(); slices];
@@ -174,9 +175,9 @@ fn sums(all: Sample, domain: &Domain, slices: usize) -> ([f64; 6], Vec<f64>) {
     all.total(&mut filled.iter_mut().collect::<Vec<_>>());
     let mut kinetic = [0.0; 6];
     for [count, mass, x, y, z, products @ .., _] in sums {
-        // a slice with a single particle has no motion about its mean
+        // in a slice with a single particle there is no motion relative to the mean velocity
         if count > 1.0 {
-            // the mean of n velocities contains 1/n of the squares, which are added again
+            // relative to the mean of n velocities the sum of squares is too small by the factor (n - 1)/n
             let whole = count / (count - 1.0);
             let of_mean = [x * x, y * y, z * z, x * y, x * z, y * z];
             for (sum, (product, mean)) in kinetic.iter_mut().zip(products.iter().zip(of_mean)) {
@@ -187,11 +188,11 @@ fn sums(all: Sample, domain: &Domain, slices: usize) -> ([f64; 6], Vec<f64>) {
     (kinetic, filled.iter().map(|layers| layers.value() * thickness.powi(3)).collect())
 }
 
-/// Adds the volume of a sphere to the layers in which it lies. Lengths are in units of the thickness of a layer; layer
-/// k lies between k and k + 1.
+/// Adds the volume of a sphere to the layers that contain it. Lengths are in units of the thickness of a layer; layer k
+/// extends from k to k + 1.
 fn fill(filled: &mut [ExactSum], y: f64, radius: f64, periodic: bool) {
     let whole = 4.0 / 3.0 * PI * (radius * radius * radius);
-    // most spheres lie within one layer; the cast turns negative numbers into 0
+    // most spheres are within one layer; the cast turns negative numbers into 0
     if y >= radius
         && (y - radius) as u32 == (y + radius) as u32
         && let Some(volume) = filled.get_mut(y as u32 as usize)
@@ -225,7 +226,8 @@ mod tests {
 
     #[test]
     fn a_sphere_fills_what_it_covers() {
-        // a hemisphere in each of two layers, the second one wrapped; caps of height r/2 hold 5/32 of a sphere
+        // first a hemisphere in each of two layers, the second one across the periodic side; caps of height r/2 contain
+        // 5/32 of the volume of a sphere
         let ball = 4.0 / 3.0 * PI;
         for (y, radius, periodic, want) in [
             (1.0, 0.5, false, [0.5, 0.5, 0.0]),

@@ -12,9 +12,9 @@ use serde::Serialize;
 pub struct ChartQuantity {
     /// Short name for files and tables, such as `restitution_mean`.
     pub key: &'static str,
-    /// Name of the quantity, in words.
+    /// Name of the quantity in words.
     pub name: &'static str,
-    /// Definition of the error, for the label of an axis, such as `|e − e₀|/e₀`.
+    /// Definition of the error as a formula for the label of an axis, such as `|e − e₀|/e₀`.
     pub axis: &'static str,
     /// Reference value for all errors, with its standard error, in `unit`.
     pub reference: Estimate,
@@ -25,12 +25,12 @@ pub struct ChartQuantity {
     pub floor: f64,
 }
 
-/// Error of one charted point in one quantity [-].
+/// Error of one quantity at one point of the chart [-].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct PointError {
     /// Value that the method gives, in the unit of the quantity.
     pub value: f64,
-    /// [-] error of the value, as defined for the axis.
+    /// [-] error of the value, as defined by [`ChartQuantity::axis`].
     pub error: f64,
     /// [-] standard error of `error`; `None` if unknown.
     pub uncertainty: Option<f64>,
@@ -41,11 +41,11 @@ pub struct PointError {
 /// Distribution of the wall-clock time of one run on one thread [s].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct CostSpread {
-    /// [s] median time.
+    /// [s] median wall-clock time of a run.
     pub median: f64,
-    /// [s] shortest time.
+    /// [s] shortest wall-clock time of a run.
     pub lowest: f64,
-    /// [s] longest time.
+    /// [s] longest wall-clock time of a run.
     pub highest: f64,
 }
 
@@ -78,7 +78,7 @@ pub struct ChartPoint {
     pub method: usize,
     /// Value of the swept parameter, in the unit of this parameter.
     pub knob: f64,
-    /// Number of runs.
+    /// Number of runs from which the point is computed.
     pub samples: usize,
     /// Wall-clock time of one run on one thread.
     pub wall: CostSpread,
@@ -92,12 +92,12 @@ pub struct ChartPoint {
     pub failure: Option<ChartFailure>,
 }
 
-/// Method with the parameter that is swept.
+/// Method of computing collisions, with the parameter that is swept for the chart.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ChartMethod {
     /// Name of the method.
     pub name: String,
-    /// Collision model.
+    /// Collision model of the method.
     pub model: Model,
     /// Symbol of the swept parameter.
     pub knob: &'static str,
@@ -112,7 +112,7 @@ pub struct ChartSlope {
     pub method: usize,
     /// Index of the quantity in [`ChartStudy::quantities`].
     pub quantity: usize,
-    /// Fitted exponent, with its error.
+    /// Fitted exponent of the power law, with its error.
     #[serde(flatten)]
     pub law: PowerLaw,
     /// Values of the swept parameter at both ends of the fitted range.
@@ -120,8 +120,8 @@ pub struct ChartSlope {
 }
 
 impl ChartSlope {
-    /// Exponent with its error, to two decimal places at most. More places would be meaningless, because the scatter
-    /// about a line does not include curvature.
+    /// Text of the exponent with its error, with two decimal places at most. More places would be meaningless, because
+    /// the error is computed from the scatter about a straight line and does not include a curvature.
     pub fn exponent(&self) -> String {
         let law = &self.law;
         if law.error < 0.01 {
@@ -141,15 +141,15 @@ pub struct ChartStudy<'a> {
     pub reference: &'a str,
     /// Description of the runs behind each point.
     pub setting: &'a str,
-    /// Compared methods.
+    /// Methods that are compared in the chart.
     pub methods: &'a [ChartMethod],
-    /// Charted quantities.
+    /// Quantities whose errors are charted.
     pub quantities: &'a [ChartQuantity],
-    /// Points of all methods.
+    /// Points of the chart, for all methods.
     pub points: &'a [ChartPoint],
     /// Fitted slopes of the errors.
     pub slopes: &'a [ChartSlope],
-    /// Conclusions, one sentence each.
+    /// Conclusions from the chart, one sentence each.
     pub verdicts: &'a [String],
     /// Remarks on how far the numbers are reliable.
     pub notes: &'a [String],
@@ -179,8 +179,8 @@ impl ChartPoint {
     }
 }
 
-/// Cheapest point of some models whose error in a quantity is within `target` [-]. Twice the standard error is added to
-/// the error, so that a value that is good by chance is not chosen.
+/// Cheapest point of the given models whose error in a quantity is within `target` [-]. Twice the standard error is
+/// added to the error, so that a point whose error is small by chance is not chosen.
 pub fn cheapest<'a>(
     (methods, points): (&[ChartMethod], &'a [ChartPoint]),
     quantity: usize,
@@ -197,9 +197,9 @@ pub fn cheapest<'a>(
 }
 
 impl ChartStudy<'_> {
-    /// Indices of the points of some models on the Pareto front of a quantity, in order of cost. No other point of
-    /// these models has both a smaller cost and a smaller error. Errors below the statistical floor count as the floor,
-    /// because they are small by chance.
+    /// Indices of the points of the given models that are on the Pareto front of a quantity, in order of cost. No other
+    /// point of these models has both a smaller cost and a smaller error. An error below the statistical floor is
+    /// replaced by the floor, because such an error is small by chance.
     pub fn front(&self, quantity: usize, cost: CostMeasure, models: &[Model]) -> Vec<usize> {
         let floor = self.quantities.get(quantity).map_or(0.0, |quantity| quantity.floor);
         let asked = |point: &ChartPoint| models.contains(&self.methods[point.method].model);

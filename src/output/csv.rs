@@ -1,5 +1,4 @@
-//! The tables of a run as CSV. Headers are fixed, because scripts rely on them. A number that is not known is an empty
-//! cell.
+//! Tables of a run as CSV. The headers are fixed, because scripts read them. The cell of an unknown number is empty.
 
 use super::limits::Map;
 use super::sensitivity::SensitivityStudy;
@@ -16,8 +15,8 @@ use crate::scene::Scene;
 use crate::statistics::{SLICE_COLUMNS, SliceRow};
 use ::csv::Writer;
 
-/// `profiles.csv`: one row per variant and slice. Lengths in m, velocities in m/s, moments in powers of m/s; `_se` is
-/// one standard error.
+/// Contents of `profiles.csv`, with one row per variant and slice. Lengths are in m, velocities in m/s, moments in
+/// powers of m/s; columns with `_se` contain one standard error.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
@@ -32,8 +31,8 @@ pub fn profiles(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
     table.bytes()
 }
 
-/// `species.csv`: columns as in `profiles.csv`, for each species of a mixture. Densities are relative to the mean of
-/// the species.
+/// Contents of `species.csv`: the columns of `profiles.csv` for each species of a mixture. Densities are relative to
+/// the mean density of the species.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
@@ -51,9 +50,9 @@ pub fn species(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
     table.bytes()
 }
 
-/// `rings.csv`: columns as in `profiles.csv`, in rings of equal area about the axis of a pipe. The radius r_m halves
-/// the area of the ring. v is the velocity away from the axis, w that around it, and gas_U the mean of the gas over the
-/// ring.
+/// Contents of `rings.csv`: the columns of `profiles.csv` in rings of equal area about the axis of a pipe. The radius
+/// r_m divides the area of a ring into two equal parts. v is the velocity away from the axis, w the velocity around the
+/// axis, and gas_U the mean gas velocity in the ring.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
@@ -72,22 +71,22 @@ pub fn rings(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
     table.bytes()
 }
 
-/// Names of the columns of a slice.
+/// Header of the columns of a slice.
 fn slice_head() -> String {
     let values: String = SLICE_COLUMNS.iter().map(|column| format!("{},", column.name)).collect();
     let errors: String = SLICE_COLUMNS.iter().map(|column| format!("{}_se,", column.name)).collect();
     format!("slice,y_m,{values}{errors}samples")
 }
 
-/// The cells of a slice.
+/// Cells of the row of a slice.
 fn slice(index: usize, row: &SliceRow) -> impl Iterator<Item = String> {
     let values = row.estimates.into_iter().map(|found| number(found.map(|found| found.value)));
     let errors = row.estimates.into_iter().map(|found| number(found.and_then(|found| found.error)));
     [index.to_string(), number(row.y)].into_iter().chain(values).chain(errors).chain([row.samples.to_string()])
 }
 
-/// `meetings.csv`: impacts of each pair of kinds of a mixture in the averaging period. Rates are in 1/s, speeds in m/s;
-/// `_se` is one standard error.
+/// Contents of `meetings.csv`: impacts of each pair of species of a mixture in the averaging period. Rates are in 1/s,
+/// speeds in m/s; columns with `_se` contain one standard error.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
@@ -113,9 +112,9 @@ pub fn meetings(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
     table.bytes()
 }
 
-/// `impacts.csv`: histograms of every variant. Overlaps are relative to the diameter, the smaller one of unequal
-/// spheres. If all values are zero (overlaps and durations of hard spheres), there is one row of zero width, without a
-/// density.
+/// Contents of `impacts.csv`: histograms of every variant. Overlaps are relative to the diameter, the smaller one of
+/// two different spheres. If all values are zero (overlaps and durations of hard spheres), the table has one row of
+/// zero width without a density.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
@@ -137,9 +136,10 @@ pub fn impacts(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
     table.bytes()
 }
 
-/// `overlaps.csv`: means and extremes of the overlaps over the (smaller) diameter in the averaging period. Each soft
-/// variant has a row for pairs and one for walls. T is in m²/s², k_n in N/m, the rest [-]. κ_n uses the measured T
-/// (empty if spheres or surfaces differ).
+/// Contents of `overlaps.csv`: means and extremes of the overlaps over the (smaller) diameter in the averaging period.
+/// Each soft variant has a row for pairs and a row for walls. The granular temperature is in m²/s², the elastic
+/// parameter of the contact law in SI, other numbers are [-]. κ_n is computed from the measured temperature and is
+/// empty if spheres or surfaces differ.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
@@ -178,8 +178,9 @@ pub fn overlaps(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
     table.bytes()
 }
 
-/// `budgets.csv`: production and loss of the second moments per time [m²/s³], a row per slice and moment, with the
-/// centre y [m] of the slice. Rows without a slice are means over all particles. `_se` is one standard error.
+/// Contents of `budgets.csv`: production and loss of the second moments per time [m²/s³], with one row per slice and
+/// moment, and the centre y [m] of the slice. Rows without a slice are means over all particles. Columns with `_se`
+/// contain one standard error.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
@@ -211,7 +212,7 @@ fn histograms(impacts: &Impacts) -> [(&'static str, &'static str, &Histogram); 5
     ]
 }
 
-/// One bin of a histogram, in the unit of the quantity.
+/// One bin of a histogram, with numbers in the unit of the quantity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct HistogramRow {
     pub lower: f64,
@@ -221,7 +222,7 @@ pub(super) struct HistogramRow {
     pub density: Option<f64>,
 }
 
-/// The bins up to the last that is not empty.
+/// Bins of a histogram up to the last one that is not empty.
 pub(super) fn bins(histogram: &Histogram) -> Vec<HistogramRow> {
     if histogram.total == 0 {
         return Vec::new();
@@ -240,10 +241,10 @@ pub(super) fn bins(histogram: &Histogram) -> Vec<HistogramRow> {
     histogram.counts[..used].iter().enumerate().map(bin).collect()
 }
 
-/// `state.csv`: ids, centres [m], velocities [m/s], diameters [m] and species names in the order of the ids. Numbers
-/// have 17 significant digits, so that reading them back gives the same bits. Centres are moved back into the box along
-/// periodic axes. Above the table stand lines `# key: value`: the number of particles and a checksum, then `about` and
-/// the box. Other programs read them as comments.
+/// Contents of `state.csv`: ids, centres [m], velocities [m/s], diameters [m] and species names in the order of the
+/// ids. Numbers have 17 significant digits, so that reading them gives the same bits. Centres are moved into the box
+/// along periodic axes. Lines of the form `# key: value` come before the table: the number of particles with a
+/// checksum, then `about` and the box. Other programs read these lines as comments.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
@@ -269,8 +270,9 @@ pub fn state(particles: &Particles, scene: &Scene, about: &[(&str, String)]) -> 
     Ok(saved::sign(&(head + &rows), particles.len()).into_bytes())
 }
 
-/// `impact.csv`: the paths of the impact study. The gap [m] is negative while spheres overlap, the normal velocity
-/// [m/s] is negative while they approach. Closed-form paths follow as `NAME (analytic)`.
+/// Contents of `impact.csv`: the paths of the two bodies in the impact study. The gap [m] is negative while the bodies
+/// overlap. The normal velocity [m/s] is negative while they approach each other. Closed-form paths follow under the
+/// name `NAME (analytic)`.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
@@ -289,7 +291,8 @@ pub fn bounces(bounces: &[Bounce]) -> Result<Vec<u8>, OutputError> {
     table.bytes()
 }
 
-/// `oblique.csv`: slip before and after oblique impacts over μ u_n [-], of each variant; measured points follow.
+/// Contents of `oblique.csv`: the reduced slip s/(μ u_n) [-] before and after oblique impacts of each variant, then the
+/// measured points.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
@@ -305,8 +308,8 @@ pub fn oblique(study: &ObliqueStudy) -> Result<Vec<u8>, OutputError> {
     table.bytes()
 }
 
-/// `chart.csv`: one row per point and quantity; a failed point has one row with its cause. Errors, uncertainties and
-/// floors are shares; the other numbers are in the unit of the quantity.
+/// Contents of `chart.csv`: one row per point and quantity. A failed point has one row with the reason of the failure.
+/// Errors, uncertainties and floors are fractions [-]; other numbers are in the unit of the quantity.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
@@ -330,7 +333,7 @@ pub fn chart(study: &ChartStudy) -> Result<Vec<u8>, OutputError> {
         let counts = [c.steps, c.force_evaluations, c.events, c.pair_checks].map(|count| count.to_string());
         let row: Vec<String> = head.into_iter().chain(wall).chain(counts).collect();
         if let Some(why) = &point.failure {
-            // the columns from the quantity to the fronts stay empty
+            // a failed point has no values in these columns
             let empty = vec![String::new(); 12];
             table.row(row.into_iter().chain(empty).chain([why.kind().into(), why.to_string()]))?;
             continue;
@@ -356,11 +359,11 @@ pub fn chart(study: &ChartStudy) -> Result<Vec<u8>, OutputError> {
     table.bytes()
 }
 
-/// The last two columns of every map: the outcome of a point, and the message of a failure.
+/// Names of the last two columns of every map: the outcome of a point, and the message of a failure.
 const MAP_ENDS: [&str; 2] = ["outcome", "message"];
 
-/// `sweep.csv`: one row per point and variant. Values of keys are in SI, or as typed if they are not numbers; `_se` is
-/// one standard error.
+/// Contents of `sweep.csv`: one row per point and variant. Values of keys are in SI, or as typed if they are not
+/// numbers. Columns with `_se` contain one standard error.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
@@ -392,8 +395,8 @@ pub fn sweep(study: &SweepStudy) -> Result<Vec<u8>, OutputError> {
     table.bytes()
 }
 
-/// `sensitivity.csv`: one row per factor and observable. Scales, shifts and their standard errors are in the unit of
-/// the row; columns relative to the scale or the margin are [-].
+/// Contents of `sensitivity.csv`: one row per factor and observable. Scales, shifts and their standard errors are in
+/// the unit of the observable; columns relative to the scale or the margin are [-].
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
@@ -424,12 +427,13 @@ pub fn sensitivity(study: &SensitivityStudy) -> Result<Vec<u8>, OutputError> {
     table.bytes()
 }
 
-/// True if a table was made by [`limits`]; other tables in the folder of maps belong to the user.
+/// True if a table was made by [`limits`]. Any other table in the folder of maps belongs to the user.
 pub fn is_map(table: &str) -> bool {
     table.lines().next().is_some_and(|header| header.ends_with(&MAP_ENDS.join(",")))
 }
 
-/// `maps/NAME.csv`: one row per point of a map: the columns of the map, the outcome and the message of a failure.
+/// Contents of `maps/NAME.csv`, with one row per point of a map: the columns of the map, the outcome of the point, and
+/// the message of a failure.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
@@ -444,7 +448,7 @@ pub fn limits(map: &Map) -> Result<Vec<u8>, OutputError> {
     table.bytes()
 }
 
-/// The shortest text that reads back to an equal number; empty if the number is not known or not finite.
+/// Shortest text from which an equal number is read; empty if the number is unknown or not finite.
 pub(super) fn number<N: Into<Option<f64>>>(value: N) -> String {
     let Some(value) = value.into() else { return String::new() };
     match value.abs() {
@@ -455,7 +459,7 @@ pub(super) fn number<N: Into<Option<f64>>>(value: N) -> String {
     }
 }
 
-/// A table in memory.
+/// CSV table that is built in memory.
 pub(super) struct CsvTable(Writer<Vec<u8>>);
 
 impl CsvTable {
@@ -463,7 +467,7 @@ impl CsvTable {
         Self(Writer::from_writer(Vec::new()))
     }
 
-    /// Names of columns with commas in between.
+    /// Adds the header; `names` contains the names of the columns, separated by commas.
     pub(super) fn head(&mut self, names: &str) -> Result<(), OutputError> {
         Ok(self.0.write_record(names.split(','))?)
     }

@@ -1,5 +1,5 @@
-//! Content of a study's report, independent of the format: sentences, tables, pictures, and numbers of the summary.
-//! [`html`](super::html) turns the content into a page, [`text`] into lines for a terminal.
+//! Content of a study's report, independent of the format: sentences, tables, pictures, and numbers of the summary. The
+//! module [`html`](super::html) turns the content into a page, and [`text`] turns it into lines for a terminal.
 
 use super::Provenance;
 use super::numbers::UNKNOWN;
@@ -10,7 +10,7 @@ use crate::statistics::Answer;
 use std::fmt::Write;
 use std::ops::Range;
 
-/// Row of a table: true if the row is highlighted, and its cells. The first cell is the name of the row.
+/// Row of a table: a flag that highlights the row if true, and the cells. The first cell is the name of the row.
 pub(super) type TextRow = (bool, Vec<String>);
 
 /// Table of text cells whose first column contains the names of the rows.
@@ -45,7 +45,7 @@ pub(super) struct AnswerCell {
 pub(super) enum Block {
     Heading(String),
     Subheading(String),
-    /// Heading to which links lead; the first field is the name used in the links.
+    /// Heading that is the target of links. The first field is the name used in the links, the second the text.
     Section(&'static str, String),
     /// Links to sections: name and heading of each section.
     Contents(Vec<(&'static str, String)>),
@@ -93,7 +93,7 @@ pub(super) fn columns(head: &str) -> Vec<String> {
     head.split(" | ").map(String::from).collect()
 }
 
-/// The given text if a value is known, else the sign for an unknown value.
+/// The given text if the value that it describes is known, else the sign for an unknown value.
 pub(super) fn known(is_known: bool, text: String) -> String {
     if is_known { text } else { UNKNOWN.into() }
 }
@@ -103,7 +103,7 @@ pub(super) struct Document<'a> {
     pub provenance: &'a Provenance,
     /// Names and failures of variants that stopped early.
     pub failures: Vec<(&'a str, &'a Failure)>,
-    /// Answers in sentences, the shortest first.
+    /// Answers of the study in sentences, the shortest first.
     pub verdicts: &'a [String],
     /// Number of `verdicts` at the top of the page; the others are hidden until the reader opens them.
     pub answers: usize,

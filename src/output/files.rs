@@ -21,11 +21,11 @@ pub const FIGURES: &str = "figures";
 /// Name of the subfolder with the tables of maps.
 pub(super) const MAPS: &str = "maps";
 
-/// Name of the page. After each variant of a comparison the page is written while there is no [`SUMMARY`] yet.
+/// Name of the report page. After each variant of a comparison this page is written, while there is no [`SUMMARY`] yet.
 const REPORT: &str = "report.html";
 
-/// Names of tables that a run may write besides [`SUMMARY`]. They are removed when results are replaced, so that no
-/// files of another run remain.
+/// Names of tables that a run may write in addition to [`SUMMARY`]. These files are removed when results are replaced,
+/// so that no file of another run remains.
 const TABLES: [&str; 13] = [
     "series.csv",
     "paths.csv",
@@ -52,8 +52,8 @@ const LOCK: &str = ".diptych-lock";
 /// Name of the subfolder of checkpoints, which exists while a command runs.
 pub const CHECKPOINT: &str = "checkpoint";
 
-/// Names of the files in the subfolder of checkpoints with the command, in two equal copies. Other files contain
-/// states.
+/// Names of two files with equal copies of the command, in the subfolder of checkpoints. All other files in this
+/// subfolder contain states.
 pub const COMMAND: [&str; 2] = ["command", "command-copy"];
 
 /// Beginning of the names of temporary files that are being written.
@@ -82,8 +82,8 @@ impl Owner {
     }
 }
 
-/// True if a folder contains stored states of a run that was stopped or killed. A run that was killed before its first
-/// stored state does not count, because nothing would be lost.
+/// True if a folder contains stored states of a run that was stopped or killed. If a run was killed before its first
+/// stored state, the result is false, because no result would be lost.
 fn is_unfinished(path: &Path) -> bool {
     let files = std::fs::read_dir(path.join(CHECKPOINT)).into_iter().flatten().flatten();
     let names = files.map(|file| file.file_name().to_string_lossy().into_owned());
@@ -130,7 +130,7 @@ impl Folder {
     /// Errors of [`create`](Self::create).
     pub fn resume(path: impl Into<PathBuf>) -> Result<Self, OutputError> {
         let folder = Self::open(path.into(), Owner::Resumer)?;
-        // temporary files left by a run that was killed
+        // temporary files may remain from a run that was killed
         let places = ["".to_owned(), FIGURES.to_owned()].into_iter().chain(folder.trajectory_folders());
         for place in places.map(|place| folder.path.join(place)) {
             let entries = std::fs::read_dir(&place).into_iter().flatten().flatten().map(|entry| entry.path());
@@ -223,8 +223,8 @@ impl Folder {
         remove(&files)
     }
 
-    /// Removes the files that an earlier run wrote. The summary is removed first, because a folder without it counts as
-    /// incomplete.
+    /// Removes the files that an earlier run wrote. The summary is removed first, because a folder without a summary
+    /// counts as incomplete.
     fn clear(&self) -> Result<(), OutputError> {
         let mut old: Vec<PathBuf> =
             std::iter::once(&SUMMARY).chain(&TABLES).map(|name| self.path.join(name)).filter(|p| p.exists()).collect();
@@ -240,8 +240,8 @@ impl Folder {
         remove(&old)
     }
 
-    /// Keeps only pictures with the given names among those written before through this folder. A comparison of fewer
-    /// variants needs fewer pictures. Pictures from other sources remain.
+    /// Keeps those pictures written through this folder whose names are given, and removes the others. A comparison of
+    /// fewer variants has fewer pictures. Pictures that were not written through this folder remain.
     ///
     /// # Errors
     /// [`OutputError::Io`] with the path, if a picture cannot be removed.
@@ -378,7 +378,8 @@ fn lock(folder: &Path) -> Result<Option<File>, OutputError> {
         let file = File::options().create(true).append(true).open(&path).map_err(fail)?;
         match file.try_lock() {
             Ok(()) if is_at(&file, &path) => return Ok(Some(file)),
-            // the former owner removed the file before it was locked here: lock the new file
+            // if the path now leads to another file, the former owner has removed this file: the new file must be
+            // locked
             Ok(()) => {}
             Err(TryLockError::WouldBlock) => return Err(OutputError::InUse { path: folder.to_owned() }),
             Err(TryLockError::Error(why)) if why.kind() == std::io::ErrorKind::Unsupported => {

@@ -3,7 +3,7 @@
 use crate::experiment::Model;
 use crate::outcome::Outcome;
 
-/// Number of variants that readers can distinguish in one panel, equal to the number of dash patterns and of markers.
+/// Largest number of variants that readers can distinguish in one panel; there are as many dash patterns and markers.
 pub(super) const TOLD_APART: usize = 6;
 
 /// Index of the reference of each variant. The reference is the variant named by `against`. A variant that others name

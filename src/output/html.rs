@@ -28,7 +28,7 @@ struct Fold<'a> {
     inside: Vec<Markup>,
 }
 
-/// HTML text of the page for a document.
+/// Text of the HTML page for a document.
 pub(super) fn page(document: &Document) -> String {
     let Document { provenance, verdicts, front, body, figures, .. } = document;
     let title = if provenance.title.is_empty() { provenance.case_path.as_str() } else { &provenance.title };
@@ -119,7 +119,7 @@ fn contents(folds: &[Fold], tables: &[(String, Vec<u8>)]) -> Markup {
                     a href={ "#" (file_name(fold.title)) } { (fold.title) }
                 }
             }
-            // no links for a study of limits, whose sections name their tables
+            // a study of limits has no links here, because its sections name their tables
             @if (1..=8).contains(&tables.len()) {
                 p {
                     "Numbers: "
@@ -133,7 +133,8 @@ fn contents(folds: &[Fold], tables: &[(String, Vec<u8>)]) -> Markup {
     }
 }
 
-/// Part with its heading. The target of its link is inside the part, so that following the link opens the part.
+/// Part of the page with its heading. The target of its link is inside the part, so that following the link opens the
+/// part.
 fn folded(fold: &Fold) -> Markup {
     html! {
         details.part {

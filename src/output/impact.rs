@@ -5,10 +5,10 @@ use crate::engine::Failure;
 use crate::experiment::Model;
 use serde::Serialize;
 
-/// One instant of an impact.
+/// State of the two bodies at one instant of an impact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathPoint {
-    /// [s] time.
+    /// [s] time since the start of the run.
     pub time: f64,
     /// [m] gap between the surfaces; negative while they overlap.
     pub gap: f64,
@@ -16,52 +16,52 @@ pub struct PathPoint {
     pub normal_velocity: f64,
 }
 
-/// Result of an impact in three numbers; `None` if it did not end.
+/// Result of an impact in three numbers; each is `None` if the impact did not end.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct BounceValues {
-    /// [-] rebound speed over approach speed.
+    /// [-] restitution, the ratio of the rebound speed to the approach speed.
     pub restitution: Option<f64>,
-    /// [s] time in contact; 0 for a collision.
+    /// [s] duration of the contact; 0 for an instantaneous collision.
     pub contact_time: Option<f64>,
     /// [m] largest overlap; 0 for an instantaneous collision of hard spheres, `None` if the impact did not end.
     pub maximum_overlap: Option<f64>,
 }
 
-/// The closed-form answer for one variant.
+/// Closed-form solution of the impact for one variant.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Analytic {
-    /// Path of the spheres.
+    /// Path of the two bodies.
     pub path: Vec<PathPoint>,
-    /// Result in numbers.
+    /// Restitution, contact time and largest overlap of the path.
     pub values: BounceValues,
 }
 
-/// One variant of the impact study.
+/// Computed impact of one variant of the impact study.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bounce {
     /// Name of the variant.
     pub name: String,
-    /// The engine of the variant.
+    /// Collision model of the variant.
     pub model: Model,
-    /// The path as computed.
+    /// Computed path of the two bodies.
     pub path: Vec<PathPoint>,
-    /// The numbers as computed.
+    /// Restitution, contact time and largest overlap of the computed path.
     pub values: BounceValues,
-    /// The closed form for the same parameters, if there is one.
+    /// Closed-form solution for the parameters of the variant, if there is one.
     pub analytic: Option<Analytic>,
-    /// [s] time step; `None` for events.
+    /// [s] time step; `None` for event-driven collisions.
     pub time_step: Option<f64>,
-    /// Number of steps or events until the spheres were apart again.
+    /// Number of time steps or events of the run.
     pub work: u64,
     /// [s] wall-clock time of the impact.
     pub wall_seconds: f64,
-    /// Every resolved parameter in SI, as written to `summary.json`.
+    /// All parameters of the variant in SI, as written to `summary.json`.
     pub parameters: serde_json::Value,
-    /// Reason of an early stop, if there was one.
+    /// Reason why the run stopped early, if it did.
     pub failure: Option<Failure>,
 }
 
-/// Slip after oblique impacts under one variant.
+/// Slip after oblique impacts under one variant, as a function of the slip before.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ObliqueCurve {
     /// Name of the variant.
@@ -70,20 +70,20 @@ pub struct ObliqueCurve {
     pub points: Vec<(f64, f64)>,
 }
 
-/// Oblique impacts of the two bodies of a study.
+/// Oblique impacts of the two bodies of an impact study.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ObliqueStudy {
-    /// One per variant.
+    /// Curves of the variants, one for each.
     pub curves: Vec<ObliqueCurve>,
-    /// Measured points of solid spheres, likewise; none for other bodies.
+    /// Measured points of solid spheres: reduced slip before and after the impact [-]. Empty for other bodies.
     pub measured: Vec<(f64, f64)>,
     /// [-] change of the reduced slip by the largest friction impulse, (1+e) M/M_t.
     pub impulse: f64,
 }
 
 impl ObliqueStudy {
-    /// Largest difference of a curve from the first one, over the change by the largest friction impulse [-], and the
-    /// reduced slip at which it is found.
+    /// Largest difference between the curve with this index and the first curve, in units of [`impulse`](Self::impulse)
+    /// [-], and the reduced slip at which this difference is found.
     pub fn difference(&self, curve: usize) -> Option<(f64, f64)> {
         let (first, other) = (self.curves.first()?, self.curves.get(curve)?);
         let off = |(at, after): &(f64, f64)| {
@@ -94,22 +94,22 @@ impl ObliqueStudy {
     }
 }
 
-/// All data of an impact study that outputs need.
+/// All data of an impact study for its outputs.
 #[derive(Clone, Copy, Debug)]
 pub struct ImpactStudy<'a> {
-    /// Origin of the results.
+    /// Origin of the results: title, case and command.
     pub provenance: &'a Provenance,
-    /// One per variant.
+    /// Computed impacts of the variants, one for each.
     pub bounces: &'a [Bounce],
     /// [-] restitution given in the case.
     pub requested_restitution: f64,
-    /// Oblique impacts of the two bodies, where spheres rotate.
+    /// Oblique impacts of the two bodies; `None` if spheres do not rotate or have no friction.
     pub oblique: Option<&'a ObliqueStudy>,
-    /// [m] diameter that overlaps are compared with.
+    /// [m] diameter by which overlaps are divided.
     pub diameter: f64,
     /// [m/s] normal speed of approach.
     pub impact_speed: f64,
-    /// The answer in sentences, the shortest first; it heads the page.
+    /// Answers in sentences, the shortest first; they are at the top of the page.
     pub verdicts: &'a [String],
     /// Limits of the reliability of the numbers, a sentence each.
     pub notes: &'a [String],

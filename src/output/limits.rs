@@ -22,10 +22,10 @@ pub struct Map {
     pub title: String,
     /// Description of the runs behind each point.
     pub method: String,
-    /// Conclusion drawn from the numbers.
+    /// Conclusion that is drawn from the map.
     pub lesson: String,
-    /// Names of the columns in the table, with the unit after an underscore. The comment at the top of `case` explains
-    /// the columns.
+    /// Names of the columns in the table, with the unit after an underscore. The comment at the top of the text `case`
+    /// explains the columns.
     pub columns: Vec<&'static str>,
     /// Points in the order in which they are drawn.
     pub rows: Vec<MapPoint>,
@@ -38,9 +38,9 @@ pub struct Map {
 /// Kind of picture of a map.
 #[derive(Clone, Debug)]
 pub enum Picture {
-    /// Coloured cells.
+    /// Coloured cells, each of which belongs to a class.
     Cells(RegimeMap),
-    /// Points and lines.
+    /// Points and lines in a panel.
     Curves(Panel),
 }
 
@@ -84,9 +84,9 @@ pub enum Shade {
 /// Rectangular cell of a map.
 #[derive(Clone, Copy, Debug)]
 pub struct Cell {
-    /// Left and right end, in the unit of the axis.
+    /// Left and right end of the cell, in the unit of the axis.
     pub x: (f64, f64),
-    /// Lower and upper end, in the unit of the axis.
+    /// Lower and upper end of the cell, in the unit of the axis.
     pub y: (f64, f64),
     /// Index of the class to which the cell belongs.
     pub class: usize,
@@ -98,7 +98,7 @@ pub struct LimitsStudy<'a> {
     pub provenance: &'a Provenance,
     /// Maps in the order of the page.
     pub maps: &'a [Map],
-    /// [s] wall-clock time of the runs of each map. Two maps made from one set of runs have equal times.
+    /// [s] wall-clock time of the runs of each map. If two maps are made from the same runs, their times are equal.
     pub wall_seconds: &'a [f64],
     /// True if the study used coarse grids.
     pub quick: bool,

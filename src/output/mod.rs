@@ -98,7 +98,7 @@ pub enum OutputError {
     /// One of the processes that share a run could not write its file.
     #[error("process {process}: {why}")]
     OfProcess {
-        /// Rank of the process.
+        /// Rank (number) of the process that could not write.
         process: usize,
         /// Error message of the process.
         why: String,

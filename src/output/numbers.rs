@@ -17,7 +17,7 @@ pub fn significant(value: impl Into<Option<f64>>, digits: usize) -> String {
     if (-3..5).contains(&exponent) {
         return signed(value, digits - 1 - exponent);
     }
-    // the mantissa is read from text, because computed powers of ten below 1e-308 would be zero
+    // the mantissa is read from text, because the computed power of ten of a number below 1e-308 would be zero
     let text = format!("{:.*e}", digits as usize - 1, value);
     let mantissa = text.split('e').next().and_then(|digits| digits.parse().ok()).unwrap_or(value);
     format!("{} × 10{}", signed(mantissa, digits - 1), superscript(exponent))
@@ -41,7 +41,7 @@ pub fn with_error(found: impl Into<Option<Estimate>>) -> String {
     let scale = exponent(value.abs().max(error), 4);
     let power = if (-3..5).contains(&scale) { 0 } else { scale };
     let (value, error) = (value / 10f64.powi(power), error / 10f64.powi(power));
-    // an error that begins with 1 or 2 keeps two digits: rounding 0.14 to 0.1 would change it by a third
+    // an error that begins with 1 or 2 has two digits: rounding 0.14 to 0.1 would change it by a third
     let leading = exponent(error, 2);
     let places = if error / 10f64.powi(leading) < 2.95 { 1 - leading } else { -leading };
     let pair = format!("{} ± {}", signed(value, places), signed(error, places));
@@ -55,7 +55,7 @@ pub fn quantity(value: impl Into<Option<f64>>, unit: &str, digits: usize) -> Str
     format!("{} {}{unit}", significant(value * prefix.factor, digits), prefix.symbol)
 }
 
-/// Text of a number of things, in the singular or plural: `1 thread`, `2 threads`.
+/// Text of a number of objects, with the noun `thing` in the singular or plural: `1 thread`, `2 threads`.
 pub fn counted(number: usize, thing: &str) -> String {
     let plural = if number == 1 { "" } else { "s" };
     format!("{} {thing}{plural}", count(number as u64))
@@ -74,7 +74,7 @@ pub fn count(value: u64) -> String {
     text
 }
 
-/// Text of `part` over `whole` in per cent.
+/// Text of the ratio of `part` to `whole` in per cent.
 pub fn percent(part: f64, whole: f64) -> String {
     let ratio = 100.0 * part / whole;
     if ratio.is_finite() { format!("{} %", significant(ratio, 2)) } else { UNKNOWN.into() }

@@ -22,7 +22,7 @@ pub fn series(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
 }
 
 /// Contents of `paths.csv`: one row per variant, instant and particle. The table exists for up to 50 particles; `None`
-/// for more. The overlap is the largest overlap of the particle at the instant.
+/// for more. The column of overlaps contains the largest overlap of the particle at the instant.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.

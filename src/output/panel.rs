@@ -5,7 +5,7 @@ use crate::legible;
 /// Picture of a document, with its file name and its caption.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figure {
-    /// Name of the file without `.svg`.
+    /// Name of the picture's file, without `.svg`.
     pub name: String,
     /// Caption of one or two sentences.
     pub caption: String,
@@ -31,13 +31,13 @@ pub enum SeriesStyle {
     Points(usize),
     /// Points with error bars, joined by a thin line, in the colour of the method with this index.
     Sweep(usize),
-    /// Stars on the upper frame, whatever the values: failures of the method with this index.
+    /// Stars on the upper frame at any value: failures of the method with this index.
     Failed(usize),
     /// Large dark diamonds for the best method.
     Winner,
     /// Broad pale line with a disc around each point, for the Pareto front.
     Front,
-    /// Thin grey dashed line: a reference for the variants.
+    /// Thin grey dashed line: a reference with which the variants are compared.
     Reference,
     /// Broad pale line beneath other lines: the exact solution.
     Exact,
@@ -93,9 +93,9 @@ pub struct Panel {
     pub series: Vec<PanelSeries>,
     /// Horizontal lines: position on the vertical axis, and a label, which may be empty.
     pub marks: Vec<(f64, &'static str)>,
-    /// Ends of the horizontal axis; `None`: those of the points.
+    /// Lower and upper end of the horizontal axis. `None`: the ends of the points.
     pub x_range: Option<(f64, f64)>,
-    /// Ends of the vertical axis; `None`: a little beyond the points.
+    /// Lower and upper end of the vertical axis. `None`: a little beyond the points.
     pub y_range: Option<(f64, f64)>,
     /// True if the horizontal axis is logarithmic.
     pub log_x: bool,

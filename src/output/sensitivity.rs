@@ -4,28 +4,28 @@ use super::{Basis, Provenance};
 use crate::statistics::Answer;
 use serde::Serialize;
 
-/// Shift of one observable by one factor.
+/// Shift of one observable by one factor: the change of its value.
 #[derive(Clone, Debug, Serialize)]
 pub struct Shift {
     /// Name of the observable.
     pub observable: String,
     /// Unit of the observable; empty if it has none.
     pub unit: &'static str,
-    /// Scale of the shift, in the unit of the observable.
+    /// Scale of the observable, to which the shift is compared, in the unit of the observable.
     pub scale: f64,
     /// Description of the scale, in words that follow "% of".
     #[serde(skip)]
     pub scale_is: &'static str,
-    /// Value with the factor minus value without it, in the unit of the observable.
+    /// Difference: value with the factor minus value without it, in the unit of the observable.
     pub difference: f64,
     /// One standard error of the difference, in the unit of the observable. The error is 0 if nothing is random, and
     /// `None` if unknown.
     pub error: Option<f64>,
-    /// [-] number of degrees of freedom with which the error was estimated.
+    /// [-] number of degrees of freedom of the estimate of the error.
     pub freedom: Option<f64>,
     /// [s] time at which the shift was measured, for curves over time; `None` for a mean.
     pub time: Option<f64>,
-    /// [-] probability of so large a shift between equal systems, for this observable alone.
+    /// [-] probability that equal systems show a shift of at least this size, for this observable alone.
     pub chance: Option<f64>,
     /// [-] smallest margin, over the scale, within which the observable is equivalent. `None` without an error.
     pub reached: Option<f64>,
@@ -55,15 +55,15 @@ pub struct Factor {
     pub name: String,
     /// Description of the factor, in a sentence.
     pub title: String,
-    /// Old and new value of the factor.
+    /// Old and new value of the factor, in words.
     pub change: String,
     /// Reason why the change has this size.
     pub why: String,
     /// Kind of results to which the shifts refer; `None` if a run stopped early.
     pub basis: Option<Basis>,
-    /// Shifts of the observables, in their order.
+    /// Shifts of all observables in a fixed order.
     pub shifts: Vec<Shift>,
-    /// Names of the runs with the factor, then of the runs with which they are compared.
+    /// Names of the runs with the factor, then names of the runs with which they are compared.
     pub runs: [Vec<String>; 2],
     /// Further remarks about the factor.
     pub remarks: Vec<String>,

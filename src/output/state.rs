@@ -21,7 +21,7 @@ impl<'a> StateFile<'a> {
         Self { folder, case: saved::fingerprint(case), written: Ok(()) }
     }
 
-    /// Returns the result of writing the file.
+    /// Returns the result of writing the file, after the run.
     ///
     /// # Errors
     /// The file could not be written.

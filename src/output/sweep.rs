@@ -15,14 +15,14 @@ pub struct SweepObservable {
     pub name: &'static str,
     /// Label of the axis, with the unit.
     pub axis: &'static str,
-    /// True for an average over time, whose error is valid only for a steady run that mixes.
+    /// True for an average over time. The error of such an average is valid only for a steady run whose particles mix.
     pub is_average: bool,
     /// Function that computes the quantity from an outcome.
     pub of: fn(&Outcome) -> Option<Estimate>,
 }
 
-/// [m/s] mean streamwise velocity over all slices, weighted with the number of their particles. The correlation between
-/// slices is unknown, so that the error is the largest possible one.
+/// [m/s] mean streamwise velocity over all slices, weighted with the number of particles in each. The correlation
+/// between slices is unknown, so that the largest possible error is given.
 fn velocity(outcome: &Outcome) -> Option<Estimate> {
     let (mut sum, mut error, mut weights) = (0.0, Some(0.0), 0.0);
     for row in &outcome.profiles.slices {
@@ -103,7 +103,8 @@ pub const OBSERVABLES: [SweepObservable; 8] = [
 pub struct SweepRun {
     /// Hash of the experiment and the version of the program. Runs with equal hashes must give equal results.
     pub identity: String,
-    /// Measured values, by [`SweepObservable::key`]. Unknown values are absent; a run that stopped early has none.
+    /// Measured values with their names, [`SweepObservable::key`]. Unknown values are absent; a run that stopped early
+    /// has none.
     pub measured: BTreeMap<String, Estimate>,
     /// Reason why the run stopped early, if it did.
     pub failure: Option<String>,
@@ -115,7 +116,7 @@ pub struct SweepRun {
 pub struct SweepRow {
     /// Index of the value on each axis, which defines the point.
     pub at: Vec<usize>,
-    /// Index of the variant.
+    /// Index of the variant in [`SweepStudy::variants`].
     pub variant: usize,
     /// Hashes of the runs of the row, one per replica. A run may belong to several rows.
     pub identities: Vec<String>,
@@ -124,8 +125,8 @@ pub struct SweepRow {
 }
 
 impl SweepRow {
-    /// Value of a quantity in this row. Of several replicas, the value is their mean, with the standard error from
-    /// their scatter. `None` if the value is unknown, or if a run stopped early.
+    /// Value of a quantity in this row. If there are several replicas, the value is their mean, with a standard error
+    /// computed from their scatter. `None` if the value is unknown, or if a run stopped early.
     pub fn measured(&self, key: &str) -> Option<Estimate> {
         let found: Option<Vec<Estimate>> = self.runs.iter().map(|run| run.measured.get(key).copied()).collect();
         let found = found?;

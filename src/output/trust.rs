@@ -1,6 +1,6 @@
-//! Content of trust sheets, which contain checks of the results, as plain data with one [`TrustSheet`] per variant.
-//! Tables and `summary.json` are made from these data. A window is the time between two exchanges of momentum with the
-//! gas.
+//! Content of trust sheets, which contain checks of the results. The data are plain, with one [`TrustSheet`] per
+//! variant; tables and `summary.json` are made from them. A window is the time between two exchanges of momentum with
+//! the gas.
 
 use crate::statistics::Estimate;
 use serde::Serialize;
@@ -13,7 +13,7 @@ pub enum Expected {
     Equals(f64),
     /// The magnitude of the value should be at most this number.
     AtMost(f64),
-    /// Nothing is expected: the value is only reported.
+    /// No value is expected: the value is only reported.
     Anything,
 }
 
@@ -25,7 +25,7 @@ pub enum Judgement {
     Good,
     /// The value is not as expected.
     Suspect,
-    /// Nothing is expected of the value.
+    /// The value is only reported, because no value is expected.
     Stated,
     /// The value is missing; the remark contains the reason.
     Unknown,
@@ -54,12 +54,12 @@ impl TrustCheck {
     pub fn in_errors(&self) -> Option<f64> {
         let (Expected::Equals(value), found) = (self.expected, self.found?) else { return None };
         let off = found.less(Estimate::exact(value));
-        // a relative difference of 1e-12 counts as rounding, whatever the standard error
+        // a relative difference of 1e-12 counts as rounding, also if the standard error is smaller
         if off.value.abs() <= 1e-12 * value.abs() { Some(0.0) } else { off.in_errors() }
     }
 }
 
-/// Writes an estimate as two numbers, which are null if there is none.
+/// Writes an estimate as two numbers, its value and its error; both are null if there is no estimate.
 fn value_and_error<S: serde::Serializer>(found: &Option<Estimate>, serializer: S) -> Result<S::Ok, S::Error> {
     #[derive(Serialize)]
     struct TrustNumbers {

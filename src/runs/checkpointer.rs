@@ -1,5 +1,5 @@
-//! Checkpoints of a command: states of its runs are stored at intervals, when a run is over, and when the user stops
-//! the command. The end of a run is its final state together with the data of its observers.
+//! Checkpoints of a command: the states of its runs are stored at intervals, when a run is over, and when the user
+//! stops the command. In this file the end of a run means its final state and the data of its observers.
 
 use super::error::StudyError;
 use super::resumable::ResumableRun;
@@ -15,7 +15,7 @@ use crate::stored::StoreError;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-/// Stores the states of the runs of a command, and finds out when the command is to stop.
+/// Stores the states of the runs of a command, and checks whether the command is to stop.
 pub struct Checkpointer {
     signals: Signals,
     /// Store for checkpoints; `None` if the user wants none.
@@ -27,7 +27,7 @@ pub struct Checkpointer {
     under_way: Option<(RunIdentity, StoredRun)>,
     /// [s] simulated time of the stored state of the run in progress.
     stored: Option<f64>,
-    /// True if work remains after the run in progress.
+    /// True if other runs or a report remain to be done after the run in progress.
     more: bool,
     /// True if a run was stopped before its end, by the user or because its results cannot be written.
     stopped: bool,
@@ -35,29 +35,29 @@ pub struct Checkpointer {
     unwritten: Option<String>,
     quiet: bool,
     resumed: bool,
-    /// Command that resumes the stopped one, for messages.
+    /// Command that resumes the stopped command, for messages.
     remedy: String,
-    /// Treatment of the end of a run. It differs if processes share the runs.
+    /// Treatment of the end of a run, which differs if several processes do the runs.
     ends: Ends,
 }
 
-/// Treatment of the end of a run, that is, of its final state and the data of its observers.
+/// Treatment of the end of a run: its final state and the data of its observers.
 #[derive(Clone, Default)]
 enum Ends {
-    /// The end is stored in a file, if that is worthwhile.
+    /// The end of the run is stored in a file, if other work remains or the run took long.
     #[default]
     Stored,
-    /// The end is for another process. When the run is over it is held here as bytes.
+    /// The end of the run is for another process. When the run is over, its end is held here as bytes.
     Caught(Vec<u8>),
-    /// The end was received from another process, as bytes.
+    /// The end of the run was received from another process, as bytes.
     Received(Vec<u8>),
-    /// The end is not stored; the result computed from it is stored instead.
+    /// The end of the run is not stored; the result computed from it is stored instead.
     Replaced,
 }
 
 impl Checkpointer {
-    /// Checkpointer for a command that writes into `folder`. If the command begins, its arguments are stored; if it is
-    /// resumed, the state stored earlier is looked up.
+    /// Creates the checkpointer for a command that writes into `folder`. If the command begins, its arguments are
+    /// stored. If the command is resumed, the stored state is read.
     ///
     /// # Errors
     /// The case of a resumed command has changed; the system refuses a folder or the signal handlers.
@@ -67,8 +67,8 @@ impl Checkpointer {
         case: &Case,
         runs: &[ResumableRun],
     ) -> Result<Self, StudyError> {
-        // replicas have the name of the first run of their variant, which comes before them in the list; a run whose
-        // result is stored is identified by its name alone
+        // the replicas of a variant share one name; the identity of the first of them in the list is compared; a run
+        // whose result is stored is identified by its name alone
         let mut first: Vec<RunIdentity> = Vec::new();
         for run in runs.iter().filter(|_| !settings.keeps_results).map(|run| &run.identity) {
             if first.iter().all(|known| known.name != run.name) {
@@ -102,8 +102,8 @@ impl Checkpointer {
         Ok(checkpointer)
     }
 
-    /// Checkpointer for a helper process of a command. States are stored in the folder of the lead process, and the
-    /// ends of runs are sent to the lead process.
+    /// Creates the checkpointer for a helper, a process to which the lead process of the command sends runs. States are
+    /// stored in the folder of the lead process, and the ends of runs are sent to the lead process.
     ///
     /// # Errors
     /// The system refuses the signal handlers.
@@ -141,8 +141,8 @@ impl Checkpointer {
         &self.signals
     }
 
-    /// Checkpointer for one of several concurrent runs, with its own files. It prints no message about the stored
-    /// states that it finds.
+    /// Creates a checkpointer with separate files for one of several concurrent runs. It prints no message about the
+    /// stored states that it finds.
     pub fn for_run(&self, run: &RunIdentity) -> Self {
         let store = self.store.as_ref().map(|store| store.for_run(run));
         let mut one = Self {
@@ -170,11 +170,11 @@ impl Checkpointer {
         self.stored = None;
     }
 
-    /// Stores the command, so that it can be begun again even if it is killed before any state is stored.
+    /// Stores the command line, so that the command can be begun again even if it is killed before any state is stored.
     fn begin(&mut self, command: &StoredCommand, folder: &Path) -> Result<(), OutputError> {
         match &self.store {
             Some(store) => store.begin(command),
-            // files of an earlier command must not be mistaken for files of this one
+            // files of an earlier command in this folder must not be mistaken for files of the present command
             None => Store::of(folder).remove(),
         }
     }
@@ -194,7 +194,8 @@ impl Checkpointer {
         self.under_way = newest.found;
     }
 
-    /// Stored state of a run: its end, or a state before its end; `None` if there is neither.
+    /// Stored state of a run: its final state with the data of its observers, or a state before its end. `None` if no
+    /// state is stored.
     pub fn earlier(&mut self, run: &RunIdentity) -> Option<StoredRun> {
         self.stored = None;
         if let Ends::Received(bytes) = &self.ends {
@@ -227,7 +228,7 @@ impl Checkpointer {
         }
     }
 
-    /// Sets if work remains after the next run.
+    /// Sets the flag for work that remains after the next run.
     pub fn set_more(&mut self, more: bool) {
         self.more = more;
     }
@@ -237,8 +238,8 @@ impl Checkpointer {
         self.signals.say_stop() || self.every.is_some_and(|every| self.last.elapsed() >= every)
     }
 
-    /// Stores one of the parts into which processes divide the state of a run. With `over` the state is the end of the
-    /// run. The rest of the state is stored afterwards.
+    /// Stores one of the parts into which several processes divide the state of a run. If `over` is true, the state is
+    /// the end of the run. The rest of the state is stored afterwards.
     ///
     /// # Errors
     /// The part cannot be written.
@@ -246,7 +247,7 @@ impl Checkpointer {
         self.store.as_ref().map_or(Ok(()), |store| store.keep_part(run, over, number, part))
     }
 
-    /// A stored part of the state of a run; empty if the file cannot be used.
+    /// Stored part of the state of a run, as bytes; empty if the file cannot be used.
     pub fn part(&self, run: &RunIdentity, over: bool, number: usize) -> Vec<u8> {
         self.store.as_ref().and_then(|store| store.part(run, over, number).ok()).unwrap_or_default()
     }
@@ -273,8 +274,8 @@ impl Checkpointer {
         tell(format!("warning: no checkpoint at this time: {why}; {stored}"));
     }
 
-    /// True if the end of a run is to be stored. This is so if work remains after the run, or if the run took so long
-    /// that its state was stored before. Then more than its report must remain.
+    /// True if the final state of a run and the data of its observers are to be stored. This is so if work remains
+    /// after the run, or if the run took so long that its state was stored before. A report alone is then not enough.
     pub fn wants_the_end(&self) -> bool {
         match self.ends {
             Ends::Caught(_) => true,
@@ -283,7 +284,8 @@ impl Checkpointer {
         }
     }
 
-    /// Stores the end of a run, after its `parts` were written, or holds it for another process.
+    /// Stores the final state of a run and the data of its observers, after its `parts` were written. If they are for
+    /// another process, they are held as bytes instead.
     ///
     /// # Errors
     /// The end cannot be serialised for another process.
@@ -303,7 +305,7 @@ impl Checkpointer {
         Ok(())
     }
 
-    /// End of the run as bytes, for another process.
+    /// Final state of the run and data of its observers as bytes, for another process.
     pub fn into_end(self) -> Vec<u8> {
         match self.ends {
             Ends::Caught(bytes) | Ends::Received(bytes) => bytes,
@@ -311,7 +313,7 @@ impl Checkpointer {
         }
     }
 
-    /// Receives the end of the run from another process, and stores it.
+    /// Receives the final state of the run and the data of its observers from another process, and stores them.
     ///
     /// # Errors
     /// The bytes are not the end of this run.
@@ -346,8 +348,8 @@ impl Checkpointer {
         self.store.as_ref().map_or(Ok(()), |store| store.for_run(run).finish(run, &result))
     }
 
-    /// Stops a command whose results cannot be written. As soon as they can be, the command can be resumed from the
-    /// stored state.
+    /// Stops a command whose results cannot be written. The user can resume the command from the stored state as soon
+    /// as writing is possible again.
     pub fn stop_unwritten(&mut self, why: &Failure) {
         self.stopped = true;
         self.unwritten = Some(why.to_string());

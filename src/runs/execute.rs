@@ -24,7 +24,8 @@ use std::sync::Arc;
 /// Runs a variant from `start` to its end, or to a failure, which is part of the outcome. `others` are observers in
 /// addition to the standard ones. Returns the outcome and the final state in the order of ids.
 pub fn execute(experiment: &Experiment, start: Particles, others: &mut [&mut dyn Observer]) -> (Outcome, Particles) {
-    // called from a thread of the pool: otherwise every parallel loop would put this thread to sleep and wake it again
+    // the whole loop runs on a thread of the pool: another thread would be put to sleep and woken at every parallel
+    // loop
     keep_workers_spinning(|| {
         let mut seen = StandardObservers::new(experiment, start.fingerprint());
         let mut simulation = Simulation::new(experiment, start).with_clock(Clock::wall());
@@ -52,7 +53,7 @@ pub fn execute_with_checkpoints(
     keep_workers_spinning(|| simulate_with_checkpoints(run, others, checkpointer, None))
 }
 
-/// Runs a variant together with the other processes, to which its index in the list of runs was sent. The final state
+/// Runs a variant together with the other processes, which have received its index in the list of runs. The final state
 /// is returned if it is requested; otherwise the returned state has no particles.
 ///
 /// # Errors
@@ -83,16 +84,17 @@ pub fn execute_together(
 pub struct SharedRun<'a> {
     /// Index of the run in the list.
     pub index: usize,
-    /// The processes.
+    /// Processes that share the run.
     pub ranks: &'a Ranks,
-    /// True to print no summary of the run.
+    /// True if no summary of the run is to be printed.
     pub quiet: bool,
     /// True if the final state is to be returned.
     pub gives_end: bool,
 }
 
-/// Takes part in a shared run, in a process other than the lead. `others` are the observers that work on parts of the
-/// particles. They have the order of those in the lead, which come before all its other additional observers.
+/// Takes part in a run that all processes share, in a process other than the lead. `others` are the observers that work
+/// on parts of the particles. They have the order of those in the lead process, where they come before all other
+/// additional observers.
 pub fn follow(run: &ResumableRun, others: &mut [&mut dyn Observer], ranks: &Ranks) {
     let experiment = &run.experiment;
     let Ok(start) = run.start() else { return };
@@ -163,7 +165,7 @@ fn simulate_with_checkpoints(
             Ok(false) => None,
             Err(failure) => Some(Some(failure)),
         };
-        // an end that could not be written is not stored: the run can be resumed from the state stored before
+        // final data that could not be written are not stored: the run can be resumed from the state stored before
         let unwritten = matches!(over, Some(Some(Failure::Unwritten { .. })));
         if unwritten || over.is_some() && !checkpointer.wants_the_end() {
             continue;
@@ -193,8 +195,8 @@ fn simulate_with_checkpoints(
     Ok((seen.outcome(&simulation, failure, hash), particles))
 }
 
-/// Stores the parts of a state, one for each process. If the state has no parts, all particles are gathered in this
-/// process instead.
+/// Stores the parts of a state, one for each process. If the state is not divided into parts, all particles are
+/// gathered in this process instead.
 fn store_parts(
     simulation: &mut Simulation,
     (run, checkpointer): (&RunIdentity, &Checkpointer),
@@ -226,8 +228,8 @@ enum Beginning {
 }
 
 impl Beginning {
-    /// Distribution for a run. `is_part` is true if the start is divided, and `stored` is the number of parts of the
-    /// stored state, if there is one.
+    /// Distribution for a run. `is_part` is true if each process has made a part of the start. `stored` is the number
+    /// of parts of the stored state, if there is such a state.
     fn of(is_part: bool, stored: Option<usize>) -> Self {
         match stored {
             None if is_part => Self::Parts,
@@ -236,7 +238,7 @@ impl Beginning {
         }
     }
 
-    /// Message about the distribution, from the lead to the other processes.
+    /// Message from the lead process to the other processes, which contains the distribution.
     fn told(self) -> Vec<u8> {
         vec![self as u8]
     }
@@ -249,13 +251,14 @@ impl From<Vec<u8>> for Beginning {
     }
 }
 
-/// Ends this process, and with it all others: if one process continued without the others, its state would differ.
+/// Ends this process, and with it all other processes. If one process continued without the others, its state would
+/// differ from theirs.
 fn leave(why: &StoreError) -> ! {
     tell(format!("error: the processes cannot go on together: {why}"));
     std::process::exit(1);
 }
 
-/// Simulation at the start of a run; other processes may hold a part of the particles.
+/// Makes the simulation at the start of a run; other processes may hold a part of the particles.
 fn begin(experiment: &Experiment, start: Start, communicator: Option<&dyn Communicator>) -> Simulation {
     match communicator.filter(|_| start.is_part) {
         Some(communicator) => Simulation::part(experiment, start.particles, communicator),
@@ -263,7 +266,7 @@ fn begin(experiment: &Experiment, start: Start, communicator: Option<&dyn Commun
     }
 }
 
-/// Simulation shared by all processes. Each process continues with its part, or the lead has all particles.
+/// Shares the simulation with all processes. Each process continues with its part, or the lead has all particles.
 fn share(simulation: Simulation, with: Arc<dyn Communicator>, observers: usize, in_parts: bool) -> Simulation {
     if in_parts { simulation.shared_in_parts(with, observers) } else { simulation.shared(with, observers) }
 }

@@ -27,14 +27,15 @@ pub trait RunResult: Send + Sized {
     /// Computes the result of a run that is over, or that could not begin.
     ///
     /// # Errors
-    /// The run could not begin, if the command does not accept that as a result.
+    /// The run could not begin, and the command does not accept this as a result.
     fn of(run: &ResumableRun, outcome: Result<Outcome, StudyError>) -> Result<Self, StudyError>;
 
-    /// The result as bytes, which are sent to another process instead of the end of the run; `None` if the end is to be
-    /// sent.
+    /// Bytes of the result, which are sent to another process instead of the final state of the run and its observer
+    /// data. `None` if these data are to be sent.
     fn to_bytes(&self) -> Option<Vec<u8>>;
 
-    /// Result that another process has sent; `None` if the bytes are the end of the run instead.
+    /// Result from bytes that another process has sent; `None` if the bytes contain the final state of the run and its
+    /// observer data instead.
     fn from_bytes(bytes: &[u8]) -> Option<Self>;
 }
 
@@ -54,16 +55,16 @@ impl RunResult for Outcome {
 
 /// Executor of the runs of a command, in the lead process.
 pub struct Executor<'a> {
-    /// The folder of results.
+    /// Folder for the results of the command.
     pub folder: Rc<Folder>,
     /// Checkpointer that stores the runs.
     pub checkpointer: Checkpointer,
-    /// The runs.
+    /// Runs of the command.
     pub runs: Vec<ResumableRun>,
     progress: Progress,
     threads: ThreadBudget,
     ranks: &'a Ranks,
-    /// True to print nothing.
+    /// True if nothing is to be printed.
     pub quiet: bool,
 }
 
@@ -111,9 +112,9 @@ impl<'a> Executor<'a> {
         }
     }
 
-    /// Does or resumes one run, with observers in addition to the standard ones. Its trajectory is written if
-    /// requested; if it cannot be written, the run fails. Returns the outcome and the final state in the order of ids.
-    /// With several processes the final state is returned only if `gives_end`.
+    /// Does or resumes one run, with observers in addition to the standard ones. The trajectory of the run is written
+    /// if it is requested; if it cannot be written, the run fails. Returns the outcome and the final state in the order
+    /// of ids. With several processes the final state is returned only if `gives_end` is true.
     ///
     /// # Errors
     /// The stored state is not of this run.
@@ -131,7 +132,8 @@ impl<'a> Executor<'a> {
         std::thread::scope(|scope| {
             let mut trajectory =
                 run.trajectory.as_ref().map(|(name, asked)| Trajectory::new(scope, folder, name, *asked));
-            // the trajectory comes first, because it does so in the other processes that share the run
+            // the trajectory is the first observer here because it is the first one in the other processes of a shared
+            // run
             let first = trajectory.as_mut().map(|trajectory| trajectory as &mut dyn Observer);
             let mut observers: Vec<&mut dyn Observer> = first.into_iter().collect();
             observers.push(&mut watch);
@@ -154,7 +156,7 @@ impl<'a> Executor<'a> {
         })
     }
 
-    /// Stored result of a run that was completed before the command was resumed.
+    /// Stored result of a run, if the run was completed before the command was resumed.
     pub fn stored<R: RunResult>(&self, index: usize) -> Option<R> {
         R::from_bytes(&self.checkpointer.result(&self.runs[index].identity)?)
     }
@@ -209,7 +211,7 @@ struct ResumableRuns<'a, R> {
 }
 
 impl<R: RunResult> ResumableRuns<'_, R> {
-    /// Does one run with a checkpointer of its own; `None` if the run was stopped.
+    /// Does one run with a separate checkpointer; `None` if the run was stopped.
     fn run_with(&self, index: usize, own: &mut Checkpointer) -> Result<Option<R>, StudyError> {
         if own.is_stopping() {
             return Ok(None);
@@ -252,7 +254,7 @@ impl<R: RunResult> RunList for ResumableRuns<'_, R> {
             self.progress.ended_elsewhere(index);
             return Ok(result);
         }
-        // the outcome is computed from the stored end, as for a run that was over before the command was resumed
+        // the outcome is computed from the stored final data, as for a run that was over before the command was resumed
         let run = &self.runs[index];
         let mut own = self.checkpointer.for_run(&run.identity);
         own.receive(&run.identity, bytes)?;

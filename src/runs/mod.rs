@@ -1,4 +1,4 @@
-//! Runs of a command: from settings and a list of runs to their outcomes.
+//! Runs of the commands: this module makes outcomes from settings and a list of runs.
 //!
 //! `Executor` does the runs, one at a time or concurrently, by threads of this process and by other processes. Stored
 //! runs continue from their states. Commands make the list of runs, and make a document from the outcomes.

@@ -1,8 +1,9 @@
 //! Progress on the terminal: the simulated time that the run has reached, its speed, and the time left for all runs. If
 //! output is piped, one line is printed per interval.
 //!
-//! A run stores the time that it has reached in its clock, also within its windows. The display reads this clock from a
-//! separate thread. So the display is also updated in a long window, and it does not slow the run down.
+//! A run stores the time that it has reached in its clock, also within a window (the time between two exchanges of
+//! momentum with the gas). The display reads this clock from a separate thread. So the display is also updated during a
+//! long window, and it does not slow the run down.
 
 use super::terminal::tell;
 use crate::clock::Reached;
@@ -18,7 +19,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-/// Time between two lines if there is no terminal.
+/// Time between two printed lines of progress, if the output is not a terminal.
 pub const INTERVAL: Duration = Duration::from_secs(10);
 
 /// Time between two updates of the display.
@@ -27,10 +28,12 @@ const REFRESH: Duration = Duration::from_millis(200);
 /// Number of positions of the progress bar.
 const TICKS: u64 = 10_000;
 
-/// Share of the wall time of a run, at its end, over which its speed is measured. A settling bed becomes slower.
+/// Share of the wall time of a run, counted back from the present, over which its speed is measured. The speed may
+/// change: a settling bed, for example, becomes slower.
 const RECENT: f64 = 1.0 / 3.0;
 
-/// [s] wall time before which the time left is not estimated, because lists and tables are made at the beginning.
+/// [s] wall time before which the remaining time is not estimated, because the first part of a run makes lists and
+/// tables.
 const UNKNOWN: f64 = 1.0;
 
 /// Progress of all runs of a command, and the thread that displays it.
@@ -57,7 +60,7 @@ enum ProgressDisplay {
 struct RunProgress {
     name: String,
     model: Model,
-    /// [s] time to be simulated.
+    /// [s] simulated duration of the whole run.
     duration: f64,
     stage: RunStage,
 }
@@ -86,7 +89,7 @@ enum ProgressSource {
 }
 
 impl ProgressSource {
-    /// [s] simulated time, as far as it is known.
+    /// [s] simulated time that the run has reached, as far as it is known.
     fn time(&self) -> f64 {
         match self {
             Self::Here(reached) => reached.as_ref().map_or(0.0, Reached::time),
@@ -100,7 +103,7 @@ impl Track {
     fn now(&mut self) -> (f64, Option<f64>) {
         let wall = self.began.elapsed().as_secs_f64();
         let time = self.reached.time();
-        // a new point is stored when the wall time has grown by one per cent
+        // a point is stored if the wall time has grown by one per cent since the last point
         if self.points.last().is_none_or(|[last, _]| wall > 1.01 * last) {
             self.points.push([wall, time]);
         }
@@ -113,7 +116,7 @@ impl Track {
 }
 
 impl Progress {
-    /// Progress of the runs of these experiments; nothing is displayed if `quiet`.
+    /// Progress of the runs of these experiments; nothing is displayed if `quiet` is true.
     pub fn new<'a>(experiments: impl IntoIterator<Item = &'a Experiment>, quiet: bool) -> Self {
         let display = if quiet {
             ProgressDisplay::Silent
@@ -144,7 +147,7 @@ impl Progress {
         Self { board, show }
     }
 
-    /// An observer that follows the run at this index among the experiments.
+    /// Creates an observer for the run at this index among the experiments.
     pub fn watch(&self, run: usize) -> Watch {
         Watch { board: Arc::clone(&self.board), run }
     }
@@ -187,7 +190,7 @@ impl Drop for Progress {
     fn drop(&mut self) {
         if let Some((sender, thread)) = self.show.take() {
             drop(sender);
-            // the thread of the display has no result to return
+            // the display thread returns no result
             let _ = thread.join();
         }
         if let ProgressDisplay::Bar(bar) = &lock(&self.board).display {
@@ -201,8 +204,8 @@ fn lock(board: &Mutex<Board>) -> MutexGuard<'_, Board> {
     board.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// An observer that is called at the start and the end of a run; in between, the clock of the run is read. In a resumed
-/// run the first call is at the next sample.
+/// Observer of one run that is called at its start and at its end. Between these calls the display reads the clock of
+/// the run. In a resumed run the first call is at the next sample.
 pub struct Watch {
     board: Arc<Mutex<Board>>,
     run: usize,
@@ -274,7 +277,7 @@ impl Board {
         let one = |run: &mut RunProgress| match &mut run.stage {
             RunStage::Waiting => (0.0, None),
             RunStage::Running(track) => track.now(),
-            // a run that was over before the command began has no wall time here
+            // this process has measured no wall time for a run that was over before the command began
             RunStage::Over([time, wall]) => (*time, Some(*time / *wall).filter(|rate| rate.is_finite() && *rate > 0.0)),
         };
         self.runs.iter_mut().map(one).collect()
@@ -301,8 +304,9 @@ impl Board {
         (simulated / count as f64, text)
     }
 
-    /// [s] wall time left for all runs: the sum of their times over the number of concurrent runs. Waiting runs are
-    /// assumed to be as fast as earlier runs of their model or, if there are none, as all earlier runs.
+    /// [s] remaining wall time for all runs: the sum of the times of the single runs over the number of concurrent
+    /// runs. Runs that have not begun are assumed to be as fast as earlier runs of their model or, if there are none,
+    /// as all earlier runs.
     fn left(&self, rates: &[(f64, Option<f64>)]) -> Option<f64> {
         let mean = |model: Option<Model>| {
             let known = self.runs.iter().zip(rates).filter(|(run, _)| model.is_none_or(|model| run.model == model));
@@ -335,8 +339,8 @@ pub fn span(seconds: f64) -> String {
     HumanDuration(Duration::from_secs_f64(seconds.min(LONGEST))).to_string()
 }
 
-/// [-] completed share at `time` [s] of a run of that duration [s]. It is 1 at the end in spite of the rounding of a
-/// sum of windows.
+/// [-] completed share at `time` [s] of a run with the given duration [s]. The share is exactly 1 at the end, although
+/// a sum of windows has rounding errors.
 fn share(time: f64, duration: f64) -> f64 {
     if duration > 0.0 { (time * (1.0 + 1e-9) / duration).min(1.0) } else { 1.0 }
 }
@@ -390,7 +394,7 @@ mod tests {
         }
     }
 
-    /// A run that has reached `time` [s] after `wall` [s], at constant speed.
+    /// Creates a run that has reached `time` [s] after `wall` [s], at constant speed.
     fn running(model: Model, duration: f64, time: f64, wall: f64) -> RunProgress {
         let clock = Clock::wall();
         clock.tell(time);
@@ -425,13 +429,13 @@ mod tests {
         let line = |time, wall| board(vec![running(Model::Hard, 2.0, time, wall)], ProgressDisplay::Lines).line(0).1;
         assert!(line(0.0, 30.0).starts_with("estimating the time left"), "no step has been done");
         assert!(line(0.5, 0.2).starts_with("estimating the time left"), "{}", line(0.5, 0.2));
-        // a quarter done after 30 s
+        // after 30 s a quarter of the work is done
         let known = line(0.5, 30.0);
         assert!(known.starts_with("90 seconds left") || known.starts_with("2 minutes left"), "{known}");
     }
 
-    /// The hard run took 10 s for 1 s. The soft run has done half of 1 s in 40 s. Another soft run and another hard run
-    /// wait.
+    /// The hard run simulated 1 s in 10 s. The soft run has simulated half of 1 s in 40 s. Another soft run and another
+    /// hard run have not begun.
     #[test]
     fn the_time_left_is_that_of_all_runs() {
         let waiting = |model| RunProgress { stage: RunStage::Waiting, ..running(model, 1.0, 0.0, 0.0) };
@@ -440,13 +444,14 @@ mod tests {
         let mut board = board(vec![over, running, waiting(Model::Soft), waiting(Model::Hard)], ProgressDisplay::Lines);
         let rates = board.rates();
         let left = board.left(&rates).unwrap();
-        // 40 s of this run, 80 s of the other soft run and 10 s of the other hard run; the clock goes on meanwhile
+        // 40 s for this run, 80 s for the other soft run and 10 s for the other hard run; the clock continues during
+        // the test
         assert!((left - 130.0).abs() < 1.0, "{left}");
         let (done, text) = board.line(1);
         assert!((done - 0.375).abs() < 1e-6 && text.starts_with("all 4 runs: 1 done, about 2 minutes left"), "{text}");
     }
 
-    /// A run that did nine tenths at once and is slow now is not nearly over.
+    /// A run that was fast for nine tenths and is slow now is not nearly over.
     #[test]
     fn the_speed_is_that_of_late() {
         let mut run = running(Model::Soft, 1.0, 0.95, 60.0);

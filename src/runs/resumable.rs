@@ -14,17 +14,17 @@ pub struct ResumableRun {
     pub experiment: Experiment,
     /// Identity of the run.
     pub identity: RunIdentity,
-    /// True if no other run is done at the same time, so that its wall time can be measured. All processes share this
-    /// run if the command has no other kind of runs.
+    /// True if no other run is done at the same time, so that the wall time of this run can be measured. If all runs of
+    /// the command are of this kind, all processes share each run.
     pub is_lone: bool,
-    /// Trajectory to be written, with the name of its files; only a lone run has one.
+    /// Trajectory to be written, with the name of its files; only a run that is done alone has one.
     pub trajectory: Option<(String, Trajectories)>,
     /// Initial state; it is taken out when the run begins.
     start: Mutex<Option<Start>>,
 }
 
 impl ResumableRun {
-    /// Run of an experiment from a given start.
+    /// Creates the run of an experiment from a given start.
     ///
     /// # Errors
     /// The experiment cannot be written as JSON.
@@ -33,18 +33,19 @@ impl ResumableRun {
         Ok(Self { experiment, identity, is_lone: false, trajectory: None, start: Mutex::new(Some(start)) })
     }
 
-    /// Run that is identified by a hash of everything on which it depends. Its initial state is made when it begins.
+    /// Creates a run that is identified by a hash of all data on which it depends. Its initial state is made when the
+    /// run begins.
     pub fn known_by(hash: &str, experiment: Experiment) -> Self {
         let identity = RunIdentity::of_hash(hash);
         Self { experiment, identity, is_lone: false, trajectory: None, start: Mutex::default() }
     }
 
-    /// This run as a lone one, whose trajectory is written if there is one.
+    /// Marks this run as one that is done alone. Its trajectory is written if one is given.
     pub fn lone(self, trajectory: Option<(String, Trajectories)>) -> Self {
         Self { is_lone: true, trajectory, ..self }
     }
 
-    /// Initial state. It is moved out, so that its memory is free once the run is over.
+    /// Initial state. It is moved out of this value, so that its memory is free once the run is over.
     ///
     /// # Errors
     /// The scene is too crowded for a start.

@@ -18,14 +18,14 @@ const REPORT_INTERVAL: Duration = Duration::from_secs(1);
 
 /// A list of runs that may be done in any order, and by any process that has made an equal list.
 pub trait RunList: Sync {
-    /// Result of one run.
+    /// Result of one run of the list.
     type Answer: Send;
 
     /// Number of runs that may be done concurrently.
     fn count(&self) -> usize;
 
-    /// Does one run in the thread pool from which this is called. `None` if the run was stopped before its end; no
-    /// other run is to begin then.
+    /// Does one run in the thread pool from which this method is called. `None` if the run was stopped before its end;
+    /// then no other run may begin.
     ///
     /// # Errors
     /// The run cannot be done.
@@ -111,7 +111,7 @@ pub fn distribute<R: RunList>(
     })
 }
 
-/// Does the runs that the lead names, in a helper process, until the command is over.
+/// Does the runs whose indices the lead process sends, in a helper process, until the command is over.
 ///
 /// # Errors
 /// No thread can be started.
@@ -168,7 +168,7 @@ fn crew<'scope, 'env, A: Send + 'scope>(
             loop {
                 let index = indices.lock().unwrap_or_else(PoisonError::into_inner).recv();
                 let Ok(index) = index else { break };
-                // if the receiver has been dropped, further results would be lost
+                // without a receiver, the results of further runs would be lost
                 if answered.send((index, pool.install(|| run(index)))).is_err() {
                     break;
                 }
@@ -188,8 +188,8 @@ enum Heard<A> {
     Nothing,
 }
 
-/// Waits for the next event; with other processes, at most for [`REPORT_INTERVAL`]. `None` if no further event is
-/// possible.
+/// Waits for the next event. If there are other processes, the wait is at most [`REPORT_INTERVAL`]. `None` if no
+/// further event is possible.
 fn wait<A>(answers: &Receiver<(usize, A)>, ranks: &Ranks) -> Option<Heard<A>> {
     if ranks.count() == 1 {
         return answers.recv().ok().map(|(index, answer)| Heard::Here(index, answer));

@@ -1,5 +1,5 @@
-//! Settings of a command that does runs. They are made from its arguments in one place; the code of runs depends on the
-//! settings only.
+//! Settings of a command that does runs. The settings are made from the arguments of the command in one place; the code
+//! of runs depends on the settings only.
 
 use super::error::StudyError;
 use crate::case::Case;
@@ -9,15 +9,15 @@ use crate::output::{Folder, Provenance};
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
-/// Origin of a command.
+/// Origin of a command: typed by the user, or continued by `resume`.
 pub enum CommandOrigin {
     /// The user typed the command.
     Typed,
-    /// The user typed the command again, and completed runs are used.
+    /// The user typed the command again for existing results. Completed runs are not repeated.
     TypedAgain,
-    /// `resume` continues the command.
+    /// The command `resume` continues the earlier command.
     Resumed {
-        /// Folder of the results of the command.
+        /// Folder with the results of the command.
         folder: PathBuf,
         /// Command line as it was typed when the command began.
         command: StoredCommand,
@@ -34,20 +34,21 @@ pub struct CommandSettings {
     pub folder: PathBuf,
     /// True if the results of an earlier command in the folder may be replaced.
     pub overwrite: bool,
-    /// True to print nothing while the command runs.
+    /// True if nothing is to be printed while the command runs.
     pub quiet: bool,
     /// Number of threads of a process; `None` if the user gave none.
     pub threads: Option<u16>,
-    /// True to store the results of runs, which remain after the command is over, and not the ends of the runs.
+    /// True if the results of runs are stored, and remain after the command is over, instead of the final states of the
+    /// runs.
     pub keeps_results: bool,
-    /// True to do the runs one after the other, each with all threads.
+    /// True if the runs are done one after the other, each with all threads.
     pub in_turn: bool,
     /// Wall time between two checkpoints.
     pub checkpoint_every: CheckpointEvery,
 }
 
 impl CommandSettings {
-    /// Settings of the command `command` on a case, with the usual time between checkpoints.
+    /// Settings of the command with the name `command` on a case, with the default time between checkpoints.
     pub fn new(origin: CommandOrigin, command: &str, case: &Path, output: &Output, effort: &Effort) -> Self {
         let folder = match &origin {
             CommandOrigin::Typed | CommandOrigin::TypedAgain => place(output, case, command),
@@ -65,7 +66,7 @@ impl CommandSettings {
         }
     }
 
-    /// Marks a typed command as one that continues an earlier one.
+    /// Marks a typed command as one that continues an earlier command.
     pub fn goes_on(&mut self) {
         if let CommandOrigin::Typed = self.origin {
             self.origin = CommandOrigin::TypedAgain;
@@ -104,8 +105,8 @@ pub fn read(path: &Path, input: &Input) -> Result<Case, StudyError> {
     Ok(Case::read(path, &input.sets())?)
 }
 
-/// Makes the folder of a command. A folder that cannot be written to is wrong input, since nothing has been computed
-/// yet.
+/// Makes the folder of a command. A folder that cannot be written to counts as wrong input, since nothing has been
+/// computed yet.
 pub fn folder(output: &Output, case: &Path, command: &str) -> Result<Folder, StudyError> {
     make(place(output, case, command), output.overwrite)
 }
@@ -142,7 +143,7 @@ pub fn command_line() -> String {
 /// A command line as text, quoted where a shell requires it.
 pub fn quoted(arguments: impl IntoIterator<Item = OsString>) -> String {
     let quoted = arguments.into_iter().enumerate().map(|(k, argument)| {
-        // the program is given by its name, without its path
+        // the program is written by its name, without its path
         let argument = if k == 0 { "diptych".into() } else { argument.to_string_lossy().into_owned() };
         let plain = |c: char| c.is_ascii_alphanumeric() || "-_=./,:+".contains(c);
         if !argument.is_empty() && argument.chars().all(plain) {

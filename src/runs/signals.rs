@@ -1,5 +1,5 @@
-//! Ctrl-C and the signal to terminate. The first signal stops the command at the end of the window, the second ends it
-//! at once.
+//! Handles Ctrl-C and the signal to terminate. The first signal stops the command at the end of the present window, the
+//! time between two exchanges of momentum with the gas. The second signal ends the command at once.
 
 use super::error::StudyError;
 use signal_hook::consts::{SIGINT, SIGTERM};
@@ -15,7 +15,7 @@ const ENDED: i32 = 130;
 pub struct Signals(Arc<AtomicBool>);
 
 impl Signals {
-    /// Sets the handlers, so that signals set the flag from now on.
+    /// Sets the signal handlers, which set the flag when a signal arrives.
     ///
     /// # Errors
     /// The system refuses to set the handler.
@@ -26,12 +26,13 @@ impl Signals {
     fn heard() -> std::io::Result<Self> {
         let stop = Arc::new(AtomicBool::new(false));
         for signal in [SIGINT, SIGTERM] {
-            // in this order: at the first signal the flag is not yet set and is set; at the second it is set, and the
-            // program ends
+            // order of the handlers: at the first signal the flag is not yet set, so the program continues and the flag
+            // is set; at the second signal the flag is set, and the program ends
             flag::register_conditional_shutdown(signal, ENDED, Arc::clone(&stop))?;
             flag::register(signal, Arc::clone(&stop))?;
         }
-        // a file that exceeds the size limit of a shell is to be an error that is reported, not the end of the program
+        // a file that exceeds the size limit of a shell causes an error that is reported, instead of the end of the
+        // program
         #[cfg(unix)]
         flag::register(signal_hook::consts::SIGXFSZ, Arc::new(AtomicBool::new(false)))?;
         Ok(Self(stop))

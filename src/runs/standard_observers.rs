@@ -1,4 +1,4 @@
-//! Standard observers, whose data make up the outcome of every run.
+//! Standard observers: the measurements that make up the outcome of every run.
 
 use crate::engine::Failure;
 use crate::experiment::{Experiment, Model, SoftStepping};
@@ -10,12 +10,12 @@ use crate::schedule::Schedule;
 use crate::simulation::{Simulation, soft_step};
 use crate::statistics::Accumulator;
 
-/// Standard observers, whose data make up the outcome of every run.
+/// Standard observers: the measurements that make up the outcome of every run.
 #[derive(Clone)]
 pub(crate) struct StandardObservers<'a> {
     experiment: &'a Experiment,
     initial_state_hash: u64,
-    /// Windows and samples of the run.
+    /// Times of the windows and samples of the run.
     pub schedule: Schedule,
     profiles: Accumulator,
     motion: Motion,
@@ -32,7 +32,7 @@ pub(crate) struct StandardObservers<'a> {
 }
 
 impl<'a> StandardObservers<'a> {
-    /// Observers of a run from an initial state with this hash, before its start.
+    /// Creates the standard observers of a run before its start. `initial_state_hash` is the hash of the initial state.
     pub fn new(experiment: &'a Experiment, initial_state_hash: u64) -> Self {
         let schedule = Schedule::new(experiment);
         Self {
@@ -63,11 +63,12 @@ impl<'a> StandardObservers<'a> {
         own.into_iter().chain(others.iter_mut().map(|other| &mut **other as &mut dyn Observer)).collect()
     }
 
-    /// Outcome of a run that is over or has failed.
+    /// Outcome of a run that is over or has failed, made from the measurements.
     pub fn outcome(self, simulation: &Simulation, failure: Option<Failure>, final_state_hash: u64) -> Outcome {
         let steadiness =
             self.motion.steadiness(self.experiment.run.average_from, self.kinds.series(&self.experiment.scene));
-        // interval k ends at sample k + 1, and the first interval used lies wholly in the averaging period
+        // interval k ends at sample k + 1; the first interval used is the first one entirely within the averaging
+        // period
         let first = self.motion.first(steadiness.from);
         Outcome {
             experiment: self.experiment.clone(),

@@ -1,8 +1,8 @@
 //! Output to the user. This is the only file that writes to standard output and standard error.
 //!
-//! Either stream may be closed, full, or a pipe whose reader has ended (`diptych run CASE 2>&1 | head -1`). Rust's
-//! `println!` and `eprintln!` would then end the program. The functions in this file return, so that the work continues
-//! and its files are written.
+//! Standard output or standard error may be closed, full, or a pipe whose reader has ended (`diptych run CASE 2>&1 |
+//! head -1`). Rust's `println!` and `eprintln!` would then end the program. The functions in this file return, so that
+//! the work continues and its files are written.
 
 use super::error::StudyError;
 use crate::case::{Checked, Diagnostic};
@@ -19,7 +19,7 @@ pub fn tell(line: impl Display) {
 }
 
 /// Prints the final sentences of a study and the path of the file with all results, on standard output. If they cannot
-/// be printed, a warning is given, since everything is in the folder nevertheless.
+/// be printed, a warning is printed instead: all results are in the folder nevertheless.
 pub fn conclude(sentences: &[String], what: &str, file: &Path) {
     let lines: String = sentences.iter().map(|sentence| format!("{sentence}\n")).collect();
     if let Err(why) = answer(&format!("{lines}{what}: {}\n", file.display())) {
@@ -31,8 +31,8 @@ pub fn conclude(sentences: &[String], what: &str, file: &Path) {
 /// pipe early.
 ///
 /// # Errors
-/// [`StudyError::Failed`] if the text cannot be printed, for example because the disk is full, since there is no other
-/// copy.
+/// [`StudyError::Failed`] if the text cannot be printed, for example because the disk is full. No other copy of the
+/// text exists.
 pub fn answer(text: &str) -> Result<(), StudyError> {
     print(&legible::lines(text))
 }

@@ -4,7 +4,7 @@ use super::error::StudyError;
 use super::ranks::Ranks;
 use crate::cli::Effort;
 
-/// Sets the number of threads of a process that may be one of several on this machine.
+/// Sets the number of threads of this process. Other processes of the command may be on this machine too.
 pub fn share_threads(effort: &Effort, ranks: &Ranks) -> Result<(), StudyError> {
     if ranks.count() == 1 {
         return use_threads(effort.threads.map(usize::from));
@@ -14,8 +14,8 @@ pub fn share_threads(effort: &Effort, ranks: &Ranks) -> Result<(), StudyError> {
     start_threads(threads, rayon::ThreadPoolBuilder::new().num_threads(threads))
 }
 
-/// Sets the number of threads of the whole process, if it is given. A single thread is the calling thread itself. If
-/// the calling thread waited for another thread in each window, small scenes on a busy machine would mostly wait.
+/// Sets the number of threads of the whole process, if the user gives it. A single thread is the calling thread itself.
+/// If the calling thread waited for another thread in each window, small scenes on a busy machine would mostly wait.
 pub fn use_threads(threads: Option<usize>) -> Result<(), StudyError> {
     let Some(threads) = threads else { return Ok(()) };
     let mut pool = rayon::ThreadPoolBuilder::new().num_threads(threads);

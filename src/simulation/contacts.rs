@@ -6,37 +6,39 @@ use crate::engine::Overlap;
 use crate::engine::distributed::Distributed;
 use crate::neighbours::overlapping;
 
-/// Summary of all contacts in progress; both numbers are 0 if contacts are instantaneous.
+/// Summary of all contacts in progress. Both numbers are 0 if collisions are instantaneous.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ContactSummary {
-    /// Number of particles in contact, each counted once for each of its contacts: two for a pair, one at a wall.
+    /// Number of particles in contact, counted once per contact: two for a contact of a pair, one for a contact with a
+    /// wall.
     pub ends: u64,
     /// [-] largest overlap over the diameter of the smaller particle.
     pub largest_overlap: f64,
 }
 
 impl Simulation {
-    /// [J] kinetic and rotational energy plus the energy stored in contacts, of all particles. Before the first window,
-    /// the stored energy is that of overlaps of the start. It is a sum of the [`sample`](Self::sample).
+    /// [J] kinetic and rotational energy of all particles plus the energy stored in contacts. Before the first window,
+    /// the stored energy is that of the initial overlaps. This number is a sum over the [`sample`](Self::sample).
     pub fn energy(&self) -> f64 {
         let sample = self.sample();
         sample.kinetic_energy() + sample.rotational_energy() + self.elastic_energy()
     }
 
-    /// [J] energy stored in contacts, of all particles. Before the first window, it is that of overlaps of the start.
-    /// It is a sum of the [`sample`](Self::sample).
+    /// [J] energy stored in the contacts of all particles. Before the first window, it is that of the initial overlaps.
+    /// This number is a sum over the [`sample`](Self::sample).
     pub fn elastic_energy(&self) -> f64 {
         self.unseen.unwrap_or_else(|| self.engine.elastic_energy())
     }
 
-    /// Pairs of overlapping bodies, by index in the store, with their overlap [m] (soft).
+    /// Pairs of overlapping bodies, given by their indices in the store, with their overlap [m] (soft engine).
     pub fn contacts(&self) -> Vec<(Couple, f64)> {
         let mut contacts = Vec::new();
         self.for_each_contact(|couple, overlap| contacts.push((couple, overlap)));
         contacts
     }
 
-    /// Calls `visit` with each pair of overlapping bodies, by index in the store, and their overlap [m] (soft).
+    /// Calls `visit` with each pair of overlapping bodies, given by their indices in the store, and their overlap [m]
+    /// (soft engine).
     pub fn for_each_contact(&self, mut visit: impl FnMut(Couple, f64)) {
         let mut look = |couple: Couple| {
             let overlap = couple.meet(&self.particles, &self.scene, FrameTime::default()).overlap();
@@ -45,13 +47,13 @@ impl Simulation {
             }
         };
         match self.unseen {
-            // the engine has not yet processed the start
+            // the engine has not yet processed the initial state
             Some(energy) if energy > 0.0 => overlapping(&self.particles, &self.scene).into_iter().for_each(look),
             _ => self.engine.for_each_touching(&mut look),
         }
     }
 
-    /// [m] largest overlap of each particle, by index in the store; 0 without contact (soft).
+    /// [m] largest overlap of each particle, in the order of the store; 0 without contact (soft engine).
     pub fn overlaps(&self) -> Vec<f64> {
         let mut overlaps = vec![0.0_f64; self.particles.len()];
         self.for_each_contact(|couple, overlap| {
@@ -62,8 +64,8 @@ impl Simulation {
         overlaps
     }
 
-    /// Contacts with particles in other processes: index of the particle in this process, and overlap [m] (soft). Both
-    /// processes list the contact. The list is empty unless each process holds a part of the particles.
+    /// Contacts with particles in other processes: index of the particle in this process, and overlap [m] (soft
+    /// engine). Both processes list the contact. The list is empty unless each process holds a part of the particles.
     pub fn contacts_abroad(&self) -> Vec<(u32, f64)> {
         self.touching_abroad().into_iter().map(|(place, overlap)| (place, overlap.depth)).collect()
     }
@@ -72,7 +74,7 @@ impl Simulation {
         self.engine.distributed().map_or_else(Vec::new, Distributed::touching_abroad)
     }
 
-    /// Summary of all contacts in progress, of all particles. It is a sum of the [`sample`](Self::sample).
+    /// Summary of the contacts in progress of all particles, computed as a sum over the [`sample`](Self::sample).
     pub fn touching(&self) -> ContactSummary {
         let abroad = self.touching_abroad();
         let deepest = abroad.iter().map(|(_, overlap)| overlap.depth / overlap.diameter).fold(0.0, f64::max);

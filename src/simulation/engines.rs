@@ -1,4 +1,4 @@
-//! The engine of a simulation, and its choice from the settings of an experiment.
+//! Engine of a simulation, chosen by the settings of an experiment.
 
 use crate::engine::Engine;
 use crate::engine::distributed::Distributed;
@@ -11,14 +11,14 @@ use std::ops::{Deref, DerefMut};
 
 /// Engine of a simulation.
 pub enum SimulationEngine {
-    /// An engine that runs in one process. If processes share the simulation, this process does all the work.
+    /// An engine that runs in one process. If processes share the simulation, the lead process does all its work.
     Single(Box<dyn Engine>),
     /// An engine whose run several processes can share.
     Distributed(Box<dyn Distributed>),
 }
 
 impl SimulationEngine {
-    /// The engine as one whose run several processes can share; `None` if they cannot.
+    /// Engine whose run several processes can share; `None` if the engine is of another kind.
     pub fn distributed(&self) -> Option<&dyn Distributed> {
         match self {
             Self::Single(_) => None,
@@ -26,7 +26,7 @@ impl SimulationEngine {
         }
     }
 
-    /// The engine, mutable, as one whose run several processes can share; `None` if they cannot.
+    /// Mutable engine whose run several processes can share; `None` if the engine is of another kind.
     pub fn distributed_mut(&mut self) -> Option<&mut dyn Distributed> {
         match self {
             Self::Single(_) => None,
@@ -71,7 +71,7 @@ pub fn soft_step(experiment: &Experiment, particles: usize) -> f64 {
     }
 }
 
-/// True if the soft particles of an experiment, `particles` in number, can touch one another or a wall.
+/// True if the soft particles of an experiment, of which there are `particles`, can touch one another or a wall.
 pub fn may_touch(experiment: &Experiment, particles: usize) -> bool {
     let shortest = experiment.law().and_then(|law| ContactTimes::of(experiment, &law, particles).governing());
     shortest.is_some()

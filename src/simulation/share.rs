@@ -1,5 +1,5 @@
-//! A simulation shared by several processes. The lead process runs it as if it were alone, and the other processes
-//! execute the lead's orders.
+//! Simulation shared by several processes. The lead process runs the simulation as if it were alone, and the other
+//! processes execute its orders on their particles.
 
 use super::Simulation;
 use crate::communicator::Communicator;
@@ -16,16 +16,16 @@ use std::sync::Arc;
 /// Connection of a simulation to the other processes that share its run.
 pub struct SharedSimulation {
     communicator: Arc<dyn Communicator>,
-    /// For each shared observer, true if the other processes have received the data that the lead's observer had
-    /// before.
+    /// For each shared observer, true if the other processes have received the earlier data of the observer in the lead
+    /// process.
     informed: Vec<bool>,
 }
 
-/// Description of the particles gathered from all processes, which replace those of the lead process for a while.
+/// Description of the particles gathered from all processes, which temporarily replace those of the lead process.
 pub struct GatheredParticles {
     /// Step in the ids: every `every`-th particle is gathered.
     every: u32,
-    /// [m/s] root mean square of the velocities of all particles about their mean; `None` if all particles are
+    /// [m/s] root mean square of the velocities of all particles about their mean velocity. `None` if all particles are
     /// gathered.
     pub agitation: Option<f64>,
 }
@@ -37,22 +37,23 @@ pub enum Order {
     Kick(f64),
     /// Advance the engine from a start time through a window [s].
     Advance(f64, f64),
-    /// Store the velocities, before observers are called with velocities to which a half-kick was applied.
+    /// Store the velocities. A half-kick is applied afterwards, and observers are called.
     Keep,
-    /// Restore the stored velocities.
+    /// Replace the velocities by those stored before.
     TakeBack,
     /// Send the lead every n-th particle by id.
     Show(u32),
     /// Check that the particles of the process are inside the domain.
     Check,
-    /// Compute the checksum of the state.
+    /// Compute the checksum of the state of all processes.
     Fingerprint,
-    /// Send the lead all records, and then each part of the state, one after the other.
+    /// Send all records to the lead, and then each part of the state, one after the other.
     Give,
-    /// Call the observers at these indices with the process's part of the particles. The data are the time [s] and the
-    /// momentum [kg m/s] of all particles.
+    /// Call the observers at these indices with the part of the particles in the process. The numbers are the time [s]
+    /// and the momentum [kg m/s] of all particles.
     ///
-    /// An observer that is called in this way for the first time continues from the data of the lead's observer.
+    /// An observer that is called in this way for the first time continues from the data of its copy in the lead
+    /// process.
     See(f64, Vector3<f64>, Vec<(usize, Option<Stored>)>),
     /// The run is over.
     End,
@@ -63,7 +64,7 @@ impl SharedSimulation {
         self.communicator.broadcast(postcard::to_stdvec(order).unwrap_or_default());
     }
 
-    /// Receives the next order of the lead.
+    /// Receives the next order of the lead process.
     fn told(&self) -> Order {
         postcard::from_bytes(&self.communicator.broadcast(Vec::new())).unwrap_or(Order::End)
     }
@@ -79,10 +80,11 @@ impl Drop for SharedSimulation {
 }
 
 impl Simulation {
-    /// Shares this simulation with other processes. While it pays, each process moves the particles in its own block of
-    /// the domain. The lead continues as if it were alone, and gets identical bits. The other processes have made a
-    /// simulation of an equal scene and engine. They [`follow`](Self::follow) the lead until it drops its simulation;
-    /// their previous particles are discarded. The first `observers` observers of the lead exist in all processes.
+    /// Shares this simulation with other processes. While this saves time, each process moves the particles in its own
+    /// block of the domain. The lead process continues as if it were alone, with identical bits. The other processes
+    /// have made a simulation of an equal scene and engine. They [`follow`](Self::follow) the lead until its simulation
+    /// is dropped; their previous particles are discarded. The first `observers` observers of the lead exist in all
+    /// processes.
     pub fn shared(mut self, communicator: Arc<dyn Communicator>, observers: usize) -> Self {
         let told = communicator.broadcast(postcard::to_stdvec(&self.totals).unwrap_or_default());
         self.totals = postcard::from_bytes(&told).unwrap_or(self.totals);
@@ -97,22 +99,22 @@ impl Simulation {
         self
     }
 
-    /// A simulation at time 0 in which each process holds the particles in its block among [blocks of one
-    /// size](crate::domain::blocks::Blocks::of_one_size), without overlaps. All processes must call this function, and
-    /// then share the simulation.
+    /// Creates a simulation at time 0 in which each process holds a part of the particles, without initial overlaps.
+    /// The parts are those in [blocks of one size](crate::domain::blocks::Blocks::of_one_size). All processes must call
+    /// this function, and then share the simulation.
     pub fn part(experiment: &Experiment, particles: Particles, communicator: &dyn Communicator) -> Self {
         Self::of(experiment, particles, Some(communicator))
     }
 
-    /// Shares the simulation as [`shared`](Self::shared) does, where each process holds a [`part`](Self::part) and
-    /// continues with it.
+    /// Shares the simulation as [`shared`](Self::shared) does. Each process holds a [`part`](Self::part) of the
+    /// particles already, and continues with this part.
     pub fn shared_in_parts(mut self, communicator: Arc<dyn Communicator>, observers: usize) -> Self {
         let sample = Sample::part(&self.particles, Some(&*communicator));
         if let Some(engine) = self.engine.distributed_mut() {
             engine.share(communicator.clone(), &sample, &self.scene);
         }
         if !self.engine.is_cut() {
-            // the engine runs in the lead process alone, so the lead gathers all particles
+            // this engine runs in the lead process alone, so all particles are gathered there
             let mut all = Particles::default();
             let mut append = |slice: &Particles| all.copy_from(slice, &(0..slice.len() as u32).collect::<Vec<u32>>());
             for_each_slice(&self.particles, Some(&*communicator), &mut append);
@@ -123,7 +125,8 @@ impl Simulation {
     }
 
     /// Executes the orders of the lead for the particles of this process, until the lead ends. `see` calls the observer
-    /// at an index with the simulation. At the first call that observer continues from the data of the lead's observer.
+    /// at an index with the simulation. At the first call the observer continues from the data of its copy in the lead
+    /// process.
     pub fn follow(mut self, see: &mut dyn FnMut(&Self, usize, Option<&Stored>)) {
         let mut kept = Particles::default();
         while let Some(share) = &self.share {
@@ -151,8 +154,8 @@ impl Simulation {
         }
     }
 
-    /// Gathers every `every`-th particle by id and the particles in contact with these in the lead process, if
-    /// processes share the run. With `every` = 1, all particles and all records are gathered. The next window ends this
+    /// If processes share the run, gathers every `every`-th particle by id in the lead process, and the particles in
+    /// contact with these. With `every` = 1, all particles and all records are gathered. The next window ends this
     /// state.
     pub fn show(&mut self, every: u32) {
         if self.share.is_none() || self.shown.as_ref().is_some_and(|shown| [1, every].contains(&shown.every)) {
@@ -178,7 +181,7 @@ impl Simulation {
     }
 
     /// Makes the other processes call the observers at these indices with their parts of the particles. The lead calls
-    /// this method, and then its own observers. `kept` returns the data of an observer.
+    /// this method before its own observers. `kept` returns the stored data of an observer.
     pub(crate) fn show_parts(&mut self, places: &[usize], kept: impl Fn(usize) -> Stored) {
         if self.shown.as_ref().is_some_and(|shown| shown.every > 1) {
             self.hide();
@@ -200,7 +203,7 @@ impl Simulation {
         known.unwrap_or_else(|| Sample::from(&self.particles).agitation())
     }
 
-    /// Replaces gathered particles by the particles of this process.
+    /// Replaces gathered particles by the particles that belong to this process.
     pub(super) fn hide(&mut self) {
         self.shown = None;
         if let Some(engine) = self.engine.distributed_mut() {
@@ -208,7 +211,7 @@ impl Simulation {
         }
     }
 
-    /// Adds the records of all processes in the lead process.
+    /// Adds up the records of all processes in the lead process.
     pub(super) fn collect_records(&mut self) {
         let Some(share) = &self.share else { return };
         let own = if self.is_follower() { std::mem::take(&mut self.record) } else { Record::default() };
@@ -219,7 +222,7 @@ impl Simulation {
         }
     }
 
-    /// Number of parts into which the state is divided between processes; 0 if this process holds all of it.
+    /// Number of parts into which the state is divided between processes; 0 if this process holds the whole state.
     pub fn parts_of_state(&mut self) -> usize {
         if self.shown.as_ref().is_some_and(|shown| shown.every > 1) {
             self.hide();
@@ -228,8 +231,8 @@ impl Simulation {
         self.parts().filter(|_| gives_parts).map_or(0, Communicator::size)
     }
 
-    /// Collects all records for a [`snapshot`](Self::snapshot), and passes the parts of the state to `take` one after
-    /// the other, so that only one is in memory.
+    /// Adds up all records for a [`snapshot`](Self::snapshot), and calls `take` with each part of the state, one after
+    /// the other, so that only one part is in memory.
     pub fn give_parts(&mut self, take: &mut dyn FnMut(Vec<u8>)) {
         self.order(&Order::Give);
         self.collect_records();
@@ -242,8 +245,8 @@ impl Simulation {
         }
     }
 
-    /// Continues from the `count` parts of a stored state; `next` returns the part with a given number. Meanwhile the
-    /// other processes receive their parts with [`take_dealt`](Self::take_dealt).
+    /// Continues from the `count` parts of a stored state. `next` returns the part with a given number. At the same
+    /// time the other processes receive their parts by [`take_dealt`](Self::take_dealt).
     ///
     /// # Errors
     /// The parts do not contain all particles.
@@ -261,7 +264,7 @@ impl Simulation {
         }
     }
 
-    /// Receives the part of a stored state that belongs to this process from the lead.
+    /// Receives that part of a stored state from the lead which belongs to this process.
     ///
     /// # Errors
     /// The data from the lead do not fit the engine.
@@ -288,8 +291,8 @@ impl Simulation {
         fingerprint_of(&self.particles, self.parts())
     }
 
-    /// Sample of the particles, by which sums over all processes are computed. While each process holds a part of the
-    /// particles, all processes must request equal sums.
+    /// Sample of the particles, from which sums over the particles of all processes are computed. While each process
+    /// holds a part of the particles, all processes must request the same sums.
     pub fn sample(&self) -> Sample<'_> {
         Sample::part(&self.particles, self.parts())
     }

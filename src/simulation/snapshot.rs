@@ -10,36 +10,38 @@ use crate::record::Record;
 use crate::stored::{StoreError, Stored};
 use serde::{Deserialize, Serialize};
 
-/// All data that a simulation keeps from one window to the next, as one value. A simulation of an equal experiment
-/// continues from it with identical bits. `docs/design/runs.md` lists the contents.
+/// All data that a simulation stores from one window to the next, as one value. A simulation of an equal experiment
+/// continues from this value with identical bits. `docs/design/runs.md` lists the contents.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Snapshot {
     /// The particles, in the order of the store; empty if the state is divided into parts.
     pub particles: Particles,
-    /// Number of parts of the state, which are stored separately from the snapshot; 0 if the snapshot contains all.
+    /// Number of parts of the state, which are stored separately from the snapshot; 0 if the snapshot contains the
+    /// whole state.
     pub parts: usize,
     /// Collisions and other records since the start.
     pub record: Record,
     /// [s] simulated time.
     pub time: f64,
-    /// Number of windows done.
+    /// Number of completed windows.
     pub windows: u64,
     /// Wall time spent so far.
     pub spent: SimulationTimes,
     /// Sums over all particles.
     totals: SimulationTotals,
-    /// True if the drag of the last window has been applied completely.
+    /// True if the drag of the last window has been applied completely, so that velocities and positions belong to one
+    /// time.
     half_kicked: bool,
-    /// Limit of the energy growth that the soft scheme itself may cause; it depends on the start.
+    /// Limit of the growth of the energy by errors of the soft scheme; it depends on the start.
     bound: Option<Bound>,
-    /// [J] elastic energy at the start, until the engine has processed the start (soft).
+    /// [J] elastic energy of the initial overlaps, until the engine has processed the start (soft).
     unseen: Option<f64>,
     /// State of the engine.
     engine: Stored,
 }
 
 impl Snapshot {
-    /// Checks that the particles are possible ones of an experiment.
+    /// Checks that the number and the species of the particles fit an experiment.
     ///
     /// # Errors
     /// The number or the species of the particles do not fit the experiment.
@@ -51,8 +53,9 @@ impl Snapshot {
 }
 
 impl Simulation {
-    /// A snapshot from which a simulation of an equal experiment can continue. If processes share the run and each
-    /// holds a part, the snapshot does not contain these parts; [`give_parts`](Self::give_parts) must be called before.
+    /// Creates a snapshot from which a simulation of an equal experiment can continue. If several processes share the
+    /// run and each holds a part of the particles, the snapshot does not contain these parts. Then
+    /// [`give_parts`](Self::give_parts) must be called before.
     ///
     /// # Errors
     /// An engine of the calling program cannot store its state.
@@ -73,7 +76,7 @@ impl Simulation {
         })
     }
 
-    /// A simulation of an experiment that continues from a snapshot.
+    /// Creates a simulation of an experiment that continues from a snapshot.
     ///
     /// # Errors
     /// The snapshot was taken with another engine, or its particles do not fit the experiment.
@@ -82,8 +85,8 @@ impl Simulation {
         Self::new(experiment, snapshot.particles.clone()).resume(snapshot)
     }
 
-    /// Continues from a snapshot with the engine of this simulation, which may be one of the calling program. Scene and
-    /// settings stay as they are; particles and records are taken from the snapshot.
+    /// Continues from a snapshot with the engine of this simulation, which may be one of the calling program. The scene
+    /// and the settings do not change; particles and records are taken from the snapshot.
     ///
     /// # Errors
     /// The snapshot was taken with another engine.

@@ -9,16 +9,16 @@ use serde::{Deserialize, Serialize};
 pub struct SimulationTotals {
     /// Number of particles in all processes.
     pub count: usize,
-    /// [m] mean radius.
+    /// [m] mean radius of all particles.
     pub mean_radius: f64,
-    /// [kg] total mass at the start.
+    /// [kg] mass of all particles at the start.
     pub mass: f64,
-    /// [kg m/s] total momentum, added up since the start.
+    /// [kg m/s] momentum of all particles, from the changes since the start.
     pub momentum: Vector3<f64>,
 }
 
 impl SimulationTotals {
-    /// Sums over the particles of a sample, of which other processes may hold a part.
+    /// Computes the sums over the particles of a sample. Other processes may hold a part of these particles.
     pub fn of(sample: &Sample) -> Self {
         let [mean_radius, ..] = sample.mean_radii(1.0);
         Self { count: sample.count(), mean_radius, mass: sample.total_mass(), momentum: sample.momentum() }

@@ -1,4 +1,4 @@
-//! Averages over a run and their covariance, from averages over blocks of time (batch means).
+//! Averages over a run and their covariance, computed from averages over blocks of time (method of batch means).
 //!
 //! Each block gives values of several averages at once. The covariance of the averages and their degrees of freedom are
 //! computed from the correlation of neighbouring blocks.
@@ -6,12 +6,12 @@
 use super::errors::{Estimate, FEWEST_BLOCKS, LARGEST_CORRELATION, block_size, inflation, mean};
 use nalgebra::{DMatrix, DVector};
 
-/// [-] largest ratio of the block lengths of two runs for which the correlation of the blocks is taken as equal. It is
-/// then measured in both runs together.
+/// [-] largest ratio of the block lengths of two runs for which the correlations between their blocks are taken as
+/// equal. These correlations are then measured in both runs together.
 const SAME_LENGTH: f64 = 1.25;
 
-/// Smallest number of independent runs for an error. With two runs, the tails of Student's distribution are too wide to
-/// be useful.
+/// Smallest number of independent runs for an error. With two runs the tails of Student's distribution are too wide for
+/// a useful error.
 pub const FEWEST_RUNS: usize = 3;
 
 /// Several averages over a run, or over the replicas of a run, with their values in each block of time.
@@ -19,18 +19,18 @@ pub const FEWEST_RUNS: usize = 3;
 pub struct Batches {
     /// The averages, one per component, in the unit of the component.
     pub values: Vec<f64>,
-    /// For each component one number per block, in the order of time, replica after replica. For an average over
-    /// samples it is the average over the block. For other quantities it is the jackknife pseudo-value; the mean of the
-    /// pseudo-values equals the average up to terms of second order.
+    /// One number per component and block. Blocks are in the order of time, one replica after the other. For an average
+    /// over samples the number is the average over the block. For other quantities it is the jackknife pseudo-value;
+    /// the mean of the pseudo-values equals the average up to terms of second order.
     pub blocks: Vec<Vec<f64>>,
     /// Number of successive blocks of one run: all blocks, or the blocks of one replica. Blocks of different runs are
     /// independent.
     pub per_run: usize,
     /// [s] start of the first block of each run.
     pub from: f64,
-    /// [s] length of a block.
+    /// [s] length of each block of time.
     pub length: f64,
-    /// [s] time between samples. The last sample of a block is taken this long before the end of the block.
+    /// [s] time between samples. The last sample of a block is taken one such time before the end of the block.
     pub interval: f64,
 }
 
@@ -55,7 +55,7 @@ impl Batches {
         })
     }
 
-    /// Blocks of independent runs, one block per run: `values` holds for each component its value in every run.
+    /// Blocks of independent runs, with one block per run. `values` contains the values of each component in every run.
     pub fn of_runs(values: Vec<Vec<f64>>) -> Self {
         Self {
             values: values.iter().map(|runs| mean(runs)).collect(),
@@ -67,12 +67,13 @@ impl Batches {
         }
     }
 
-    /// Number of blocks.
+    /// Number of blocks of each component.
     pub fn count(&self) -> usize {
         self.blocks.first().map_or(0, Vec::len)
     }
 
-    /// Joins components that have equal blocks of time; `None` without parts, or if the blocks differ.
+    /// Joins the components of several averages that have equal blocks of time. `None` without parts, or if the blocks
+    /// differ.
     pub fn join<'a>(parts: impl IntoIterator<Item = &'a Self>) -> Option<Self> {
         let mut parts = parts.into_iter();
         let mut whole = parts.next()?.clone();
@@ -106,10 +107,10 @@ impl Batches {
         Some(Estimate::new(value, covariance(&first, &deviations, &guesses)[(0, 0)].sqrt()))
     }
 
-    /// Averages over several runs of one variant. With at least 8 runs each run is one block, and no assumption is made
-    /// about the correlation within a run. With fewer runs, the blocks of all runs are joined one run after the other,
-    /// unless `by_runs`. `by_runs` is for quantities that do not mix within a run: for these, only the scatter between
-    /// runs is valid for other runs. `None` without a run.
+    /// Averages over several runs of one variant. With at least 8 runs each run is one block, and nothing is assumed
+    /// about the correlation within a run. With fewer runs the blocks of all runs are used, one run after the other,
+    /// unless `by_runs` is true. `by_runs` is for quantities that do not mix within a run: for these, only the scatter
+    /// between runs is valid for other runs. `None` without a run.
     pub fn pool(runs: &[&Self], by_runs: bool) -> Option<Self> {
         let first = *runs.first()?;
         if runs.len() == 1 {
@@ -154,13 +155,13 @@ impl Batches {
         })
     }
 
-    /// Averages up to a time [s]: means over the blocks all of whose samples are taken by then. If each run is one
-    /// block, nothing is cut off.
+    /// Averages up to a time [s]: means over those blocks all of whose samples are taken up to this time. If each run
+    /// is one block, nothing is cut off.
     pub fn until(&self, time: f64) -> Self {
         if self.per_run <= 1 {
             return self.clone();
         }
-        // times are sums of steps: rounding must not exclude a block
+        // times are sums of many steps: their rounding must not exclude a block
         let blocks = (time + self.interval - self.from) / self.length * (1.0 + 1e-9);
         let last = blocks.floor().max(0.0) as usize;
         if last >= self.per_run {
@@ -173,7 +174,7 @@ impl Batches {
         Self { values: blocks.iter().map(|blocks| mean(blocks)).collect(), blocks, per_run: last, ..*self }
     }
 
-    /// True if there are enough blocks for an error: 8 successive blocks, or 3 runs.
+    /// True if there are enough blocks for a standard error: 8 successive blocks, or 3 runs.
     pub fn tells_errors(&self) -> bool {
         self.count() >= if self.per_run == 1 { FEWEST_RUNS } else { FEWEST_BLOCKS }
     }
@@ -183,7 +184,7 @@ impl Batches {
         self.length * self.count() as f64
     }
 
-    /// Deviations of the blocks from their mean, a row per block.
+    /// Deviations of the blocks from their mean, with one row per block.
     fn deviations(&self) -> DMatrix<f64> {
         let centres: Vec<f64> = self.blocks.iter().map(|blocks| mean(blocks)).collect();
         DMatrix::from_fn(self.count(), self.values.len(), |block, k| self.blocks[k][block] - centres[k])
@@ -199,12 +200,13 @@ impl Batches {
     }
 }
 
-/// Method by which the correlation between neighbouring blocks of a component is found.
+/// Assumption about the correlation between neighbouring blocks of different components.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Correlation {
-    /// Each component has its own correlation, combined with the distribution over all components.
+    /// Each component has a different correlation. Its estimate combines the measured value with the distribution over
+    /// all components.
     Each(Prior),
-    /// All components have one correlation.
+    /// All components have the same correlation.
     Common,
 }
 
@@ -222,7 +224,8 @@ impl Prior {
     pub fn of(measured: &[(f64, f64)]) -> Self {
         let count = measured.len() as f64;
         if count < 2.0 {
-            // a single component cannot be compared with others
+            // with a single component the spread between components is unknown; a large value hardly changes the
+            // measured correlation and its variance
             return Self { mean: measured.first().map_or(0.0, |one| one.0), between: 1.0 };
         }
         let centre = measured.iter().map(|one| one.0).sum::<f64>() / count;
@@ -231,9 +234,9 @@ impl Prior {
         Self { mean: centre, between: (spread - chance).max(0.0) }
     }
 
-    /// Best estimate of a correlation that was measured with the variance `chance`, and the variance of the estimate.
-    /// The estimate is moved towards the mean of all components (James and Stein). It is moved by no more than one
-    /// standard error, so that a component with high correlation keeps it (Efron and Morris 1972).
+    /// Best estimate of a correlation that was measured with the variance `chance`, and the variance of this estimate.
+    /// The measured value is moved towards the mean of all components (James and Stein). It is moved by at most one
+    /// standard error, so that a component with a high correlation remains high (Efron and Morris 1972).
     fn guess(&self, measured: f64, chance: f64) -> (f64, f64) {
         let weight = self.between / (self.between + chance);
         let width = chance.sqrt();
@@ -245,13 +248,13 @@ impl Prior {
 /// Difference of two independent sets of averages, with its covariance.
 #[derive(Clone, Debug)]
 pub struct Contrast {
-    /// First set minus second set.
+    /// Averages of the first set minus averages of the second set.
     pub difference: DVector<f64>,
     /// Covariance of each of the two sets.
     covariances: [DMatrix<f64>; 2],
-    /// Degrees of freedom of each set, for a correlation that is known exactly.
+    /// Degrees of freedom of each set for each component, for a correlation that is known exactly.
     freedoms: [f64; 2],
-    /// [-] contribution of the uncertainty of the measured correlation to the inverse of the degrees of freedom.
+    /// [-] contribution of the uncertain correlation to the inverse of the degrees of freedom.
     unsure: f64,
 }
 
@@ -271,10 +274,10 @@ impl Contrast {
             let guesses: Vec<(f64, f64)> = guesses(&correlations[place], correlation);
             covariances[place] = covariance(run, &deviations[place], &guesses);
             let square = guesses.iter().map(|guess| guess.0 * guess.0).fold(0.0, f64::max);
-            // the variance of an exponentially correlated series is as uncertain as the variance of this number of
+            // for an exponentially correlated series, the variance is as uncertain as that of this number of
             // independent blocks
             freedoms[place] = (count - 1.0) * (1.0 - square) / (1.0 + square);
-            // an inflation (1 + ρ)/(1 - ρ) has the relative variance 4 var(ρ)/(1 - ρ²)²
+            // the inflation (1 + ρ)/(1 - ρ) of a variance has the relative variance 4 var(ρ)/(1 - ρ²)²
             let relative = guesses.iter().map(|&(rho, variance)| 2.0 * variance / (1.0 - rho * rho).powi(2));
             unsure = unsure.max(relative.fold(0.0, f64::max));
         }
@@ -308,7 +311,7 @@ impl Contrast {
         if inverse.is_finite() { (1.0 / inverse).max(1.0) } else { self.freedoms.iter().sum() }
     }
 
-    /// Degrees of freedom of the estimated variance of one component, for Student's t.
+    /// Degrees of freedom of the estimated variance of one component, for Student's t test.
     pub fn freedom_of(&self, component: usize) -> f64 {
         let mut direction = DVector::zeros(self.difference.len());
         direction[component] = 1.0;
@@ -324,7 +327,7 @@ pub fn measured(a: &Batches, b: &Batches) -> Vec<(f64, f64)> {
         return Vec::new();
     }
     let [first, second] = correlations(runs, &runs.map(Batches::deviations));
-    // if both runs have one block length, the correlations have been measured in both together
+    // if both runs have one block length, their correlations have been measured in both runs together
     let both = if first == second { first } else { first.into_iter().chain(second).collect() };
     both.into_iter().filter(|one| one.1 > 0.0).collect()
 }
@@ -345,8 +348,8 @@ fn guesses(measured: &[(f64, f64)], correlation: Correlation) -> Vec<(f64, f64)>
 /// Covariance of the averages of a run, computed from the scatter of its blocks and their correlation.
 fn covariance(run: &Batches, deviations: &DMatrix<f64>, guesses: &[(f64, f64)]) -> DMatrix<f64> {
     let count = run.count() as f64;
-    // factor: the variance of the mean times the number of blocks, over the variance of a block. The mean follows slow
-    // fluctuations, so the scatter about it is too small by a factor of 1 - inflation/count
+    // factor: variance of the mean, times the number of blocks, over the variance of a block. The mean follows slow
+    // fluctuations, so the scatter about the mean is too small by a factor of 1 - inflation/count
     let widths = guesses.iter().map(|&(rho, _)| {
         let factor = inflation(rho, run.per_run);
         (factor / (1.0 - factor / count).max(0.05)).sqrt()
@@ -363,8 +366,8 @@ fn own_correlations(run: &Batches, deviations: &DMatrix<f64>) -> Vec<(f64, f64)>
         if run.per_run <= 1 {
             return (0.0, 0.0);
         }
-        // The measured value is too low by (1 + 3 ρ)/count, because the mean was computed from these blocks too
-        // (Marriott and Pope 1954).
+        // the measured value is too low by (1 + 3 ρ)/count, because the mean was computed from the same blocks
+        // (Marriott and Pope 1954)
         let raw = run.neighbours(deviations, component);
         let rho = ((raw + 1.0 / count) / (1.0 - 3.0 / count)).min(LARGEST_CORRELATION);
         (rho, (1.0 - rho * rho) / count)
@@ -417,8 +420,8 @@ mod tests {
         let mean = |of: &dyn Fn(&(f64, f64)) -> f64| found.iter().map(of).sum::<f64>() / TRIALS as f64;
         let rho = mean(&|one| one.0);
         let scatter = mean(&|one| (one.0 - rho).powi(2));
-        // the correction for the mean is of first order in 1/20, so terms of second order remain: 1/400 times a few;
-        // without the correction the value would be 0.29
+        // the correction is of first order in 1/20, so terms of second order remain: a few times 1/400; without the
+        // correction the value would be 0.29
         let error = (scatter / TRIALS as f64).sqrt();
         assert!((rho - RHO).abs() < 3.0 * error + 4.0 / 400.0, "{rho} +- {error}");
     }

@@ -1,26 +1,27 @@
-//! Comparison of two runs. It gives one of three answers for each observable, and one for all observables together.
+//! Comparison of two runs. The result is one of three answers for each observable, and one answer for all observables
+//! together.
 
 use super::batches::Prior;
 use super::difference::{EQUIVALENCE_LEVEL, Folded, Observable, Tested};
 use serde::Serialize;
 
-/// [-] probability with which a difference in any observable is found between two equal systems.
+/// [-] probability that a difference in any observable is found although the two systems are equal.
 pub const LEVEL: f64 = 0.01;
 
 /// Probabilities of the two wrong answers, "different" and "equivalent".
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ErrorLevels {
-    /// [-] probability with which a difference in any observable is found between two equal systems.
+    /// [-] probability that a difference in any observable is found although the two systems are equal.
     pub difference: f64,
-    /// [-] probability with which systems that differ by the margin at one position are called equivalent.
+    /// [-] probability that two systems are called equivalent although they differ by the margin at one position.
     pub equivalence: f64,
 }
 
 impl ErrorLevels {
-    /// Levels of interim test number `look` (from 1) of at most `looks` equally spaced ones. Each test gets a share of
-    /// the level by the spending function α t², with t the share of the tests done (Lan & DeMets 1983; Kim & DeMets
-    /// 1987). The probability of any wrong answer in all tests is at most that of a single test, however the tests
-    /// depend on each other.
+    /// Levels of the interim test with number `look` (from 1) in a sequence of at most `looks` equally spaced tests.
+    /// Each test gets a share of the total level by the spending function α t², where t is the share of the tests done
+    /// (Lan & DeMets 1983; Kim & DeMets 1987). The probability of any wrong answer in all tests is at most that of a
+    /// single test, for any dependence between the tests.
     pub fn of_look(look: usize, looks: usize) -> Self {
         let spent = |look: usize| (look as f64 / looks.max(1) as f64).powi(2);
         let share = spent(look) - spent(look.saturating_sub(1));
@@ -36,20 +37,21 @@ impl Default for ErrorLevels {
     }
 }
 
-/// Answer of a comparison, from the best known to the least favourable.
+/// Answer of a comparison, from the most favourable to the least favourable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Answer {
-    /// Any difference is smaller than the margin at every position, at 5 % (two one-sided tests).
+    /// At every position the difference is smaller than the margin, at the level of 5 % (two one-sided tests).
     Equivalent,
-    /// Neither equivalence nor a difference is shown.
+    /// Neither equivalence nor a difference is shown by the tests.
     Unresolved,
-    /// A difference is found at 1 % for all observables together, and it is not shown to be within the margin.
+    /// A difference is found, at the level of 1 % for all observables together, and it is not shown to be within the
+    /// margin.
     Different,
 }
 
 impl Answer {
-    /// Word for the answer in `summary.json`.
+    /// Answer as a word for `summary.json`.
     pub fn word(self) -> &'static str {
         match self {
             Self::Equivalent => "equivalent",
@@ -62,35 +64,36 @@ impl Answer {
 /// One observable of two runs, with its tests and its answer.
 #[derive(Clone, Debug, Serialize)]
 pub struct Judged {
-    /// Results of the tests.
+    /// Results of the tests of this observable.
     #[serde(flatten)]
     pub tested: Tested,
-    /// True if a difference is found, at 1 % for all observables together (Holm 1979).
+    /// True if a difference is found, at the level of 1 % for all observables together (Holm 1979).
     pub detected: bool,
-    /// The answer for this observable.
+    /// Answer for this observable.
     pub answer: Answer,
-    /// [-] smallest margin with which the observable would be equivalent, over the scale.
+    /// [-] smallest margin, over the scale, within which the observable would be equivalent.
     pub reached: f64,
-    /// [-] smallest margin with which the observable would be equivalent if the difference is smooth, over the scale.
+    /// [-] smallest margin, over the scale, within which the observable would be equivalent if the difference is
+    /// smooth.
     pub reached_smooth: f64,
-    /// [-] interval that contains the differences at all positions, over the scale. If both its ends are within the
+    /// [-] interval, over the scale, that contains the differences at all positions. If both its ends are within the
     /// margin, the observable is equivalent.
     pub interval: [f64; 2],
-    /// True if the difference that is named first is shown to exceed the margin, by a one-sided test.
+    /// True if the difference that a report names first is shown to exceed the margin, by a one-sided test.
     pub beyond: bool,
-    /// [-] smallest smooth difference that would be found in 80 % of cases, over the scale.
+    /// [-] smallest smooth difference, over the scale, that would be found in 80 % of cases.
     pub detectable: f64,
-    /// [-] factor on the length of the run with which equal systems would be shown equivalent in all observables in 80
-    /// % of cases.
+    /// [-] factor by which the run would have to be longer to show equal systems equivalent in all observables in 80 %
+    /// of cases.
     pub stretch: f64,
 }
 
-/// Comparison of two runs.
+/// Comparison of two runs in several observables.
 #[derive(Clone, Debug, Serialize)]
 pub struct Comparison {
     /// Answer for all observables together: the worst of their answers, where "different" is the worst.
     pub answer: Answer,
-    /// [-] margin that was requested, over the scale of each observable.
+    /// [-] requested margin, over the scale of each observable.
     pub margin: f64,
     /// Observables with error bars, each with its answer.
     pub judged: Vec<Judged>,
@@ -107,8 +110,8 @@ impl Comparison {
     }
 }
 
-/// Compares two runs in a list of observables, given in equal order for both. `margin` [-] is relative to the scale of
-/// each observable.
+/// Compares two runs in a list of observables, which has the same order for both runs. `margin` [-] is relative to the
+/// scale of each observable.
 pub fn compare(a: &[Observable], b: &[Observable], margin: f64, levels: ErrorLevels) -> Comparison {
     let folded: Vec<Option<Folded>> = a.iter().zip(b).map(|(a, b)| Folded::new(a, b)).collect();
     let prior = Prior::of(&folded.iter().flatten().flat_map(Folded::correlations).collect::<Vec<_>>());
@@ -135,12 +138,12 @@ pub fn compare(a: &[Observable], b: &[Observable], margin: f64, levels: ErrorLev
     Comparison { answer, margin, judged, unknown }
 }
 
-/// Margin and error levels for one of several observables.
+/// Margin and error levels of the tests of one among several observables.
 struct EquivalenceTest {
     margin: f64,
     /// [-] level of the test for a difference in one observable.
     level: f64,
-    /// [-] level of each one-sided test.
+    /// [-] level of each one-sided test of equivalence.
     equivalence: f64,
     /// Number of positions, over all observables, that have to be shown equivalent.
     places: usize,
@@ -169,9 +172,9 @@ impl EquivalenceTest {
     }
 }
 
-/// Significant results among several tests, by Holm's procedure (1979). The probability of any false result is `level`
-/// [-]. The smallest of m probabilities must be below level/m, the next below level/(m - 1), and so on. The first that
-/// is not ends the procedure.
+/// Significance of each of several tests, by Holm's procedure (1979). The probability of any false result is `level`
+/// [-]. The smallest of m probabilities must be below level/m, the next one below level/(m - 1), and so on. The
+/// procedure ends at the first probability that is too large.
 pub fn holm(chances: &[f64], level: f64) -> Vec<bool> {
     let mut order: Vec<usize> = (0..chances.len()).collect();
     order.sort_by(|&a, &b| chances[a].total_cmp(&chances[b]));

@@ -1,12 +1,13 @@
-//! Tests of one observable of two runs: is there a difference, and how large can it be at most?
+//! Tests of one observable of two runs. The tests show whether there is a difference, and give an upper bound of the
+//! difference.
 //!
 //! A profile has three tests. Student's t test of the mean over the profile finds a uniform difference. Hotelling's T²
 //! test finds a difference in a few smooth shapes across the channel. A test of the slice with the largest deviation
-//! finds a local difference, as at a wall; it is Student's t test with as many trials as there are slices. The smallest
-//! of the three probabilities is multiplied by three, since three tests were made (by two if the mean vanishes). A
-//! single number has Student's t test only.
+//! finds a local difference, as at a wall. It is Student's t test with as many trials as there are slices. The smallest
+//! of the three probabilities is multiplied by three, the number of tests (by two if the mean vanishes). A single
+//! number has Student's t test only.
 //!
-//! Equivalence is tested at every position separately, so the bound holds for a difference of any shape.
+//! Equivalence is tested at every position separately, so the bound is valid for a difference of any shape.
 
 use super::batches::{Batches, Contrast, Correlation, Prior, measured};
 use super::modes::{Parity, fold, shapes};
@@ -15,25 +16,25 @@ use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor, Normal, StudentsT};
 use std::borrow::Cow;
 
-/// [-] probability of a false answer "equivalent" if the true difference is as large as the margin. It is the usual
+/// [-] probability of a false answer "equivalent" if the true difference is as large as the margin. This is the usual
 /// value for two one-sided tests.
 pub const EQUIVALENCE_LEVEL: f64 = 0.05;
 /// [-] share of equal systems that may not be shown equivalent after a run of the recommended length.
 const FAILED: f64 = 0.2;
-/// [-] number of standard errors below which a normal variable stays with a probability of 80 %.
+/// [-] number of standard errors below which a normally distributed variable is with a probability of 80 %.
 const POWER: f64 = 0.8416;
-/// [-] share of the scale below which scatter and differences are attributed to rounding.
+/// [-] scatter or difference over the scale, below which it is attributed to rounding.
 const ROUNDING: f64 = 1e-12;
-/// Smallest number of degrees of freedom for each tested shape. With fewer, the tails of Hotelling's distribution are
-/// so long that a further shape reduces the power of the test.
+/// Smallest number of degrees of freedom for each tested shape. With fewer degrees of freedom Hotelling's distribution
+/// has so long tails that one more shape reduces the power of the test.
 const FREEDOM_PER_SHAPE: f64 = 4.0;
 
-/// A quantity to be compared: a number, a profile over slices, or a curve over time.
+/// Quantity that is compared between two runs: a number, a profile over slices, or a curve over time.
 #[derive(Clone, Debug)]
 pub struct Observable {
     /// Name of the observable; for a profile, the name of its column in `profiles.csv`.
     pub name: Cow<'static, str>,
-    /// Unit, empty for none.
+    /// Unit of the observable; empty if it has none.
     pub unit: &'static str,
     /// Centres of the slices [m], or times [s]; empty for a single number.
     pub places: Vec<f64>,
@@ -45,21 +46,21 @@ pub struct Observable {
     pub scale: f64,
     /// Description of the scale, in words that follow "% of".
     pub scale_is: &'static str,
-    /// Average at each position with its blocks of time, one component each; a single number has one position. `None`
-    /// if the average is not known.
+    /// Average at each position with its blocks of time, as one component each. A single number has one position.
+    /// `None` if the average is unknown.
     pub parts: Vec<Option<Batches>>,
 }
 
-/// A difference between two runs, first minus second, in the unit of the observable.
+/// Difference between two runs, first minus second, in the unit of the observable.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Deviation {
     /// Centre of the slice [m] or time [s]; `None` for the mean over all positions, or for a single number.
     pub place: Option<f64>,
-    /// The difference.
+    /// Difference at this position.
     pub difference: f64,
     /// Standard error of the difference; 0 if neither run scatters.
     pub error: f64,
-    /// [-] degrees of freedom of the error.
+    /// [-] number of degrees of freedom of the error.
     pub freedom: f64,
 }
 
@@ -73,12 +74,12 @@ impl Deviation {
         }
     }
 
-    /// Upper bound of the magnitude of the difference by a one-sided test at the `level` [-].
+    /// Upper bound of the magnitude of the difference by a one-sided test at the level `level` [-].
     pub fn bound(&self, level: f64) -> f64 {
         self.difference.abs() + self.width(level)
     }
 
-    /// Half-width that a one-sided test at the `level` [-] adds to the difference, in its unit.
+    /// Half-width that a one-sided test at the level `level` [-] adds to the difference, in the unit of the observable.
     pub fn width(&self, level: f64) -> f64 {
         if self.error > 0.0 { student_bound(level, self.freedom) * self.error } else { 0.0 }
     }
@@ -89,33 +90,33 @@ impl Deviation {
 pub struct Tested {
     /// Name of the observable.
     pub name: Cow<'static, str>,
-    /// Unit, empty for none.
+    /// Unit of the observable; empty if it has none.
     pub unit: &'static str,
     /// Scale by which differences are divided, in the unit of the observable.
     pub scale: f64,
     /// Description of the scale, in words that follow "% of".
     pub scale_is: &'static str,
-    /// Difference of the mean over the positions, or of the single number; `None` if it vanishes by definition or by
-    /// symmetry.
+    /// Difference of the mean over all positions, or of the single number. `None` if this difference vanishes by
+    /// definition or by symmetry.
     pub mean: Option<Deviation>,
-    /// Deviation at the position where it is largest in standard errors; `None` for a single number.
+    /// Deviation at the position where it is largest in units of its standard error; `None` for a single number.
     pub largest: Option<Deviation>,
-    /// [-] probability of a difference at least this large in the smooth shapes, between equal systems.
+    /// [-] probability that equal systems show a difference of at least this size in the smooth shapes.
     pub smooth_chance: f64,
-    /// [-] probability of a difference at least this large at any one position, between equal systems; `None` for a
-    /// single number.
+    /// [-] probability that equal systems show a difference of at least this size at any position; `None` for a single
+    /// number.
     pub local_chance: Option<f64>,
-    /// [-] probability of any of these differences between equal systems.
+    /// [-] probability that equal systems show any of these differences.
     pub chance: f64,
-    /// Upper bound of the difference at any position, from two one-sided tests at every position (at 5 % unless there
-    /// are several interim tests).
+    /// Upper bound of the difference at any position, from two one-sided tests at every position. Their level is 5 %
+    /// unless there are several interim tests.
     pub bound: f64,
-    /// Upper bound of a difference that is a sum of the smooth shapes, at the level of `bound`.
+    /// Upper bound of a difference that is a sum of the smooth shapes, at the same level as `bound`.
     pub smooth_bound: f64,
-    /// Differences at all positions; a single number has one.
+    /// Differences at all positions; a single number has one position.
     #[serde(skip)]
     places: Vec<Deviation>,
-    /// Standard error of the first shape times its largest value.
+    /// Standard error of the coefficient of the first shape, times the largest value of this shape.
     #[serde(skip)]
     first_error: f64,
     /// [-] degrees of freedom of `first_error`.
@@ -127,8 +128,8 @@ pub struct Tested {
 }
 
 impl Tested {
-    /// Difference that a report names first: that of the mean if it is the most significant, otherwise that of one
-    /// position.
+    /// Difference that a report names first. It is that of the mean if this is the most significant one, otherwise the
+    /// largest one at a position.
     pub fn headline(&self) -> Option<Deviation> {
         match (self.mean, self.largest) {
             (Some(mean), Some(largest)) if mean.chance() > largest.chance() => Some(largest),
@@ -137,20 +138,20 @@ impl Tested {
     }
 
     /// Smallest difference in the first shape that is found in 80 % of cases at the level `level` [-], in the unit of
-    /// the observable. The first shape is uniform if the mean may differ.
+    /// the observable. The first shape is uniform unless the mean difference is known to vanish.
     pub fn detectable(&self, level: f64) -> f64 {
         let level = level / self.tests();
         let bound = if self.mean.is_some() {
             student_bound(0.5 * level, self.first_freedom)
         } else {
-            // for a difference of s standard errors in one of K shapes, T² is about s² + K - 1
+            // a difference of s standard errors in one of K shapes gives T² of about s² + K - 1
             let others = self.shapes.saturating_sub(1) as f64;
             (hotelling_bound(level, self.shapes, self.first_freedom) - others).max(0.0).sqrt()
         };
         self.first_error * (bound + POWER)
     }
 
-    /// Number of tests made of the observable.
+    /// Number of tests that are made of the observable.
     fn tests(&self) -> f64 {
         match (self.mean, self.largest) {
             (_, None) => 1.0,
@@ -159,21 +160,21 @@ impl Tested {
         }
     }
 
-    /// Interval that contains the differences at all positions, each by one-sided tests at the `level` [-]; in the unit
-    /// of the observable.
+    /// Interval that contains the differences at all positions, each by one-sided tests at the level `level` [-]. The
+    /// interval is in the unit of the observable.
     pub fn interval(&self, level: f64) -> [f64; 2] {
         let ends = self.places.iter().map(|one| [one.difference - one.width(level), one.difference + one.width(level)]);
         ends.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]).unwrap_or_default()
     }
 
-    /// Number of positions whose difference has an error above 0.
+    /// Number of positions at which the difference has an error above 0.
     pub fn scattering(&self) -> usize {
         self.places.iter().filter(|one| one.error > 0.0).count()
     }
 
     /// Half-width with which equal systems are shown equivalent in 80 % of cases, at the position with the largest
-    /// error, in the unit of the observable. `places` is the number of positions, over all observables, that have to be
-    /// shown equivalent. `level` [-] is that of each one-sided test.
+    /// error, in the unit of the observable. `places` is the number of positions, over all observables, that must be
+    /// shown equivalent. `level` [-] is the level of each one-sided test.
     pub fn width_needed(&self, level: f64, places: usize) -> f64 {
         let surely =
             Normal::new(0.0, 1.0).map_or(0.0, |law| law.inverse_cdf(1.0 - 0.5 * FAILED / places.max(1) as f64));
@@ -182,24 +183,24 @@ impl Tested {
     }
 }
 
-/// One observable of two runs, folded about the mid-plane (both halves averaged) and ready to be tested.
+/// One observable of two runs, folded about the mid-plane, so that it can be tested. Folding averages both halves.
 pub struct Folded {
     name: Cow<'static, str>,
     unit: &'static str,
     scale: f64,
     scale_is: &'static str,
-    /// Positions of the folded slices.
+    /// Positions of the slices after folding.
     places: Vec<f64>,
     batches: [Batches; 2],
-    /// Values of the shapes at the positions.
+    /// Values of the smooth shapes at these positions.
     shapes: Vec<Vec<f64>>,
     /// True if the first shape is the mean.
     has_mean: bool,
 }
 
 impl Folded {
-    /// Folds an observable of two runs about the mid-plane; `None` if the runs have no position in common, or if one of
-    /// them has no errors.
+    /// Folds an observable of two runs about the mid-plane. `None` if the runs have no position in common, or if one
+    /// run has no errors.
     pub fn new(a: &Observable, b: &Observable) -> Option<Self> {
         let count = a.places.len().max(1);
         if [a, b].iter().any(|one| one.parts.len() != count) {
@@ -235,7 +236,7 @@ impl Folded {
         measured(&a, &b)
     }
 
-    /// Blocks of both runs, projected on the shapes.
+    /// Coefficients of the shapes in both runs, with their values in each block.
     fn projected(&self, shapes: &[Vec<f64>]) -> [Batches; 2] {
         let count = self.batches[0].values.len() as f64;
         let weights: Vec<Vec<f64>> =
@@ -243,8 +244,8 @@ impl Folded {
         [0, 1].map(|k| self.batches[k].project(&weights))
     }
 
-    /// Makes the tests, with a `prior` for the correlation in all observables. `level` [-] is that of each one-sided
-    /// test of equivalence.
+    /// Makes the tests. `prior` is the distribution of the correlations in all observables, and `level` [-] the level
+    /// of each one-sided test of equivalence.
     pub fn test(&self, prior: Prior, level: f64) -> Option<Tested> {
         let rounding = ROUNDING * self.scale.abs();
         let [a, b] = &self.batches;
@@ -283,7 +284,7 @@ impl Folded {
     }
 }
 
-/// Positions `kept`, scaled so that the positions `all` extend from -1 to 1.
+/// Positions `kept` in units in which the positions `all` extend from -1 to 1.
 fn places_across(all: &[f64], kept: &[f64]) -> Vec<f64> {
     let (Some(first), Some(last)) = (all.first(), all.last()) else { return vec![0.0] };
     let (middle, half) = (0.5 * (first + last), 0.5 * (last - first));
@@ -295,7 +296,7 @@ fn at_places(contrast: &Contrast, places: &[f64], rounding: f64) -> Vec<Deviatio
     places.iter().enumerate().map(|(k, &place)| deviation(contrast, k, Some(place), rounding)).collect()
 }
 
-/// Difference of one component; a difference below `rounding` counts as zero.
+/// Difference of one component of `contrast`; a difference below `rounding` counts as zero.
 fn deviation(contrast: &Contrast, component: usize, place: Option<f64>, rounding: f64) -> Deviation {
     let (difference, error) = (contrast.difference[component], contrast.error(component));
     if error > rounding {
@@ -305,12 +306,12 @@ fn deviation(contrast: &Contrast, component: usize, place: Option<f64>, rounding
     Deviation { place, difference, error: 0.0, freedom: 1.0 }
 }
 
-/// Difference of two runs in a few smooth shapes.
+/// Difference of two runs in a few smooth shapes, with its covariance.
 struct Smooth {
     /// Values of each shape at every position.
     shapes: Vec<Vec<f64>>,
     contrast: Contrast,
-    /// Indices of the shapes that scatter; the others are known exactly.
+    /// Indices of the shapes whose coefficients scatter; other coefficients are known exactly.
     scattering: Vec<usize>,
 }
 
@@ -335,7 +336,7 @@ impl Smooth {
         (!self.shapes.is_empty()).then(|| deviation(&self.contrast, 0, None, rounding))
     }
 
-    /// [-] probability of a difference at least this large between equal systems, by Hotelling's distribution.
+    /// [-] probability that equal systems show a difference of at least this size, by Hotelling's distribution.
     fn chance(&self, rounding: f64) -> f64 {
         let exact = (0..self.shapes.len()).filter(|k| !self.scattering.contains(k));
         if exact.into_iter().any(|k| self.contrast.difference[k].abs() > 10.0 * rounding) {
@@ -352,7 +353,8 @@ impl Smooth {
         if square > 0.0 { hotelling(square, self.scattering.len(), self.contrast.freedom(&direction)) } else { 1.0 }
     }
 
-    /// Upper bound of the difference at the position where it is largest, at the `level` [-] of each one-sided test.
+    /// Upper bound of the difference at the position where it is largest. `level` [-] is the level of each one-sided
+    /// test.
     fn bound(&self, level: f64) -> f64 {
         let places = self.shapes.first().map_or(0, Vec::len);
         let at = |place: usize| {
@@ -364,7 +366,8 @@ impl Smooth {
         (0..places).map(at).fold(0.0, f64::max)
     }
 
-    /// Standard error of the first shape times its largest value, and its degrees of freedom.
+    /// Standard error of the coefficient of the first shape, times the largest value of this shape, and its degrees of
+    /// freedom.
     fn first(&self) -> (f64, f64) {
         let Some(shape) = self.shapes.first() else { return (0.0, 1.0) };
         let largest = shape.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
@@ -372,8 +375,8 @@ impl Smooth {
     }
 }
 
-/// [-] probability that |t| exceeds `deviation` standard errors, by Student's distribution; by the normal distribution
-/// for infinitely many degrees of freedom.
+/// [-] probability that |t| exceeds `deviation` standard errors, by Student's distribution. For infinitely many degrees
+/// of freedom this is the normal distribution.
 pub fn two_sided(deviation: f64, freedom: f64) -> f64 {
     if freedom.is_infinite() {
         return Normal::new(0.0, 1.0).map_or(1.0, |law| 2.0 * law.sf(deviation.abs()));
@@ -381,13 +384,13 @@ pub fn two_sided(deviation: f64, freedom: f64) -> f64 {
     StudentsT::new(0.0, 1.0, freedom).map_or(1.0, |law| (2.0 * law.sf(deviation.abs())).min(1.0))
 }
 
-/// [-] number of standard errors that Student's t exceeds on one side with the probability `level` [-].
+/// [-] number of standard errors that Student's t exceeds with the probability `level` [-], on one side.
 pub fn student_bound(level: f64, freedom: f64) -> f64 {
     StudentsT::new(0.0, 1.0, freedom).map_or(f64::INFINITY, |law| law.inverse_cdf(1.0 - level))
 }
 
-/// [-] probability that T² of `shapes` components exceeds `square` (Hotelling 1931), from the fact that T² (ν - K +
-/// 1)/(ν K) follows Fisher's F distribution. Here K is the number of shapes and ν the degrees of freedom.
+/// [-] probability that T² of `shapes` components exceeds `square` (Hotelling 1931). The value T² (ν - K + 1)/(ν K) has
+/// Fisher's F distribution, where K is the number of shapes and ν the number of degrees of freedom.
 fn hotelling(square: f64, shapes: usize, freedom: f64) -> f64 {
     let count = shapes as f64;
     let rest = (freedom - count + 1.0).max(1.0);

@@ -1,7 +1,7 @@
 //! Standard errors of averages of correlated samples.
 //!
-//! A run is short in units of its own relaxation time. Plain blocking then reaches no plateau and gives too small an
-//! error (by half, for a run of 10 relaxation times). The functions in this file measure the correlation between
+//! A run is usually short in units of its relaxation time. Plain blocking then reaches no plateau, and its error is too
+//! small (by half, for a run of 10 relaxation times). The functions in this file measure the correlation between
 //! neighbouring blocks, correct it for its known bias in short series, and enlarge the error accordingly. The result of
 //! plain blocking remains a lower limit.
 
@@ -10,51 +10,51 @@ use serde::{Deserialize, Serialize};
 /// Smallest number of blocks (or samples) for a standard error. With fewer blocks, their correlation cannot be
 /// measured.
 pub const FEWEST_BLOCKS: usize = 8;
-/// Smallest number of blocks into which a series is merged; there are fewer than twice as many. More blocks would
-/// resolve the fast noise and miss slow fluctuations below it. Fewer blocks would leave too little data for an
-/// estimate.
+/// Smallest number of blocks into which a series is merged; the number is always less than twice this. With more blocks
+/// only the fast noise would be resolved, and slow fluctuations would be missed. Fewer blocks would leave too little
+/// data for an estimate.
 const BLOCKS: usize = 20;
-/// Largest accepted correlation between neighbouring blocks. Beyond it the series consists of a single fluctuation.
+/// Largest accepted correlation between neighbouring blocks. Above it the series consists of a single fluctuation.
 pub(super) const LARGEST_CORRELATION: f64 = 0.9;
 
-/// A value and its standard error, in the unit of the value.
+/// Value and its standard error, in the unit of the value.
 ///
-/// If there is no sample, there is no estimate: functions return `Option<Estimate>`.
+/// Without a sample there is no estimate: functions return `Option<Estimate>`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Estimate {
-    /// The value.
+    /// Estimated value.
     pub value: f64,
-    /// One standard error; `None` if it is not known, as with fewer than 8 blocks.
+    /// Standard error of the value; `None` if it is unknown, for example with fewer than 8 blocks.
     pub error: Option<f64>,
 }
 
 impl Estimate {
-    /// A value and its standard error.
+    /// Creates an estimate from a value and its standard error.
     pub fn new(value: f64, error: f64) -> Self {
         Self { value, error: Some(error) }
     }
 
-    /// A value whose standard error is not known.
+    /// Creates an estimate whose standard error is unknown.
     pub fn without_error(value: f64) -> Self {
         Self { value, error: None }
     }
 
-    /// A value whose error is 0.
+    /// Creates an estimate whose standard error is 0.
     pub fn exact(value: f64) -> Self {
         Self { value, error: Some(0.0) }
     }
 
-    /// Value and error, both multiplied by a factor that is known exactly.
+    /// Estimate times a factor that is known exactly.
     pub fn times(self, factor: f64) -> Self {
         Self { value: self.value * factor, error: self.error.map(|error| error * factor) }
     }
 
-    /// Value and error, both divided by a divisor that is known exactly.
+    /// Estimate divided by a divisor that is known exactly.
     pub fn over(self, divisor: f64) -> Self {
         Self { value: self.value / divisor, error: self.error.map(|error| error / divisor) }
     }
 
-    /// Difference of this value and another one, which is independent of this value.
+    /// Difference of this estimate and another, independent one.
     pub fn less(self, other: Self) -> Self {
         let error = self.error.zip(other.error).map(|(one, other)| one.hypot(other));
         Self { value: self.value - other.value, error }
@@ -66,7 +66,8 @@ impl Estimate {
     }
 }
 
-/// Mean of equally spaced samples in the order of time, with a standard error that allows for their correlation.
+/// Mean of equally spaced samples in the order of time, with a standard error that takes their correlation into
+/// account.
 ///
 /// `None` without a sample, or if their mean is not finite. Fewer than 8 samples give no standard error.
 pub fn estimate(samples: &[f64]) -> Option<Estimate> {
@@ -74,8 +75,8 @@ pub fn estimate(samples: &[f64]) -> Option<Estimate> {
     value.is_finite().then(|| Estimate { value, error: standard_error(samples, Removed::Mean) })
 }
 
-/// Number of pieces that are merged into each block, for an error estimate from `count` equal pieces. The remainder is
-/// best left out at the beginning.
+/// Number of pieces that are merged into each block, for an error estimate from `count` equal pieces. Callers leave the
+/// remainder out at the beginning.
 pub(super) fn block_size(count: usize) -> usize {
     (count / BLOCKS).max(1)
 }
@@ -85,16 +86,16 @@ pub(super) fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
-/// Fit that is subtracted from a series before its scatter is measured.
+/// Fit that was subtracted from a series before its scatter is measured.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Removed {
-    /// The mean.
+    /// The mean is subtracted.
     Mean,
     /// A fitted parabola is subtracted, so that drift does not count as noise in the test for drift.
     Parabola,
 }
 
-/// Standard error of the mean of a series in the order of time, which is merged into blocks first if it is long. With
+/// Standard error of the mean of a series in the order of time. A long series is first merged into blocks. With
 /// [`Removed::Parabola`] the values must be the residuals of that fit. `None` for fewer than 8 values, or if a value is
 /// not finite.
 pub(super) fn standard_error(values: &[f64], removed: Removed) -> Option<f64> {
@@ -125,8 +126,8 @@ fn corrected_variance(blocks: &[f64], removed: Removed) -> f64 {
         return 0.0;
     }
     let neighbours: f64 = blocks.windows(2).map(|pair| (pair[0] - centre) * (pair[1] - centre)).sum();
-    // In a short series the measured correlation is too low by about (1 + 4 rho)/count, because the mean was computed
-    // from this series too (Marriott and Pope 1954). With three fitted coefficients the bias is three times as large.
+    // in a short series the measured correlation is too low by about (1 + 4 rho)/count, because the mean was computed
+    // from the same series (Marriott and Pope 1954); with three fitted coefficients the bias is three times as large
     let bias = if removed == Removed::Parabola { 3.0 } else { 1.0 };
     let correlation =
         ((count * neighbours / scatter + bias) / (count - 4.0 * bias).max(1.0)).clamp(0.0, LARGEST_CORRELATION);
@@ -136,8 +137,8 @@ fn corrected_variance(blocks: &[f64], removed: Removed) -> f64 {
     scatter / seen * factor / count
 }
 
-/// [-] variance of the mean of `count` blocks over its value for independent blocks, computed from the correlation of
-/// neighbouring blocks. The signal is assumed to be exponentially correlated.
+/// [-] ratio of the variance of the mean of `count` blocks to that for independent blocks, computed from the
+/// `correlation` of neighbouring blocks. The signal is assumed to be exponentially correlated.
 pub(super) fn inflation(correlation: f64, count: usize) -> f64 {
     let decay = decay(correlation);
     let (mut factor, mut power) = (1.0, correlation);
@@ -148,9 +149,9 @@ pub(super) fn inflation(correlation: f64, count: usize) -> f64 {
     factor
 }
 
-/// Ratio of the correlations of block means at successive lags, beyond the first lag, for an exponentially correlated
-/// signal. It is computed from the correlation of neighbouring blocks. It is smaller than that correlation, since
-/// neighbours also share fluctuations that cross their border.
+/// [-] ratio of the correlations of block means at successive lags beyond the first lag, for an exponentially
+/// correlated signal. It is computed from the correlation of neighbouring blocks. It is smaller than this correlation,
+/// since neighbouring blocks also share fluctuations across their border.
 fn decay(correlation: f64) -> f64 {
     // with blocks of b relaxation times the correlation is (1 - exp(-b))^2 / 2(b - 1 + exp(-b)), which falls with b
     let (mut short, mut long) = (1e-3_f64, 1e3_f64);
@@ -174,8 +175,8 @@ mod tests {
     use rand_distr::{Distribution, StandardNormal};
     use rand_xoshiro::Xoshiro256PlusPlus;
 
-    /// Exponentially correlated noise of unit variance plus white noise. Returns also the exact standard error of its
-    /// mean.
+    /// Exponentially correlated noise of unit variance with the relaxation time `relaxation` [samples], plus white
+    /// noise with the standard deviation `white`.
     fn noise(count: usize, relaxation: f64, white: f64, random: &mut Xoshiro256PlusPlus) -> Vec<f64> {
         let mut normal = || -> f64 { StandardNormal.sample(random) };
         let rho = if relaxation > 0.0 { (-1.0 / relaxation).exp() } else { 0.0 };
@@ -196,8 +197,8 @@ mod tests {
         ((1.0 + white * white + sum) / n).sqrt()
     }
 
-    /// Ratio of the estimated to the exact standard error, averaged over many series, and share of means beyond 3
-    /// errors.
+    /// Ratio of the estimated to the exact standard error, averaged over many series. Also returns the share of means
+    /// that deviate by more than 3 standard errors.
     fn trial(count: usize, relaxation: f64, white: f64, size: usize) -> (f64, f64) {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(7);
         let exact = exact(count, relaxation, white);
@@ -222,8 +223,7 @@ mod tests {
                 "relaxation {relaxation}, white {white}: error {ratio:.3} of exact, {:.2} % beyond 3",
                 100.0 * beyond
             );
-            // slow fluctuations, of which the run contains only 15, give an error that is too large rather than too
-            // small
+            // the run contains only 15 slow fluctuations, so the estimated error is too large rather than too small
             let high = if relaxation > 30.0 { 1.30 } else { 1.15 };
             assert!((0.97..=high).contains(&ratio), "relaxation {relaxation}, white {white}: {ratio}");
             let expected = two_sided(3.0, 8.0);

@@ -7,11 +7,12 @@ pub enum Parity {
     Even,
     /// The profile changes its sign: shear stress, wall-normal velocity.
     Odd,
-    /// No symmetry, because the scene has no mirror plane at half height.
+    /// The profile has no symmetry, because the scene has no mirror plane at half height.
     Neither,
 }
 
-/// Number of shapes of one parity. It is large enough for smooth differences, and small enough for a common test.
+/// Largest number of shapes of one parity. So many shapes can describe smooth differences, and so few can be tested
+/// together.
 const SHAPES: usize = 3;
 
 /// Indices of the slices at which the folded slices are located, and the weights that fold `count` slices about the
@@ -26,7 +27,7 @@ pub fn fold(count: usize, parity: Parity) -> (Vec<usize>, Vec<Vec<f64>>) {
         Parity::Neither => ((0..count).collect(), (0..count).map(unit).collect()),
         Parity::Even | Parity::Odd => {
             let sign = if parity == Parity::Even { 1.0 } else { -1.0 };
-            // an odd profile is zero in the slice in the middle
+            // in the middle slice an odd profile is zero
             let half = if parity == Parity::Even { count.div_ceil(2) } else { count / 2 };
             let row = |place: usize| {
                 let mut row = vec![0.0; count];
@@ -39,9 +40,10 @@ pub fn fold(count: usize, parity: Parity) -> (Vec<usize>, Vec<Vec<f64>>) {
     }
 }
 
-/// Legendre polynomials of the parity at positions -1 ..= 1 (the first even one is constant); a row per polynomial.
-/// They are made orthogonal on these positions, with a mean square of 1. With few positions there are fewer
-/// polynomials. `skip` is the number of polynomials left out at the beginning, because their parts are known to vanish.
+/// Legendre polynomials with the given parity at positions from -1 to 1, with one row per polynomial. The first even
+/// one is constant. The polynomials are made orthogonal on these positions, with a mean square of 1. With few positions
+/// there are fewer polynomials. `skip` is the number of polynomials left out at the beginning, because their
+/// coefficients are known to vanish.
 pub fn shapes(places: &[f64], parity: Parity, skip: usize) -> Vec<Vec<f64>> {
     let (first, step, wanted) = match parity {
         Parity::Even => (0, 2, SHAPES),
@@ -57,7 +59,7 @@ pub fn shapes(places: &[f64], parity: Parity, skip: usize) -> Vec<Vec<f64>> {
             shape.iter_mut().zip(other).for_each(|(s, o)| *s -= overlap * o);
         }
         let norm = (shape.iter().map(|s| s * s).sum::<f64>() / count).sqrt();
-        // if positions coincide, only rounding is left of a further polynomial
+        // if positions coincide, a further polynomial consists only of rounding errors
         if norm < 1e-9 {
             break;
         }

@@ -14,9 +14,9 @@ pub struct SliceRow {
     /// [m] centre of the slice.
     pub y: f64,
     /// Averages in the order of [`SLICE_COLUMNS`], in their SI units. The number density is that of particle centres,
-    /// over its mean in the whole domain. The slices at walls are not corrected for the strip of one radius that no
-    /// centre can enter (20.3 % of a 1 mm slice for spheres of 406 um). Moments are relative to the mean over the slice
-    /// and the averaging period.
+    /// over its mean in the whole domain. In slices at walls no centre can be within one radius of the wall; the
+    /// density is not corrected for this (20.3 % of a 1 mm slice for spheres of 406 um). Moments are relative to the
+    /// mean over the slice and the averaging period.
     pub estimates: [Option<Estimate>; SLICE_QUANTITIES],
     /// Number of particles counted, over all samples.
     pub samples: u64,
@@ -25,16 +25,17 @@ pub struct SliceRow {
 /// Time averages in all slices, from y = 0 to the top of the domain.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct ProfileTable {
-    /// One row per slice.
+    /// Averages of the slices, one row per slice.
     pub slices: Vec<SliceRow>,
-    /// Number of blocks of time for each standard error; with fewer than 8 there are no errors.
+    /// Number of blocks of time for each standard error; with fewer than 8 blocks there are no errors.
     pub blocks: usize,
-    /// [s] time of the first sample averaged. It belongs to the first block that starts at the requested start of
-    /// averaging or later.
+    /// [s] time of the first sample in the averages. This is the first sample of the first block that starts at the
+    /// requested start of averaging or later.
     pub from: f64,
-    /// [s] time of the last sample averaged.
+    /// [s] time of the last sample in the averages.
     pub until: f64,
-    /// Blocks of time of each estimate in each slice, in the order of the row. `None` if there is no value or no error.
+    /// Blocks of time of each estimate in each slice, in the order of the row. `None` if the value or its error is
+    /// unknown.
     #[serde(skip)]
     pub batches: Vec<Vec<Option<Batches>>>,
 }
@@ -69,7 +70,7 @@ impl ProfileTable {
 }
 
 impl SliceRow {
-    /// One average of this slice, in its SI unit; `None` if it is not known.
+    /// Average of one quantity in this slice, in its SI unit; `None` if it is unknown.
     pub fn of(&self, column: SliceColumn) -> Option<Estimate> {
         self.estimates[column.index]
     }

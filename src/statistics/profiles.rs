@@ -10,34 +10,34 @@ use crate::particles::Sample;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Number of sums per slice: the count, then the products of one, two and three velocity components.
+/// Number of sums per slice: the number of particles, then products of one, two and three velocity components.
 const SUMS: usize = SLICE_QUANTITIES;
-/// Components of each second moment.
+/// Indices of the velocity components in each second moment.
 const PAIRS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)];
 /// Index in [`PAIRS`] of each pair of components.
 const PAIR_OF: [[usize; 3]; 3] = [[0, 3, 4], [3, 1, 5], [4, 5, 2]];
-/// Components of each third moment.
+/// Indices of the velocity components in each third moment.
 const TRIPLES: [[usize; 3]; 10] =
     [[0, 0, 0], [0, 0, 1], [0, 0, 2], [0, 1, 1], [0, 1, 2], [0, 2, 2], [1, 1, 1], [1, 1, 2], [1, 2, 2], [2, 2, 2]];
 /// Largest number of blocks of time. When it is reached, blocks are merged two by two, so that memory stays bounded for
 /// any run length.
 const MOST_BLOCKS: usize = 512;
 
-/// Sums over several successive samples.
+/// Sums of all slices over several successive samples.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct SampleBlock {
-    /// [s] time of the first sample.
+    /// [s] time of the first sample in the block.
     start: f64,
-    /// [s] time of the last sample.
+    /// [s] time of the last sample in the block.
     end: f64,
-    /// Number of samples taken.
+    /// Number of samples in the block.
     samples: usize,
-    /// Sums, [`SUMS`] per slice; velocities are relative to the reference.
+    /// Sums with [`SUMS`] numbers per slice; velocities are relative to the reference velocity.
     sums: Vec<f64>,
 }
 
 impl SampleBlock {
-    /// Appends a later block.
+    /// Adds the sums of a later block to this block.
     fn merge(&mut self, later: &SampleBlock) {
         self.end = later.end;
         self.samples += later.samples;
@@ -45,7 +45,7 @@ impl SampleBlock {
     }
 }
 
-/// Sums of all slices, and the total number of particles counted in them, on which every row depends.
+/// Sums of all slices with the total number of particles counted in them; every row depends on this number.
 struct Counted {
     sums: Vec<f64>,
     samples: f64,
@@ -56,8 +56,8 @@ struct Counted {
 pub struct Accumulator {
     slices: usize,
     height: f64,
-    /// [m/s] velocity (u, v, w) that is subtracted from velocities before they are multiplied. Without it, moments
-    /// would be differences of large numbers.
+    /// [m/s] velocity (u, v, w) that is subtracted from velocities before they are multiplied. Without the subtraction,
+    /// moments would be differences of large numbers.
     reference: Option<Vector3<f64>>,
     /// Number of samples in a full block; only the last block may have fewer.
     block_samples: usize,
@@ -65,7 +65,7 @@ pub struct Accumulator {
 }
 
 impl Accumulator {
-    /// Sums for `slices` slices (at least one) of a domain of `height` [m] along y.
+    /// Creates empty sums for `slices` slices (at least one) of a domain with the height `height` [m] along y.
     pub fn new(slices: usize, height: f64) -> Self {
         Self { slices: slices.max(1), height, reference: None, block_samples: 1, blocks: Vec::new() }
     }
@@ -105,12 +105,12 @@ impl Accumulator {
         self.block_samples *= 2;
     }
 
-    /// Sums of one sample.
+    /// Sums of all slices for one sample.
     fn sum(&self, sample: Sample, reference: Vector3<f64>) -> Vec<f64> {
         let particles = sample.particles;
         let scale = self.slices as f64 / self.height;
         let sums = sample.sums_in_groups(self.slices, |place| {
-            // the cast sends negative numbers to 0
+            // the cast turns negative numbers into 0
             let slice = ((particles.position[place].y * scale) as usize).min(self.slices - 1);
             let u = components(&particles.velocity[place]) - reference;
             let mut row = [1.0; SUMS];
@@ -126,15 +126,15 @@ impl Accumulator {
         sums.into_flattened()
     }
 
-    /// Averages over the samples at `from` [s] and later, in whole blocks of time.
+    /// Averages over the samples at `from` [s] and later; only whole blocks of time are used.
     ///
-    /// Values are computed from the sums of all these samples. For standard errors each value is recomputed without one
-    /// of 20 to 39 equal blocks of time (jackknife, since the moments are not linear in the sums). The error is that of
-    /// the mean of the resulting pseudo-values. It is computed by [`estimate`](super::estimate), which allows for
-    /// correlated blocks.
+    /// Values are computed from the sums over all these samples. For standard errors each value is also computed
+    /// without each of 20 to 39 equal blocks of time (jackknife, since the moments are not linear in the sums). The
+    /// error is that of the mean of the resulting pseudo-values. It is computed by [`estimate`](super::estimate), which
+    /// takes the correlation of blocks into account.
     pub fn table(&self, from: f64) -> ProfileTable {
         let full = self.blocks.iter().take_while(|b| b.samples == self.block_samples).count();
-        // sample times are sums of steps: rounding must not exclude a sample
+        // sample times are sums of many steps: their rounding must not exclude a sample
         let first = self.blocks[..full].partition_point(|b| b.start < from - 1e-9 * from.abs());
         let size = block_size(full - first);
         let used = &self.blocks[first + (full - first) % size..full];
@@ -171,8 +171,8 @@ impl Accumulator {
         ProfileTable { slices, blocks: groups.len(), from, until, batches }
     }
 
-    /// One row of the table, computed from the sums of all slices, in total and per group of blocks. Also returns the
-    /// pseudo-values of the groups for each estimate; `frame` holds the times of the groups.
+    /// One row of the table, computed from the sums of all slices, both in total and per group of blocks. Also returns
+    /// the pseudo-values of the groups for each estimate. `frame` contains the times of the groups.
     fn row(
         &self,
         slice: usize,
@@ -213,27 +213,28 @@ impl Accumulator {
     }
 }
 
-/// Velocity components (u, v, w).
+/// Components (u, v, w) of a velocity given along x, y and z.
 fn components(velocity: &Vector3<f64>) -> Vector3<f64> {
     Vector3::new(velocity.z, velocity.y, velocity.x)
 }
 
-/// Mean velocity as (u, v, w), used as reference. Any finite value is valid, but with the mean the sums are small.
+/// Mean velocity as (u, v, w), which serves as reference velocity. Any finite reference would be valid, but with the
+/// mean the sums are small.
 fn reference(sample: Sample) -> Vector3<f64> {
     let mean = components(&sample.mean_velocity());
     if mean.iter().all(|c| c.is_finite()) { mean } else { Vector3::zeros() }
 }
 
-/// Adds the sums `sums` to the sums `total`.
+/// Adds the numbers `sums` to the numbers `total`, one by one.
 fn add(total: &mut [f64], sums: &[f64]) {
     for (t, s) in total.iter_mut().zip(sums) {
         *t += s;
     }
 }
 
-/// Averages in the order of the sums: density ratio, means, central second and third moments. `average` is the mean
-/// count of all slices. The density is `None` if no particle was counted in any slice, and moments are `None` if none
-/// was counted in this slice.
+/// Averages in the order of the sums: density ratio, mean velocities, central second and third moments. `average` is
+/// the mean number of particles per slice. The density is `None` if no particle was counted in any slice. Moments are
+/// `None` if no particle was counted in this slice.
 fn derive(sums: &[f64], average: f64, reference: Vector3<f64>) -> [Option<f64>; SUMS] {
     let count = sums[0];
     let mut values = [None; SUMS];
@@ -294,7 +295,8 @@ mod tests {
         let mut accumulator = Accumulator::new(3, 0.3);
         let mut all: [Vec<Vector3<f64>>; 3] = Default::default();
         for step in 0..10 {
-            // an offset of 1000 m/s: third moments would lose all but 6 digits without the reference velocity
+            // with an offset of 1000 m/s third moments would lose all but 6 digits if no reference velocity were
+            // subtracted
             let particles = cloud(100, 0.3, 1000.0 + 0.1 * f64::from(step), &mut random);
             accumulator.sample(f64::from(step), &particles);
             for (x, v) in particles.position.iter().zip(&particles.velocity) {
@@ -387,7 +389,8 @@ mod tests {
         assert_eq!(one, run(3));
     }
 
-    /// Compares errors with the scatter of the values over many runs, for velocities that share a slow fluctuation.
+    /// Test that the errors agree with the scatter of values over many runs, for velocities with a common slow
+    /// fluctuation.
     #[test]
     fn errors_match_the_scatter_of_repeated_runs() {
         let mut random = random(4);

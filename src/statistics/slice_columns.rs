@@ -1,26 +1,26 @@
-//! Quantities averaged in slices. Files, verdicts and pictures use this one table.
+//! Quantities averaged in slices. Files, verdicts and pictures all use the table in this file.
 
 use super::modes::Parity;
 
 /// Number of quantities averaged in each slice.
 pub const SLICE_QUANTITIES: usize = 20;
 
-/// A quantity averaged in each slice: a column of `profiles.csv`.
+/// Quantity averaged in each slice, which is a column of `profiles.csv`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SliceColumn {
-    /// Name of the column.
+    /// Name of the column in `profiles.csv`.
     pub name: &'static str,
-    /// Symbol in pictures.
+    /// Symbol of the quantity in pictures.
     pub symbol: &'static str,
-    /// SI unit; empty for a ratio.
+    /// SI unit of the quantity; empty for a ratio.
     pub unit: &'static str,
-    /// Symmetry under a mirror at the mid-plane, where the scene has this symmetry.
+    /// Symmetry of the quantity under a mirror at the mid-plane, if the scene has this symmetry.
     pub parity: Parity,
     /// Index among the quantities of a slice.
     pub index: usize,
 }
 
-/// Number density over its mean.
+/// Number density over its mean in the whole domain.
 pub const NUMBER_DENSITY: SliceColumn = SLICE_COLUMNS[0];
 /// Streamwise mean velocity U.
 pub const U: SliceColumn = SLICE_COLUMNS[1];
@@ -60,7 +60,7 @@ pub const SLICE_COLUMNS: [SliceColumn; SLICE_QUANTITIES] = {
     ];
     let mut table = [SliceColumn { name: "", symbol: "", unit: "", parity: Even, index: 0 }; SLICE_QUANTITIES];
     let mut index = 0;
-    // iterators are not allowed in constants
+    // iterators are not allowed in the computation of constants
     while index < SLICE_QUANTITIES {
         let (name, symbol, unit, parity) = columns[index];
         table[index] = SliceColumn { name, symbol, unit, parity, index };

@@ -6,46 +6,47 @@ use serde::Serialize;
 /// Number of samples per batch in the marginal standard error rule. Averaging in batches reduces the influence of
 /// chance.
 const BATCH: usize = 5;
-/// Number of standard errors beyond which a difference is called drift [-]. About a dozen series are judged, with
+/// Number of standard errors [-] beyond which a difference counts as drift. About a dozen series are judged, with
 /// errors of about ten degrees of freedom. The number was found from 400 steady channels and gases:
 /// docs/theory/statistics.md, "Steady or not".
 pub const LARGEST_DRIFT: f64 = 4.0;
-/// Drift in standard errors beyond which a start of averaging at the limit of half the run is not accepted [-]. By
-/// chance the start is seldom at the limit, and both together are rarer still.
+/// Drift in standard errors [-] beyond which a start of averaging at the limit of half the run is not accepted. By
+/// chance the start is seldom at the limit, and such a drift together with it is rarer still.
 const SUSPECT: f64 = 2.0;
-/// [-] share of the marginal variance by which dropping the start must reduce it; noise alone reduces it by a few
-/// percent.
+/// [-] share by which the variance of the mean must decrease if samples at the start are dropped. Noise alone gives a
+/// decrease of a few per cent.
 const WORTH: f64 = 0.1;
 
 /// Result of the test for a steady state, for several series together.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Steadiness {
-    /// [s] start of the steady part; 0 without a sample.
+    /// [s] start of the steady part of the run; 0 without a sample.
     pub from: f64,
-    /// True if the averaging period shows no drift beyond 4 standard errors in any series. Also, its start must have
-    /// been found, not forced by the limit of half the run. False if there are too few samples for a test (`drift` is
-    /// `None` then).
+    /// True if the averaging period shows no drift beyond 4 standard errors in any series. In addition, the start of
+    /// averaging must not be forced by the limit of half the run. If there are too few samples for a test, the result
+    /// is false and `drift` is `None`.
     pub steady: bool,
-    /// [-] difference between the second and the first half of the averaging period, in units of its standard error;
-    /// the largest value over the series. `None` if unknown, infinite for a drift without any noise.
+    /// [-] difference between the second and the first half of the averaging period, in units of its standard error.
+    /// This is the largest value over the series. `None` if unknown, infinite for a drift without any noise.
     pub drift: Option<f64>,
 }
 
-/// An observable over time, with the scales for its changes.
+/// Observable over time, with the scales for its changes.
 #[derive(Clone, Copy, Debug)]
 pub struct SteadySeries<'a> {
     /// Values at each sample, in the unit of the observable.
     pub values: &'a [f64],
-    /// Scale of the changes, in the unit of the observable. Regular changes below a thousandth of the scale do not
-    /// count. With 0, every change counts.
+    /// Scale of the changes, in the unit of the observable. Regular changes below a thousandth of this scale do not
+    /// count. If the scale is 0, every change counts.
     pub scale: f64,
-    /// Smallest drift that counts, in the unit of the observable. With 0, every drift counts.
+    /// Smallest drift that counts, in the unit of the observable. If it is 0, every drift counts.
     pub step: f64,
 }
 
 impl SteadySeries<'_> {
-    /// First `count` values. All are set to 0 if they differ by no more than the rounding of a long run, as a conserved
-    /// mean velocity does. Rounding errors add up like a random walk, which looks like a drift.
+    /// First `count` values. All are set to 0 if they differ by no more than the rounding of a long run, as the values
+    /// of a conserved mean velocity do. Rounding errors add up like a random walk, which would otherwise count as a
+    /// drift.
     fn without_rounding(&self, count: usize) -> Vec<f64> {
         /// [-] share of the scale that is attributed to rounding: a hundred times the error of 10^4 roundings of
         /// numbers of that size.
@@ -65,8 +66,9 @@ impl SteadySeries<'_> {
     }
 }
 
-/// Judges series sampled at common, equally spaced `times` [s]. `from` is the start of averaging. With `None` it is
-/// found by the marginal standard error rule, which drops at most half of the run.
+/// Tests if several series are steady, which were sampled at common, equally spaced `times` [s]. `from` is the start of
+/// averaging. If it is `None`, the start is found by the marginal standard error rule, which drops at most half of the
+/// run.
 pub fn judge(times: &[f64], series: &[SteadySeries], from: Option<f64>) -> Steadiness {
     let count = series.iter().map(|s| s.values.len()).fold(times.len(), usize::min);
     let times = &times[..count];
@@ -78,7 +80,7 @@ pub fn judge(times: &[f64], series: &[SteadySeries], from: Option<f64>) -> Stead
             found.fold((0, false), |worst, one| (worst.0.max(one.0), worst.1 || one.1))
         }
     };
-    // if one series cannot be judged, there is no result for all
+    // if one series cannot be judged, there is no result for the series together
     let drifts: Option<Vec<f64>> = series.iter().map(|(values, one)| one.drift(&values[start..])).collect();
     let drift = drifts.and_then(|drifts| drifts.into_iter().reduce(f64::max));
     Steadiness {
@@ -88,24 +90,24 @@ pub fn judge(times: &[f64], series: &[SteadySeries], from: Option<f64>) -> Stead
     }
 }
 
-/// Number of samples to drop at the start, and true if the relaxation continues beyond the limit of half the run. In
-/// that case the remaining values drift, also if only half of these samples are dropped.
+/// Number of samples to drop at the start, and true if the relaxation continues beyond the limit of half the run. This
+/// is so if the number is at the limit and the values show a drift even after half of these samples are dropped.
 fn start(values: &[f64], series: &SteadySeries) -> (usize, bool) {
     let (start, at_limit) = truncation(values);
     let drifts = || series.drift(&values[start / 2..]).is_some_and(|drift| drift > SUSPECT);
     (start, at_limit && drifts())
 }
 
-/// Number of samples to drop at the start, and true if it is at the limit of half the run. The number is that for which
-/// the squared standard error of the remaining samples, taken as independent, is smallest (MSER-5; White 1997). Nothing
-/// is dropped if that reduces the square by less than a tenth.
+/// Number of samples to drop at the start, and true if this number is at the limit of half the run. With this number
+/// the squared standard error of the remaining samples, taken as independent, is smallest (MSER-5; White 1997). No
+/// sample is dropped if that reduces the square by less than a tenth.
 fn truncation(values: &[f64]) -> (usize, bool) {
     let batches: Vec<f64> = values.chunks_exact(BATCH).map(mean).collect();
     let count = batches.len();
     if count < 4 || batches.iter().any(|b| !b.is_finite()) {
         return (0, false);
     }
-    // sums from the end, relative to the overall mean to avoid cancellation
+    // the sums begin at the end of the series and are relative to the overall mean, to avoid cancellation
     let centre = mean(&batches);
     let (mut sum, mut squares) = (0.0, 0.0);
     let (mut best, mut whole) = ((f64::INFINITY, 0), f64::INFINITY);
@@ -123,19 +125,20 @@ fn truncation(values: &[f64]) -> (usize, bool) {
     if best.0 > (1.0 - WORTH) * whole {
         return (0, false);
     }
-    // noise shifts the minimum a little, so that the last tenth before the limit counts as the limit
+    // noise shifts the minimum a little, so the last tenth before the limit counts as being at the limit
     (best.1 * BATCH, 10 * best.1 >= 9 * (count / 2))
 }
 
-/// Drift of the values or drift of their ranks, whichever is larger [-]. A decay that no parabola fits, as of a cooling
-/// gas, would be taken for noise, but its ranks fall along a straight line. Ranks of a steady series are steady too.
-/// Ranks do not depend on the size of changes, so values within one `step` count as equal. Energy lost by rounding or
-/// by an integrator then counts as no decay.
+/// Drift of the values or drift of their ranks, whichever is larger [-]. A decay that no parabola fits, such as that of
+/// a cooling gas, would be taken for noise, but its ranks decrease along a straight line. Ranks of a steady series are
+/// steady too. Ranks do not depend on the size of changes, so values within one `step` count as equal. Energy lost by
+/// rounding or by an integrator then does not count as decay.
 fn drift_of_any_shape(values: &[f64], step: f64) -> Option<f64> {
     Some(drift(values)?.max(drift(&ranks(values, step))?))
 }
 
-/// Rank of each value: the number of smaller values. Values that are equal when rounded to whole `step`s count half.
+/// Rank of each value: the number of smaller values plus half the number of equal ones. Values are first rounded to
+/// whole multiples of `step`.
 fn ranks(values: &[f64], step: f64) -> Vec<f64> {
     let rounded = |value: &f64| if step > 0.0 { (value / step).round() } else { *value };
     let values: Vec<f64> = values.iter().map(rounded).collect();
@@ -149,7 +152,7 @@ fn ranks(values: &[f64], step: f64) -> Vec<f64> {
 }
 
 /// Absolute difference of the means of the two halves, in units of its standard error [-]. The noise is the residual of
-/// a parabola. Otherwise a drift would add to the scatter with which it is compared.
+/// a parabola, because otherwise a drift would add to the scatter with which it is compared.
 fn drift(values: &[f64]) -> Option<f64> {
     let count = values.len();
     if count < 2 * FEWEST_BLOCKS || values.iter().any(|v| !v.is_finite()) {
@@ -161,8 +164,7 @@ fn drift(values: &[f64]) -> Option<f64> {
     if difference <= 1e-12 * largest {
         return Some(0.0);
     }
-    // successive orthogonal polynomials about the middle; the even one does not contribute to the difference of the
-    // halves
+    // the polynomials are orthogonal about the middle; the even one does not contribute to the difference of the halves
     let middle = 0.5 * (count - 1) as f64;
     let x: Vec<f64> = (0..count).map(|k| (k as f64 - middle) / count as f64).collect();
     let spread = x.iter().map(|x| x * x).sum::<f64>() / count as f64;
@@ -170,12 +172,13 @@ fn drift(values: &[f64]) -> Option<f64> {
     take_off(&mut residuals, &vec![1.0; count]);
     take_off(&mut residuals, &x);
     take_off(&mut residuals, &x.iter().map(|x| x * x - spread).collect::<Vec<f64>>());
-    // each half has half the samples, and the variances of both add up: the error is twice that of the mean of all
+    // each half has half the samples, and the variances of the two halves add up: the error is twice that of the mean
+    // of all samples
     let error = 2.0 * standard_error(&residuals, Removed::Parabola)?;
     Some(if error <= 1e-12 * largest { f64::INFINITY } else { difference / error })
 }
 
-/// Subtracts the least-squares multiple of `shape` from the values.
+/// Subtracts the multiple of `shape` that fits the values best by least squares.
 fn take_off(values: &mut [f64], shape: &[f64]) {
     let overlap: f64 = values.iter().zip(shape).map(|(v, s)| v * s).sum();
     let factor = overlap / shape.iter().map(|s| s * s).sum::<f64>();
@@ -189,12 +192,13 @@ mod tests {
     use rand_distr::{Distribution, StandardNormal};
     use rand_xoshiro::Xoshiro256PlusPlus;
 
-    /// A series in which every change counts.
+    /// Creates a series in which every change counts.
     fn exact(values: &[f64]) -> SteadySeries<'_> {
         SteadySeries { values, scale: 0.0, step: 0.0 }
     }
 
-    /// A relaxation from 1 + `jump` to 1 with time constant `tau`, plus noise of relaxation time 0.1 s, over 5 s.
+    /// Times and values of a relaxation from 1 + `jump` to 1 with the time constant `tau` [s], plus noise with a
+    /// relaxation time of 0.1 s, over 5 s.
     fn series(jump: f64, tau: f64, random: &mut Xoshiro256PlusPlus) -> (Vec<f64>, Vec<f64>) {
         let times: Vec<f64> = (0..500).map(|k| 0.01 * f64::from(k)).collect();
         let rho = (-0.1_f64).exp();
@@ -210,7 +214,7 @@ mod tests {
         (times, values)
     }
 
-    /// Share of runs found steady, and mean start of averaging [s].
+    /// Share of the runs that are found to be steady, and mean start of averaging [s].
     fn share(jump: f64, tau: f64, from: Option<f64>) -> (f64, f64) {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(5);
         let (mut steady, mut start) = (0.0, 0.0);
@@ -237,7 +241,7 @@ mod tests {
         let values: Vec<f64> = times.iter().map(&mut step).collect();
         let judged = |scale: f64| judge(&times, &[SteadySeries { values: &values, scale, step: 0.0 }], None);
         assert!(judged(1.0).steady && judged(1.0).from == 0.0);
-        // but as an observable of that size the series drifts
+        // for an observable whose scale has this size, the series drifts
         assert!(!judged(1e-13).steady);
     }
 
@@ -258,13 +262,13 @@ mod tests {
 
     #[test]
     fn runs_that_still_drift_are_found() {
-        // from 2.4 s on the remaining drift is only about 4 standard errors, from 1 s on about 6
+        // from 2.4 s on the remaining drift is only about 4 standard errors, and from 1 s on about 6
         assert!(share(2.0, 3.0, None).0 < 0.12);
         assert!(share(2.0, 3.0, Some(1.0)).0 < 0.12);
         let times: Vec<f64> = (0..100).map(f64::from).collect();
         let ramp = judge(&times, &[exact(&times)], Some(0.0));
         assert!(!ramp.steady && ramp.drift.is_some_and(|drift| drift > 1e6), "{ramp:?}");
-        // one bad series among good ones decides
+        // one series that drifts among steady ones determines the result
         let mut random = Xoshiro256PlusPlus::seed_from_u64(6);
         let (times, good) = series(0.0, 1.0, &mut random);
         let (_, bad) = series(5.0, 5.0, &mut random);
@@ -276,7 +280,7 @@ mod tests {
     fn a_gas_that_cools_is_not_steady() {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(5);
         for scatter in [0.0, 0.05, 0.2] {
-            // Haff (1983): (1 + t/tau)^-2, with 10 tau, 40 tau and 100 tau in the run
+            // Haff (1983): the temperature decreases as (1 + t/tau)^-2; the run lasts 10 tau, 40 tau or 100 tau
             for spans in [10.0, 40.0, 100.0] {
                 let times: Vec<f64> = (0..200).map(f64::from).collect();
                 let one = |t: &f64| {
@@ -292,7 +296,7 @@ mod tests {
 
     #[test]
     fn what_falls_by_less_than_matters_is_steady() {
-        // the energy loss of an integrator, with dips during contacts
+        // energy loss by the error of an integrator, with dips during contacts
         let times: Vec<f64> = (0..200).map(f64::from).collect();
         let dip = |t: &f64| if t % 7.0 < 0.5 { 3e-4 } else { 0.0 };
         let falling = |by: f64| times.iter().map(|t| 1.0 - by * t / 200.0 - dip(t)).collect::<Vec<f64>>();

@@ -4,7 +4,7 @@ use crate::particles::Sample;
 use nalgebra::Vector3;
 
 /// Number of particles and sums of their velocities in one slice. Velocities are relative to a common reference, so
-/// that squares do not cancel.
+/// that differences of large squares are avoided.
 #[derive(Clone, Copy, Debug, Default)]
 struct VelocitySums {
     count: f64,
@@ -41,7 +41,7 @@ impl VelocitySpread {
         Self::about(sample.mean_velocity(), sample, slices, height)
     }
 
-    /// Velocity sums in slices relative to a given `reference` [m/s], which only has to be near the mean.
+    /// Velocity sums in slices, relative to a given `reference` velocity [m/s] that is near the mean.
     pub fn about<'a>(reference: Vector3<f64>, sample: impl Into<Sample<'a>>, slices: usize, height: f64) -> Self {
         let sample = sample.into();
         let particles = sample.particles;
@@ -74,8 +74,8 @@ impl VelocitySpread {
     }
 
     /// [m²/s²] parts of the granular temperature along x, y and z: T_i = Σ (v_i - U_i)²/(N - S). U is the mean velocity
-    /// of the particles in the slice, N the number of particles, and S the number of slices with particles: each mean
-    /// costs one degree of freedom. `None` if every slice holds at most one particle.
+    /// of the particles in the slice, N the number of particles, and S the number of slices with particles. Each mean
+    /// costs one degree of freedom. `None` if every slice contains at most one particle.
     pub fn components(&self) -> Option<Vector3<f64>> {
         let visited = self.slices.iter().filter(|slice| slice.count > 0.0);
         let (freedom, squares) = visited.fold((0.0, Vector3::zeros()), |(freedom, total), slice| {
@@ -102,8 +102,8 @@ mod tests {
             |particles: &Particles, slices| VelocitySpread::of(particles, slices, 1.0).temperature().unwrap();
         let mut particles = Particles::default();
         let mut push = |y: f64, v: [f64; 3]| particles.push(Vector3::new(0.0, y, 0.0), v.into(), 0.1, 1.0, 0);
-        // two slices that move apart at 10 m/s, each with two particles at ±1 m/s along x: the variance of x is 2 about
-        // the mean of two
+        // two slices that move relative to each other at 10 m/s, each with two particles at ±1 m/s along x: the
+        // variance along x is 2 about the mean of the two particles
         for (y, w) in [(0.2, 100.0), (0.8, 110.0)] {
             push(y, [1.0, 0.0, w]);
             push(y, [-1.0, 0.0, w]);
@@ -112,7 +112,7 @@ mod tests {
         let one = VelocitySpread::of(&particles, 1, 1.0);
         assert!((one.temperature().unwrap() - (4.0 + 100.0) / 9.0).abs() < 1e-12);
         assert!((one.components().unwrap() - Vector3::new(4.0, 0.0, 100.0) / 3.0).norm() < 1e-12);
-        // about the mean of all particles, whatever the slices: squares of ±1 and ±5
+        // relative to the mean of all particles, for any slices: squares of ±1 and ±5
         let two = VelocitySpread::of(&particles, 2, 1.0);
         assert!((two.variance() - 26.0).abs() < 1e-12 && (two.mean() - Vector3::new(0.0, 0.0, 105.0)).norm() < 1e-12);
         // a particle outside the box counts in the nearest slice

@@ -1,13 +1,13 @@
-//! Error against cost of methods: the Pareto front of the results, and the power law by which an error falls.
+//! Error and cost of methods: the Pareto front of the results, and the power law by which an error decreases.
 
 use serde::Serialize;
 
-/// A power law fitted to several points.
+/// Power law fitted to several points.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct PowerLaw {
     /// [-] exponent p of y ∝ x^p.
     pub exponent: f64,
-    /// [-] standard error of the exponent, from the scatter about the line.
+    /// [-] standard error of the exponent, from the scatter of the logarithms about the fitted line.
     pub error: f64,
     /// Number of fitted points.
     pub points: usize,
@@ -74,7 +74,7 @@ mod tests {
         //             0           1           2 beaten by 1  3           4 beaten by 3  5 = 3        6 unknown
         let points = [(1.0, 0.5), (2.0, 0.1), (3.0, 0.2), (4.0, 0.01), (4.0, 0.02), (4.0, 0.01), (0.5, f64::NAN)];
         assert_eq!(pareto_front(&points), [0, 1, 3, 5]);
-        // an equal error for more cost is no gain
+        // an equal error at a higher cost is not on the front
         assert_eq!(pareto_front(&[(2.0, 0.1), (1.0, 0.1)]), [1]);
         assert_eq!(pareto_front(&[]), [0usize; 0]);
     }

@@ -59,7 +59,7 @@ pub fn init(args: &Init) -> Result<(), StudyError> {
     write(&path, case.text.as_bytes(), "another file")?;
     for (name, bytes) in built_in::files_of(&case) {
         let beside = path.with_file_name(&name);
-        // an existing file with equal contents, written for another case that names it too, is used for both
+        // if a file with equal contents exists, written for another case that also names it, it is used for both cases
         if std::fs::read(&beside).is_ok_and(|there| there == bytes) {
             continue;
         }
@@ -71,11 +71,11 @@ pub fn init(args: &Init) -> Result<(), StudyError> {
     Ok(())
 }
 
-/// Writes a file as a whole or not at all; an existing file is not changed.
+/// Writes a file, either completely or not at all; an existing file is not changed.
 fn write_new(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let mut builder = tempfile::Builder::new();
-    // the file gets the permissions of an ordinary file, since temporary ones are private
+    // temporary files are private: the file gets the permissions of an ordinary file
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o644));
     let mut aside = builder.prefix(".diptych-").tempfile_in(folder)?;

@@ -1,8 +1,8 @@
-//! Measurements that a plan needs: the agitation of the particles, and the cost of a window on this machine.
+//! Measurements on which a plan depends: the agitation of the particles, and the cost of a window on this machine.
 //!
-//! The physics is measured in a short run in a smaller periodic box. Its length is counted in windows and collisions,
-//! so it is equal on every machine. Wall times are measured in a few windows of the case at its full size; no
-//! recommendation depends on them. A window is the time between two exchanges of momentum with the gas.
+//! The physics is measured in a short run in a smaller periodic box. The length of this run is given by numbers of
+//! windows and collisions, so it is equal on every machine. Wall times are measured in a few windows of the case at its
+//! full size; no recommendation depends on them. A window is the time between two exchanges of momentum with the gas.
 
 use super::trust::granular_temperature;
 use crate::contact_law::ContactLaw;
@@ -25,23 +25,24 @@ use std::time::Instant;
 /// Approximate number of particles in the smaller box, enough for a velocity distribution.
 const PARTICLES: f64 = 500.0;
 
-/// Number of windows times particles in the short run, which take some seconds.
+/// Number of windows times number of particles in the short run; such a run takes some seconds.
 const PARTICLE_WINDOWS: f64 = 4e6;
 
-/// Number of collisions in the short run, by kinetic theory at the start; they take some seconds.
+/// Number of collisions in the short run, computed by kinetic theory from the start; such a run takes some seconds.
 const COLLISIONS: f64 = 5e5;
 
-/// [-] smallest width of the smaller box, in diameters.
+/// [-] smallest width of the smaller box over the particle diameter.
 const NARROWEST: f64 = 10.0;
 
-/// Smallest number of impacts for which their speed distribution is taken as known: ten of them then lie beyond the 99
-/// % quantile.
+/// Smallest number of impacts from which their speed distribution is taken as known. Ten of these impacts are beyond
+/// the 99 % quantile.
 const IMPACTS: u64 = 1000;
 
-/// [s] wall time that is spent on timing the windows of one model.
+/// [s] wall time that is spent on timing the windows of one collision model.
 const PATIENCE: f64 = 0.4;
 
-/// Number of steps times particles in one timed piece of uniform stepping, which takes some tenths of a second.
+/// Number of steps times number of particles in a timed piece of uniform time steps; such a piece takes some tenths of
+/// a second.
 const STEPS: f64 = 2e7;
 
 /// Results of the short run in the smaller box.
@@ -52,16 +53,16 @@ pub struct Physics {
     pub variance: f64,
     /// [m²/s²] granular temperature of each species.
     pub temperatures: Vec<f64>,
-    /// Spread of the agitation over positions and directions.
+    /// Variation of the agitation with the position and the direction.
     pub spread: AgitationSpread,
-    /// [m/s] normal speeds of the collisions of pairs, if there were enough and the temperature changes during the run.
-    /// In such a run the speeds cannot be computed from the mean temperature.
+    /// [m/s] normal speeds of the collisions of pairs, if there were enough collisions and the temperature changes
+    /// during the run. In such a run the speeds cannot be computed from the mean temperature.
     pub pair_speeds: Option<Histogram>,
     /// [m/s] normal speeds of the wall impacts; `None` if there were too few.
     pub wall_speeds: Option<Histogram>,
 }
 
-/// True if all particles start at random positions with some agitation. They are then a gas, at least for a while.
+/// True if all particles start at random positions with some agitation. They then form a gas, at least for a while.
 pub fn is_gas(experiment: &Experiment) -> bool {
     /// Smallest number of particles of a gas. With fewer, the collision rate has a statistical error of 1/sqrt(N), more
     /// than 10 %.
@@ -81,8 +82,8 @@ pub fn start_variances(experiment: &Experiment) -> Vec<f64> {
     variances
 }
 
-/// Runs the case in a smaller periodic box; `None` if the particles are no gas or the case does not fit into a smaller
-/// box.
+/// Runs the case in a smaller periodic box. `None` if the particles do not form a gas, or if the case does not fit into
+/// a smaller box.
 pub fn physics(experiment: &Experiment) -> Option<Physics> {
     if !is_gas(experiment) {
         return None;
@@ -92,7 +93,8 @@ pub fn physics(experiment: &Experiment) -> Option<Physics> {
     let drawn = variance_of(&start);
     let (outcome, end) = execute(&small, start, &mut []);
     let found = granular_temperature(&outcome).filter(|found| found.is_finite() && *found > 0.0).unwrap_or(drawn);
-    // without a driving gas the temperature is that of the start, minus the part that collisions dissipate
+    // without a gas that drives the particles, the temperature is that of the start minus the part that collisions
+    // dissipate
     let variance = match &experiment.scene.fluid {
         Some(_) => found,
         None => found / drawn * variance_of(&initial_state(experiment).ok()?),
@@ -125,8 +127,8 @@ pub fn physics(experiment: &Experiment) -> Option<Physics> {
     Some(Physics { calibration, variance, temperatures, spread, pair_speeds, wall_speeds })
 }
 
-/// Slices of a run between flat walls, for the spread of the agitation. Particle centres keep half a diameter from both
-/// ends.
+/// Slices of a run between flat walls, from which the spread of the agitation is computed. Particle centres keep half a
+/// diameter from both walls.
 fn slices(outcome: &Outcome) -> Vec<Slice> {
     let scene = &outcome.experiment.scene;
     let height = scene.domain.size.y;
@@ -160,15 +162,15 @@ fn conserves(experiment: &Experiment) -> bool {
     scene.fluid.is_none() && scene.gravity.norm() == 0.0 && lossless.all(|lossless| lossless)
 }
 
-/// The case in a box whose periodic sides are shorter, at equal number density. It has hard spheres, and a duration
-/// that takes little wall time.
+/// The case with shorter periodic sides of its box, and so with fewer particles, at equal number density. It has hard
+/// spheres, and a duration that takes little wall time.
 fn smaller(experiment: &Experiment) -> Experiment {
     let mut small = experiment.clone();
     let count: usize = experiment.count();
     let domain = &mut small.scene.domain;
     let axes = domain.periodic.iter().filter(|periodic| **periodic).count();
     let diameter = experiment.scene.largest_diameter();
-    // with a body inside the domain the box is not shortened, since the position of the body would change
+    // with a body inside the domain the box is not shortened, since the body would then be at another position
     let flat = experiment.scene.walls.iter().all(|wall| wall.geometry.is_flat());
     if axes > 0 && flat && count as f64 > PARTICLES {
         let factor = (PARTICLES / count as f64).powf(1.0 / axes as f64);
@@ -186,7 +188,7 @@ fn smaller(experiment: &Experiment) -> Experiment {
         population.amount = Amount::Count(n as usize);
         left += n;
         let density = n / small.scene.domain.volume();
-        // collision rate 2 n² d² sqrt(π T) per volume
+        // kinetic theory: the collision rate per volume is 2 n² d² sqrt(π T)
         collisions += n * 2.0 * density * diameter * diameter * PI.sqrt() * population.mean_fluctuation();
     }
     let window = Schedule::new(experiment).window;
@@ -201,7 +203,8 @@ fn smaller(experiment: &Experiment) -> Experiment {
     small
 }
 
-/// [m²/s²] temperature of each species: `variance` is distributed in the ratios of the final state `end`.
+/// [m²/s²] granular temperature of each species. The mean `variance` is distributed in the ratios of the final state
+/// `end`.
 fn by_species(end: &Particles, variance: f64, species: usize) -> Vec<f64> {
     let mean = end.velocity.iter().sum::<Vector3<f64>>() / end.len().max(1) as f64;
     let mut sums = vec![(0.0, 0.0); species];
@@ -231,8 +234,8 @@ fn temperature_error(outcome: &Outcome) -> Option<f64> {
     errors.get(errors.len() / 2).copied()
 }
 
-/// The experiment with the engine of a choice. A soft engine gets the contact law `law` or, without one, the law of the
-/// case; `None` if there is neither.
+/// The experiment with the engine settings of `choice`. A soft engine gets the contact law `law` or, without this
+/// argument, the law of the case; `None` if there is neither.
 pub fn with_choice(experiment: &Experiment, choice: EngineChoice, law: Option<ContactLaw>) -> Option<Experiment> {
     let mut chosen = experiment.clone();
     chosen.soft.law = law.or(experiment.soft.law);
@@ -259,11 +262,12 @@ pub struct Timed {
     pub windows: u64,
     /// [byte] memory of this process at the end of the timed windows; `None` if the system does not report it.
     pub memory: Option<f64>,
-    /// Reason why the run stopped; `None` if it did not.
+    /// Reason why the run stopped early; `None` if it did not.
     pub failure: Option<Failure>,
 }
 
-/// Times some windows of every model at the size of the case. If there was a calibration, particles move as in it.
+/// Times some windows of every collision model with all particles of the case. If there was a calibration, the
+/// particles have the agitation that it found.
 pub fn costs(experiment: &Experiment, start: &Particles, law: Option<ContactLaw>) -> Vec<PredictedCost> {
     EngineChoice::ALL
         .into_iter()
@@ -280,14 +284,15 @@ pub fn costs(experiment: &Experiment, start: &Particles, law: Option<ContactLaw>
         .collect()
 }
 
-/// Times the share `most` [-] of a run from `start`. At least two windows after the first one are timed, or as many as
-/// `PATIENCE` allows. If other programs use the machine too, this share is slowed down as the whole run would be.
+/// Times windows of a run from `start`, up to the share `most` [-] of the run. At least two windows after the first one
+/// are timed, or as many as the wall time `PATIENCE` allows. If other programs use the machine too, they slow down the
+/// timed windows as much as they would the whole run.
 pub fn timed(experiment: &Experiment, start: &Particles, most: f64) -> Timed {
     let schedule = Schedule::new(experiment);
     let windows = schedule.windows_per_sample as f64 * schedule.samples as f64;
     let mut simulation = Simulation::new(experiment, start.clone());
     let parts = match (experiment.model(), experiment.soft.stepping) {
-        // the cost of uniform steps is equal all along the window, so a part of the window is enough
+        // uniform steps cost equally much throughout the window, so a part of the window is enough
         (Model::Soft, SoftStepping::Uniform) => {
             let steps = (schedule.window / soft_step(experiment, start.len())).max(1.0);
             (steps * start.len() as f64 / STEPS).ceil().clamp(1.0, steps)
@@ -329,8 +334,8 @@ pub fn timed(experiment: &Experiment, start: &Particles, most: f64) -> Timed {
 }
 
 /// [s] `window`, or a part of it that takes little wall time, since a window of a long run may contain any number of
-/// impacts. The parts that are tried begin with ten times the time in which the fastest particle moves by the largest
-/// diameter; each next part is twice as long.
+/// impacts. The first part that is tried is ten times the time in which the fastest particle moves by the largest
+/// diameter. Each next part is twice as long.
 fn short_enough(experiment: &Experiment, start: &Particles, window: f64) -> f64 {
     let diameter = 2.0 * start.radius.iter().copied().fold(0.0, f64::max);
     let speed = start.largest_speed(Vector3::zeros()) + (experiment.scene.gravity.norm() * diameter).sqrt();
@@ -373,7 +378,7 @@ fn resident() -> Option<f64> {
     Some(1024.0 * kibibytes)
 }
 
-/// The case with windows of one length. If a gas drives the particles, they start with the agitation `temperatures`
+/// The case with windows of equal length. If a gas drives the particles, they start with the agitation `temperatures`
 /// [m²/s²]; otherwise they start as in the case.
 pub fn agitated(experiment: &Experiment, temperatures: &[f64]) -> Experiment {
     let mut moved = experiment.clone();

@@ -1,4 +1,4 @@
-//! `diptych check CASE`: the runs that a case defines and predictions for them, without running them.
+//! `diptych check CASE`: lists the runs that a case defines, with predictions for them, without doing any run.
 
 use crate::case::{Case, Checked, Diagnostic, describe, name_of};
 use crate::cli::Check;
@@ -15,20 +15,19 @@ use serde::Serialize;
 use std::collections::HashSet;
 use std::fmt::Write;
 
-/// Largest number of particles for which `check` makes a start, to find anything that would stop a run. More particles
-/// take seconds; `plan` makes their start.
+/// Largest number of particles for which `check` makes a start, to find anything that would prevent a run. A start with
+/// more particles takes seconds; `plan` makes such a start.
 const MOST: usize = 1_000_000;
 
-/// Effort for making a start, which takes some 5 s. A position that is tried counts 1; a round over all particles
-/// counts their number.
-/// number.
+/// Limit of the effort for making a start; this effort takes some 5 s. A position that is tried counts as 1; a round
+/// over all particles counts as their number.
 const EFFORT: u64 = 5_000_000;
 
-/// Smallest number of rounds over all particles, for any number of particles. Ten are enough where insertion is quick.
+/// Smallest limit of the number of rounds over all particles. Ten rounds are enough where insertion is quick.
 const ROUNDS: u64 = 20;
 
-/// Largest number of kinds of contact that are listed. They are those with the shortest contacts, on which the time
-/// step depends.
+/// Largest number of kinds of contact that are listed. The listed ones are those with the shortest contacts, on which
+/// the time step depends.
 const LISTED: usize = 20;
 
 /// Checks a case and prints the runs that it defines.
@@ -65,11 +64,11 @@ pub fn check_text(case: &Case) -> Result<String, Diagnostic> {
 struct CheckReport {
     case: String,
     title: String,
-    /// Scene and run in words, one statement per entry.
+    /// Descriptions of the scene and the run in words, one statement per entry.
     scene: Vec<String>,
-    /// Variant of `run`; `None` for a case without a model of its own.
+    /// Variant of the command `run`; `None` if the case itself gives no model.
     run: Option<CheckedVariant>,
-    /// Variants of `compare`.
+    /// Variants of the command `compare`.
     variants: Vec<CheckedVariant>,
     /// Reason why `compare` cannot run soft and hard spheres; `None` if it can.
     compare_refused: Option<String>,
@@ -98,16 +97,16 @@ struct CheckedVariant {
     time_step: Option<f64>,
     /// [-] number of soft time steps of the whole run.
     steps: Option<f64>,
-    /// [s] shortest contact of two particles.
+    /// [s] duration of the shortest contact of two particles.
     pair_contact: Option<f64>,
-    /// [s] shortest contact with a wall.
+    /// [s] duration of the shortest contact with a wall.
     wall_contact: Option<f64>,
     /// Kinds of contact with their names and durations [s]. Empty unless there are several kinds of pairs or several at
     /// walls. At most 20 are listed, the shortest ones.
     contacts: Vec<(String, f64)>,
     /// [s] window h; if windows grow, the shortest one.
     window: f64,
-    /// [s] the longest window.
+    /// [s] longest window, which is the time between two exchanges of momentum with the gas.
     longest: f64,
     /// [-] number of windows of the whole run. A case may have more windows than a 64-bit integer can count.
     windows: f64,
@@ -121,11 +120,11 @@ impl CheckReport {
         let (run, variants) = (case.experiment(None, None), case.variants(None));
         let (variants, refused) = match variants {
             Ok(variants) => (variants, None),
-            // the case does not name soft and hard variants; perhaps it is made for one of the models only
+            // the case does not list its variants; perhaps it is made for one of the models only
             Err(why) if run.is_ok() && !case.names_variants() => (Vec::new(), Some(why)),
             Err(why) => return Err(run.err().filter(|_| !case.names_variants()).unwrap_or(why)),
         };
-        // a case that `compare` can start and `run` cannot has no model of its own, so there is no variant for `run`
+        // if `compare` can start the case but `run` cannot, the case gives no model, so there is no variant for `run`
         let run = run.ok();
         let first = run.as_ref().or(variants.first()).map(|(experiment, _)| describe(experiment));
         let mut warnings: Vec<Diagnostic> = Vec::new();
@@ -267,9 +266,9 @@ fn contacts(experiment: &Experiment, law: &ContactLaw) -> Vec<(String, f64)> {
     times
 }
 
-/// Reasons against running an experiment, found without running it. If there is too little memory, this is the reason;
-/// otherwise the reasons are those of `plan` against hard spheres. Limits of soft spheres are checked when a case is
-/// read. Hard spheres in time steps are not checked here.
+/// Reasons against running an experiment, found without running it. If there is too little memory, this is the only
+/// reason. Otherwise the reasons are those of `plan` against hard spheres. Limits of soft spheres are checked when a
+/// case is read; hard spheres in time steps are not checked.
 ///
 /// # Errors
 /// The scene is too crowded to start, so that `run` refuses it.
@@ -297,7 +296,7 @@ fn stops(experiment: &Experiment) -> Result<Vec<Diagnostic>, Diagnostic> {
     Ok(found.map(warning).collect())
 }
 
-/// Warning that `check` found no random start with its limited effort.
+/// Warning that no random start was found with the limited effort of `check`.
 fn not_yet_placed() -> Diagnostic {
     let message = "no random start was found with the effort that `check` makes: a run tries longer, and refuses a scene that is too crowded";
     let help = "see whether the walls leave room for all particles; fewer of them start sooner";

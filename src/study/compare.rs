@@ -13,15 +13,15 @@ use crate::runs::{CommandOrigin, CommandSettings, Ranks, StudyError, read, share
 use crate::statistics::{Answer, ErrorLevels};
 use std::ops::Range;
 
-/// Number of replicas between two interim tests of `--until-decided`. From three replicas on curves have errors; with
-/// four of each variant Student's t has 6 degrees of freedom.
+/// Number of replicas between two interim tests of `--until-decided`. Curves have errors from three replicas on. With
+/// four replicas of each variant Student's t has 6 degrees of freedom.
 const PIECE: usize = 4;
 
 /// Largest number of replicas of each variant for `--until-decided` without `--replicas`: sixteen interim tests.
 const MOST: usize = 64;
 
-/// Runs all variants of a case and writes one folder. Returns the answer of all comparisons together; `None` for a
-/// single variant.
+/// Runs all variants of a case and writes their results to one folder. Returns the answer of all comparisons together;
+/// `None` for a single variant.
 ///
 /// # Errors
 /// Bad input, before anything is computed; failures of engines, after everything has been written.
@@ -29,7 +29,7 @@ pub fn compare(args: &Compare, ranks: &Ranks) -> Result<Option<Answer>, StudyErr
     compare_on(args, CommandOrigin::Typed, ranks)
 }
 
-/// Begins or resumes a comparison; runs that are over are not run again.
+/// Begins or resumes a comparison. Runs that are over are not done again.
 pub(super) fn compare_on(args: &Compare, origin: CommandOrigin, ranks: &Ranks) -> Result<Option<Answer>, StudyError> {
     let settings = CommandSettings {
         checkpoint_every: args.keep.checkpoint_every,
@@ -60,10 +60,10 @@ pub(super) fn compare_on(args: &Compare, origin: CommandOrigin, ranks: &Ranks) -
     Ok(overall(&judged.comparisons))
 }
 
-/// Schedule of the interim tests ("looks"): replicas of each variant between two tests, and their largest number.
+/// Schedule of the interim tests, each of which is a "look" at the results so far.
 #[derive(Clone, Copy, Debug)]
 struct Looks {
-    /// Number of replicas of each variant between two looks.
+    /// Number of replicas of each variant between two interim tests.
     piece: usize,
     /// Largest number of replicas of each variant.
     most: usize,
@@ -83,13 +83,13 @@ impl Looks {
         self.most.div_ceil(self.piece)
     }
 
-    /// Number of replicas of each variant that are complete at a look.
+    /// Number of replicas of each variant that are complete at the interim test with the number `look`.
     fn replicas(self, look: usize) -> usize {
         (look * self.piece).min(self.most)
     }
 
-    /// Indices of the replicas of each variant that are run between the previous look and this one. The first run is
-    /// not included.
+    /// Indices of the replicas of each variant that are run between the previous interim test and this one. The first
+    /// run of each variant is not included.
     fn range(self, look: usize) -> Range<usize> {
         self.replicas(look - 1).max(1)..self.replicas(look)
     }
@@ -99,14 +99,14 @@ impl Looks {
 struct VariantComparison<'a> {
     variants: &'a Variants,
     looks: Looks,
-    /// [-] margin of the answers.
+    /// [-] margin of equivalence for the answers.
     margin: f64,
     results: VariantResults<'a>,
 }
 
 impl VariantComparison<'_> {
-    /// Runs the replicas of a variant that are needed for a look. If the user stops the command, the results so far are
-    /// written.
+    /// Runs the replicas of a variant that are required for an interim test. If the user stops the command, the results
+    /// so far are written.
     fn run_replicas(&mut self, variant: usize, look: usize) -> Result<(), StudyError> {
         if self.results.run_replicas(variant, self.looks.range(look))? {
             return Ok(());
@@ -115,12 +115,13 @@ impl VariantComparison<'_> {
         Err(self.results.stopped(variant))
     }
 
-    /// Writes the results after every variant and every look, so that a long comparison that is stopped keeps them.
+    /// Writes the results after every variant and every interim test, so that they remain if a long comparison is
+    /// stopped.
     fn write_part(&self, look: usize) -> Result<(), StudyError> {
         self.results.write(&self.judged(look), false).map(drop)
     }
 
-    /// Judges the results so far. The answers come first, then further sentences.
+    /// Judges the results so far. The answers of the comparisons come first, then further sentences.
     fn judged(&self, look: usize) -> VariantFindings {
         let pooled = self.results.runs.iter().map(|runs| pool(runs[0].clone(), runs[1..].to_vec()));
         let (outcomes, others): (Vec<Outcome>, Vec<Vec<Outcome>>) = pooled.unzip();
@@ -145,7 +146,8 @@ impl VariantComparison<'_> {
     }
 }
 
-/// True if more replicas would change nothing: every comparison is decided, or all replicas of a variant stopped.
+/// True if more replicas would not change the answers: every comparison is decided, or all replicas of a variant
+/// stopped.
 fn is_decided(findings: &VariantFindings) -> bool {
     let stopped = findings.outcomes.iter().any(|one| one.failure.is_some());
     stopped || findings.comparisons.iter().all(|one| one.answer != Answer::Unresolved)

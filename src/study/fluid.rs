@@ -1,4 +1,4 @@
-//! `diptych fluid`: the velocity profile of the gas, as a table and a figure; no particle is moved.
+//! `diptych fluid`: writes the velocity profile of the gas as a table and a figure, without moving any particle.
 
 use crate::case::Case;
 use crate::cli::FluidArguments as Args;
@@ -7,7 +7,7 @@ use crate::output::{FIGURES, Folder, OutputError, SUMMARY, figures};
 use crate::runs::{StudyError, conclude, folder, read};
 use serde::Serialize;
 
-/// Number of rows of `profile.csv` for a profile without a grid of its own.
+/// Number of rows of `profile.csv` for a profile that was not computed on a grid.
 const ROWS: usize = 401;
 
 /// Summary of a gas profile.
@@ -17,10 +17,10 @@ pub struct FluidSummary {
     pub height: f64,
     /// [m/s] mean velocity over the height, or over the cross-section of a pipe.
     pub bulk_velocity: f64,
-    /// [m/s] greatest velocity.
+    /// [m/s] greatest velocity of the gas.
     pub maximum_velocity: f64,
-    /// [-] Reynolds number with the mean velocity and the distance between the walls of the gas, or the diameter of its
-    /// pipe.
+    /// [-] Reynolds number with the mean velocity as speed. Its length is the distance between the walls of the gas, or
+    /// the diameter of the pipe that contains the gas.
     pub reynolds_number: f64,
     /// [m/s] friction velocity u_τ; `None` for a profile without one.
     pub friction_velocity: Option<f64>,
@@ -39,13 +39,14 @@ pub struct ChannelSummary {
     pub reynolds_tau: f64,
     /// Number of cells over the half channel.
     pub cells: usize,
-    /// [-] distance of the first node from the wall, y+.
+    /// [-] distance of the first node from the wall, in wall units (y⁺).
     pub first_node: f64,
-    /// Number of sweeps over k and ε.
+    /// Number of iterations of the equations of k and ε.
     pub iterations: usize,
-    /// [-] largest relative change in the last sweep.
+    /// [-] largest relative change in the last iteration.
     pub residual: f64,
-    /// [-] (production - dissipation - wall flux)/production of k, integrated over the half channel.
+    /// [-] imbalance of the k equation, integrated over the half channel: (production - dissipation - wall
+    /// flux)/production.
     pub k_imbalance: f64,
 }
 
@@ -71,7 +72,7 @@ pub fn fluid(args: &Args) -> Result<(), StudyError> {
     let case = read(&args.case, &args.input)?;
     let checked = match case.experiment(None, None) {
         Ok(checked) => checked,
-        // a case whose own model cannot run may have a gas nevertheless
+        // if the case cannot be run with its own model, its variants may nevertheless define a gas
         Err(why) => case.variants(None).ok().and_then(|list| list.into_iter().next()).ok_or(why)?,
     };
     let scene = &checked.0.scene;
@@ -200,8 +201,8 @@ fn summary(fluid: &Fluid, height: f64) -> FluidSummary {
     }
 }
 
-/// Gases of the variants of a case, each under the name of the first variant that has it. Empty if all variants have
-/// one gas.
+/// Gases of the variants of a case, each with the name of the first variant that has this gas. Empty if all variants
+/// have one gas.
 fn gases(case: &Case) -> Vec<(String, Profile)> {
     let mut gases: Vec<(String, Profile)> = Vec::new();
     for (experiment, _) in case.variants(None).unwrap_or_default() {

@@ -1,4 +1,4 @@
-//! `diptych impact`: one impact, of two spheres or of a sphere and a wall, under each model.
+//! `diptych impact`: computes one impact, of two spheres or of a sphere and a wall, with each collision model.
 
 use super::oblique::oblique;
 use crate::case::describe_variants;
@@ -21,10 +21,10 @@ use std::path::Path;
 /// Built-in case that runs if no case is named.
 const DEFAULT_CASE: &str = "impact";
 
-/// Largest number of points of a path that is kept (24 bytes each), written and drawn: some hundred megabytes.
+/// Largest number of points of a path. With 24 bytes each, they are stored, written and drawn: some hundred megabytes.
 const MOST_POINTS: f64 = 1e7;
 
-/// Number of points of a path whose points are not set by a time step.
+/// Number of points of a path if no time step sets this number.
 const POINTS: f64 = 400.0;
 
 /// The two bodies that collide, and the surface properties of their contact.
@@ -36,7 +36,7 @@ pub(super) struct ImpactPair {
     diameter: f64,
 }
 
-/// Runs the impact under each variant and writes one folder.
+/// Runs the impact under each variant and writes the results to one folder.
 ///
 /// # Errors
 /// Bad input before anything is computed; failures of engines after everything has been written.
@@ -98,7 +98,7 @@ fn notes(surface: &Surface) -> Vec<String> {
     notes
 }
 
-/// By how much oblique impacts of each variant differ from those of the first one.
+/// Sentences on the differences between oblique impacts of each variant and those of the first variant.
 fn differences(study: &ObliqueStudy) -> Vec<String> {
     let first = &study.curves[0].name;
     let sentence = |k: usize| {
@@ -130,7 +130,7 @@ fn sentence(bounce: &Bounce, asked: f64) -> String {
     }
 }
 
-/// Refuses a soft impact whose path, a point for every time step, would fill the memory.
+/// Refuses a soft impact whose path would fill the memory, since the path has a point for every time step.
 fn check_path(experiment: &Experiment, particles: usize, case: &Path) -> Result<(), StudyError> {
     let steps = experiment.run.duration / soft_step(experiment, particles);
     if experiment.model() != Model::Soft || steps <= MOST_POINTS {
@@ -173,7 +173,7 @@ pub(super) fn meeting(scene: &Scene, particles: &Particles, case: &Path) -> Resu
     }
 }
 
-/// Gap and normal velocity at present; particles are found by id.
+/// Gap and normal velocity of the two bodies at a time [s].
 pub(super) fn point(scene: &Scene, particles: &Particles, meeting: &ImpactPair, time: f64) -> PathPoint {
     let place = |id: u32| particles.id.iter().position(|&other| other == id).unwrap_or_default();
     let i = place(0);
@@ -193,7 +193,7 @@ pub(super) fn point(scene: &Scene, particles: &Particles, meeting: &ImpactPair, 
     PathPoint { time, gap, normal_velocity }
 }
 
-/// Runs one variant and notes its path after every window: a soft window is one time step.
+/// Runs one variant and stores a point of its path after every window. In a soft run a window is one time step.
 fn bounce(experiment: &Experiment, particles: Particles, meeting: &ImpactPair) -> Bounce {
     let scene = &experiment.scene;
     let duration = experiment.run.duration;
@@ -232,9 +232,9 @@ fn bounce(experiment: &Experiment, particles: Particles, meeting: &ImpactPair) -
     }
 }
 
-/// Closed form of the impact: straight flight to the touch, the contact, then straight flight. The contact follows the
-/// contact law (soft; Eq. 6) or takes an instant (hard). `None` where gravity bends the flight to a wall, or where the
-/// bodies do not meet.
+/// Closed form of the impact: straight flight up to the touch, the contact, then straight flight. The contact follows
+/// the contact law (soft; Eq. 6 of the paper) or takes an instant (hard). `None` if gravity curves the flight towards a
+/// wall, or if the bodies do not meet.
 fn closed_form(experiment: &Experiment, meeting: &ImpactPair, first: PathPoint) -> Option<Analytic> {
     let approach = -first.normal_velocity;
     let bent = matches!(meeting.partner, Partner::Wall(_)) && experiment.scene.gravity.norm() > 0.0;
@@ -248,7 +248,7 @@ fn closed_form(experiment: &Experiment, meeting: &ImpactPair, first: PathPoint) 
     if let Some(law) = experiment.law() {
         let spring = law.between(&meeting.bodies);
         contact_time = law.contact_time(&spring, approach);
-        // e = 0 is critical damping: the contact never ends
+        // e = 0 means critical damping, with which the contact never ends
         if !contact_time.is_finite() {
             return None;
         }
@@ -272,9 +272,9 @@ fn closed_form(experiment: &Experiment, meeting: &ImpactPair, first: PathPoint) 
         PathPoint { time, gap, normal_velocity }
     };
     let mut times: Vec<f64> = (0..=POINTS as usize).map(|k| duration * k as f64 / POINTS).collect();
-    // the corners of the path at a collision belong to the picture
+    // the path has corners at the beginning and the end of the contact, which the picture must contain
     times.extend([touch * (1.0 - f64::EPSILON), end].iter().filter(|t| **t < duration));
-    // a contact may be short against the duration
+    // a contact may be much shorter than the run
     let during = (1..POINTS as usize).map(|k| touch + contact_time * k as f64 / POINTS);
     times.extend(during.filter(|t| contact_time > 0.0 && *t < duration));
     times.sort_by(f64::total_cmp);

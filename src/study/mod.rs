@@ -1,5 +1,5 @@
-//! Studies, the tasks that users do with the engines: run, compare, impact. Studies know engines only through the
-//! trait.
+//! Studies, which are the tasks that users do with the engines: run, compare, impact. Studies use engines only through
+//! the trait `Engine`.
 
 mod built_in;
 mod calibration;

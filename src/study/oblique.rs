@@ -1,5 +1,5 @@
-//! Oblique impacts of the two bodies of `diptych impact`: reduced slip after over reduced slip before, under each
-//! variant, beside measured points.
+//! Oblique impacts of the two bodies of `diptych impact`. For each variant they give the reduced slip after an impact
+//! as a function of that before, for comparison with measured points. The reduced slip is s/(μ u_n).
 
 use super::impact::ImpactPair;
 use crate::engine::Partner;
@@ -10,17 +10,18 @@ use crate::rotation::slip;
 use crate::simulation::Simulation;
 use nalgebra::Vector3;
 
-/// Points of a curve.
+/// Number of points of a curve.
 const POINTS: usize = 28;
 
-/// Steepest reduced slip over that beyond which sticking ends under Walton's rule with β_0 = 0.
+/// [-] largest reduced slip of a curve, over the reduced slip at which sticking ends under Walton's rule with β_0 = 0.
 const REACH: f64 = 2.0;
 
-/// Windows per contact time in which an impact is watched, and the largest number of contact times.
+/// Number of windows per contact time in the simulation of an impact. The next constant is the largest number of
+/// contact times.
 const WINDOWS: f64 = 10.0;
 const LONGEST: u64 = 60;
 
-/// [-] M_t/M of solid spheres (docs/rotation.md), for which the measured points hold.
+/// [-] ratio M_t/M of solid spheres (docs/rotation.md), for which the measured points are valid.
 const SOLID: f64 = 2.0 / 7.0;
 
 /// Angle of impact [°] and ratio of the tangential velocities of the centre after and before. Spheres of aluminium
@@ -37,11 +38,11 @@ const MEASURED: [(f64, f64); 8] = [
     (59.8416, 0.9019),
 ];
 
-/// [-] friction of those surfaces (MFIX DEM05).
+/// [-] coefficient of friction of these surfaces (MFIX DEM05).
 const MEASURED_FRICTION: f64 = 0.092;
 
-/// Oblique impacts under each variant at the normal speed [m/s] of the case; `None` if spheres do not rotate, or without
-/// friction.
+/// Oblique impacts under each variant at the normal speed [m/s] of the case. `None` if spheres do not rotate, or if
+/// there is no friction.
 pub(super) fn oblique(
     variants: &[(&Experiment, &Particles)],
     meeting: &ImpactPair,
@@ -66,7 +67,7 @@ pub(super) fn oblique(
     let curves: Vec<ObliqueCurve> = variants.iter().map(curve).collect();
     let measured = MEASURED.iter().map(|(angle, ratio)| {
         let reduced = angle.to_radians().tan() / MEASURED_FRICTION;
-        // the surface loses 1/(M_t/M) of what the centre loses
+        // the change of the slip of the surface is 1/(M_t/M) times the change of the velocity of the centre
         (reduced, reduced * (1.0 - (1.0 - ratio) / SOLID))
     });
     let solid = (mass_ratio - SOLID).abs() < 1e-6;
@@ -75,7 +76,7 @@ pub(super) fn oblique(
     Some(ObliqueStudy { curves, measured, impulse })
 }
 
-/// [-] M_t/M of the two bodies.
+/// [-] ratio M_t/M of the effective mass of the slip to that of the normal motion.
 fn mass_ratio(particles: &Particles, meeting: &ImpactPair) -> Option<f64> {
     let inertia = particles.inertia.as_ref()?;
     let others = if matches!(meeting.partner, Partner::Particle(_)) { 2 } else { 1 };
@@ -83,15 +84,15 @@ fn mass_ratio(particles: &Particles, meeting: &ImpactPair) -> Option<f64> {
     Some(crate::rotation::tangential_mass((0..others).map(body)) / meeting.bodies.effective_mass)
 }
 
-/// [m/s] slip after an impact at a normal speed [m/s] and with a slip [m/s], without gas and gravity; `None` if it does
-/// not end.
+/// [m/s] slip after an impact with a given normal speed [m/s] and slip [m/s], without gas and gravity. `None` if the
+/// impact does not end.
 fn thrown(
     experiment: &Experiment,
     particles: &Particles,
     meeting: &ImpactPair,
     (normal_speed, slip_before): (f64, f64),
 ) -> Option<f64> {
-    /// [-] gap before the impact over the radius.
+    /// [-] ratio of the gap before the impact to the radius.
     const GAP: f64 = 1e-6;
     let mut experiment = experiment.clone();
     experiment.scene.gravity = Vector3::zeros();

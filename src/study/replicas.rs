@@ -1,4 +1,4 @@
-//! `--replicas`: runs of one variant with several seeds, and their averages as one outcome.
+//! `--replicas`: runs one variant with several seeds, and averages the results to one outcome.
 
 use crate::experiment::{Amount, Experiment};
 use crate::observe::KindAverages;
@@ -26,9 +26,9 @@ pub fn replicas(experiment: &Experiment, count: u16) -> Result<Vec<Experiment>, 
     Ok((0..count).map(one).collect())
 }
 
-/// Pools the replicas of a variant into one outcome. Returns this outcome, and the replicas except the first that it
-/// contains. Profiles, temperature, rates and averages of each species are averages over all replicas. All else, such
-/// as times, counts and energy balances, is that of the first replica. Failed replicas are left out unless all have
+/// Pools the replicas of a variant into one outcome. Returns this outcome, and all its replicas except the first.
+/// Profiles, temperature, rates and averages of each species are averages over all replicas. All other results, such as
+/// times, counts and energy balances, are those of the first replica. Failed replicas are left out unless all have
 /// failed; the failure remains in the outcome.
 pub fn pool(first: Outcome, others: Vec<Outcome>) -> (Outcome, Vec<Outcome>) {
     let failure = std::iter::once(&first).chain(&others).find_map(|run| run.failure.clone());
@@ -43,7 +43,7 @@ pub fn pool(first: Outcome, others: Vec<Outcome>) -> (Outcome, Vec<Outcome>) {
 }
 
 /// [-] share of particles that keep their positions above which averages of one run are not valid for other runs. The
-/// share is known to about 0.05.
+/// uncertainty of this share is about 0.05.
 pub const FROZEN: f64 = 0.2;
 
 fn merge(first: &Outcome, others: &[Outcome]) -> Outcome {
@@ -53,7 +53,7 @@ fn merge(first: &Outcome, others: &[Outcome]) -> Outcome {
     let all: Vec<&Outcome> = std::iter::once(first).chain(others).collect();
     let kept = all.iter().filter_map(|run| run.places_kept);
     let places_kept = kept.reduce(f64::max);
-    // if particles do not mix, only the scatter between runs is valid for other runs
+    // if particles do not mix, the errors of averages follow only from the scatter between runs
     let by_runs = places_kept.is_some_and(|kept| kept > FROZEN) && all.len() >= FEWEST_RUNS;
     let pooled = |of: fn(&Averaged) -> &Option<Batches>| {
         let runs: Option<Vec<&Batches>> = all.iter().map(|run| of(&run.averaged).as_ref()).collect();
@@ -72,7 +72,7 @@ fn merge(first: &Outcome, others: &[Outcome]) -> Outcome {
     outcome.pair_rate = estimate(&averaged.pair_rate);
     outcome.wall_rate = estimate(&averaged.wall_rate);
     outcome.temperature = estimate(&averaged.temperature);
-    // one run in twenty appears unsteady by chance
+    // by chance one run in twenty appears unsteady
     outcome.steadiness.steady = 2 * steady > all.len();
     outcome.places_kept = places_kept;
     outcome.profiles = profiles;

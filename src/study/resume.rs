@@ -15,8 +15,8 @@ use std::path::Path;
 /// Continues the command whose results are in a folder.
 ///
 /// # Errors
-/// The folder has nothing that could be resumed, another version of the program wrote it, or its case has changed;
-/// otherwise the errors of the command.
+/// The folder has nothing that could be resumed, another version of the program wrote it, or its case has changed.
+/// Otherwise the errors are those of the command.
 pub fn resume(args: &Resume, ranks: &Ranks) -> Result<(), StudyError> {
     let typed = args.folder.display();
     let input = |message: String| StudyError::Input(format!("error: {message}"));
@@ -24,7 +24,7 @@ pub fn resume(args: &Resume, ranks: &Ranks) -> Result<(), StudyError> {
     let command = Store::of(&folder).command().map_err(|why| refusal(&folder, why))?;
     let cli = Cli::try_parse_from(&command.arguments)
         .map_err(|why| input(format!("{typed} cannot be gone on with: {why}")))?;
-    // typed paths are relative to the folder in which they were typed
+    // paths in the command line are relative to the folder in which the command was typed
     std::env::set_current_dir(&command.folder).map_err(|why| {
         input(format!(
             "{} was started in {}, which cannot be entered: {why}",
@@ -33,7 +33,7 @@ pub fn resume(args: &Resume, ranks: &Ranks) -> Result<(), StudyError> {
         ))
     })?;
     let origin = CommandOrigin::Resumed { folder, command, quiet: args.quiet };
-    // other commands are not stored
+    // only these commands are stored
     if let Command::Run(mut run) = cli.command {
         adopt(args, &mut run.output, &mut run.effort);
         run_on(&run, origin, ranks)
@@ -51,7 +51,7 @@ pub fn resume(args: &Resume, ranks: &Ranks) -> Result<(), StudyError> {
     }
 }
 
-/// Replaces the options typed when the command began by the options typed for `resume`.
+/// Replaces the options of the earlier command by the options typed for `resume`.
 fn adopt(args: &Resume, output: &mut Output, effort: &mut Effort) {
     output.quiet |= args.quiet;
     effort.threads = args.threads.or(effort.threads);

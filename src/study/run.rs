@@ -15,7 +15,7 @@ use crate::runs::{CommandOrigin, CommandSettings, Ranks, StudyError, read, share
 use crate::schedule::Schedule;
 use crate::statistics::Estimate;
 
-/// Runs a case with one model and writes its folder.
+/// Runs a case with one model and writes the results to a folder.
 ///
 /// # Errors
 /// Bad input, before anything is computed; a failure of the engine, after all results up to it have been written.
@@ -56,12 +56,12 @@ pub(super) fn run_on(args: &Run, origin: CommandOrigin, ranks: &Ranks) -> Result
     if !is_whole {
         return Err(results.stopped(0));
     }
-    // the folder of figures is made anew with the report, so budgets are written afterwards
+    // writing the report replaces the folder of figures, so the budgets are written afterwards
     let balance = moments.map_or(Ok(Vec::new()), |moments| budgets(&moments, &findings.outcomes[0], &folder))?;
     results.finish(&findings, &[findings.verdicts.clone(), balance].concat(), &report)
 }
 
-/// Variant of a run. If the program chose its model, also the reason for this choice.
+/// Variant that the command runs. If the program chose its model, also the reason for this choice.
 fn variant(args: &Run, ranks: &Ranks) -> Result<(Variants, Option<String>), StudyError> {
     let case = read(&args.case, &args.input.with_every(args.every.as_ref()))?;
     let auto = args.model == Some(ModelChoice::Auto);
@@ -78,7 +78,7 @@ fn variant(args: &Run, ranks: &Ranks) -> Result<(Variants, Option<String>), Stud
     Ok((variants, reason))
 }
 
-/// Refuses budgets if windows are divided, because budgets are sums over windows of one length.
+/// Refuses budgets if windows are divided or grow, because budgets are sums over windows of one length.
 fn refuse_budgets(args: &Run, schedule: &Schedule) -> Result<(), StudyError> {
     if args.budgets && schedule.is_cut() {
         let why = "--budgets needs windows of one length, and --every ends some of them between";
@@ -92,7 +92,7 @@ fn refuse_budgets(args: &Run, schedule: &Schedule) -> Result<(), StudyError> {
     Err(StudyError::Input(format!("error: {why}\nhelp: --set run.window=\"{:?} s\"", schedule.window)))
 }
 
-/// Writes the budgets of the second moments; returns a sentence on how well they close.
+/// Writes the budgets of the second moments; returns a sentence on the remaining imbalance.
 fn budgets(moments: &SecondMoments, outcome: &Outcome, folder: &Folder) -> Result<Vec<String>, StudyError> {
     let Some(budgets) = moments.budgets(outcome.steadiness.from) else {
         return Ok(vec!["No budgets: a slice saw no particle, or nothing was averaged.".into()]);
@@ -119,7 +119,7 @@ fn budgets(moments: &SecondMoments, outcome: &Outcome, folder: &Folder) -> Resul
     Ok(MOMENTS.iter().zip(&budgets.whole).map(sentence).chain([walls]).collect())
 }
 
-/// Sets the engine that the plan of the experiment recommends; returns the line that tells the user.
+/// Changes the experiment to the engine that its plan recommends; returns a line for the user about this choice.
 fn choose(experiment: &mut Experiment) -> Result<String, StudyError> {
     let planned = plan_of(experiment, USUAL_TARGET, false)?;
     let recommendation = &planned.recommendation;

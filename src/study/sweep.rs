@@ -1,8 +1,8 @@
 //! `diptych sweep CASE`: runs the variants of a case at several values of its keys.
 //!
-//! Every run is identified by the hash of its resolved case. Its result is stored under that name when the run is done,
-//! and remains when the sweep is over. So a sweep that is started again, also with other values, does only the missing
-//! runs. A run that several points have in common is done once (hard spheres do not depend on a stiffness).
+//! Every run is identified by the hash of its resolved case. The result of a run is stored under this hash when the run
+//! is done, and remains when the sweep is over. If a sweep is started again, also with other values, only the missing
+//! runs are done. A run that belongs to several points is done once (hard spheres do not depend on a stiffness).
 
 use super::replicas::{FROZEN, replicas};
 use crate::case::{Case, Checked, SweepAxis, describe_variants, fingerprint};
@@ -24,7 +24,7 @@ use std::path::Path;
 /// Largest number of rows of a sweep; a reader would not read more rows one by one.
 const MOST: usize = 10_000;
 
-/// Does the missing runs of a sweep and writes its folder.
+/// Does the missing runs of a sweep and writes the folder of its results.
 ///
 /// # Errors
 /// Bad input, before anything is computed; runs that stopped early, after everything has been written.
@@ -32,7 +32,7 @@ pub fn sweep(args: &Sweep, ranks: &Ranks) -> Result<(), StudyError> {
     sweep_on(args, CommandOrigin::Typed, ranks)
 }
 
-/// Begins or resumes a sweep; runs that are over are not run again.
+/// Begins or resumes a sweep. Runs that are over are not done again.
 pub(super) fn sweep_on(args: &Sweep, origin: CommandOrigin, ranks: &Ranks) -> Result<(), StudyError> {
     let mut settings = CommandSettings {
         in_turn: args.in_turn,
@@ -100,7 +100,7 @@ fn planned(args: &Sweep) -> Result<(Case, Vec<SweepAxis>, SweepPlan), StudyError
 }
 
 impl RunResult for SweepRun {
-    /// Measured values of a run. The refusal of a scene too crowded to start is a result too.
+    /// Measured values of a run. If the scene is too crowded to start, this error is the result.
     fn of(run: &ResumableRun, outcome: Result<Outcome, StudyError>) -> Result<Self, StudyError> {
         let mut result = Self { identity: run.identity.name.clone(), ..Self::default() };
         let outcome = match outcome {
@@ -152,8 +152,8 @@ fn failures(rows: &[SweepRow], variants: &[String], axes: &[SweepAxis]) -> Resul
     if failed.is_empty() { Ok(()) } else { Err(StudyError::Failed(failed.join("\n"))) }
 }
 
-/// Adds the result of a run to every row to which the run belongs. Averages are taken in the order of the replicas, in
-/// whatever order these end.
+/// Adds the result of a run to every row to which the run belongs. The results in a row are sorted in the order of the
+/// replicas, because averages depend on the order of their terms.
 fn give(rows: &mut [SweepRow], run: &SweepRun) {
     for row in rows {
         let times = row.identities.iter().filter(|identity| **identity == run.identity).count();
@@ -162,7 +162,7 @@ fn give(rows: &mut [SweepRow], run: &SweepRun) {
     }
 }
 
-/// Plan of a sweep: its rows and its runs.
+/// Rows and runs of a sweep.
 #[derive(Default)]
 struct SweepPlan {
     variants: Vec<String>,
@@ -175,7 +175,7 @@ struct SweepPlan {
     names: Vec<String>,
     /// Identities of the runs, by which equal runs are found.
     known: HashSet<String>,
-    /// Reference variant with which the others are compared: the first hard one.
+    /// Index of the variant with which the others are compared: the first hard one.
     reference: Option<usize>,
     /// True if the case requests trajectories, which a sweep does not write.
     has_trajectories: bool,
@@ -208,7 +208,7 @@ impl SweepPlan {
         Ok(plan)
     }
 
-    /// Adds a variant at a point, with one run for each replica.
+    /// Adds a variant at a point of the sweep, with one run for each replica.
     fn add(&mut self, axes: &[SweepAxis], at: &[usize], checked: Checked, count: u16) -> Result<(), StudyError> {
         let experiment = &checked.0;
         let variant = self.variants.iter().position(|name| *name == experiment.name).unwrap_or_else(|| {
@@ -234,7 +234,7 @@ impl SweepPlan {
     }
 }
 
-/// Index of the value on each axis, for the point with the number `index`. The last axis changes fastest.
+/// Index of the value on each axis, for the point with the number `index`. The value of the last axis changes fastest.
 fn at(axes: &[SweepAxis], mut index: usize) -> Vec<usize> {
     let mut at: Vec<usize> = Vec::new();
     for axis in axes.iter().rev() {

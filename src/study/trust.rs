@@ -1,4 +1,4 @@
-//! Limits of the reliability of the numbers of a run, in sentences.
+//! Limits of the reliability of the results of a run, in sentences.
 
 use crate::experiment::Model;
 use crate::outcome::Outcome;
@@ -7,8 +7,8 @@ use crate::predict::gas;
 use crate::statistics::{Estimate, UU, VV, WW};
 use crate::study::judge::not_steady;
 
-/// Difference between given and realised restitution from which it is reported. Restitution is given to two digits, and
-/// this is half of the last digit.
+/// [-] difference between the given and the realised restitution from which on a note is written. Restitution is given
+/// to two digits, and this is half of the last digit.
 pub(super) const MISS: f64 = 0.005;
 
 /// One sentence on a run: its length, wall time and impacts, or its failure.
@@ -41,7 +41,7 @@ pub fn granular_temperature(outcome: &Outcome) -> Option<f64> {
 }
 
 /// [-] relative reduction of the effective diameter of soft spheres of the first species, after Barker and Henderson.
-/// `None` for hard spheres, without samples or impacts, and for a few bodies, which are no gas.
+/// `None` for hard spheres, without samples or impacts, and for few bodies, which do not form a gas.
 pub fn softness(outcome: &Outcome) -> Option<f64> {
     if outcome.record.pairs.count == 0 || !outcome.paths.points.is_empty() {
         return None;

@@ -1,4 +1,4 @@
-//! Trust sheet of a variant: every number that shows how reliable the others are, together with its expected value.
+//! Trust sheet of a variant: numbers that show how reliable its results are, each with its expected value.
 
 use super::trust::{MISS, softness};
 use crate::engine::Failure;
@@ -9,8 +9,8 @@ use crate::statistics::Estimate;
 
 /// Number of standard errors beyond which a difference is not attributed to chance.
 const SUSPECT: f64 = 3.0;
-/// [-] largest share of the energy that may remain unexplained. The error of the integrator at 20 steps per contact is
-/// well below it.
+/// [-] largest share of the energy that may remain unexplained in the energy balance. The error of the integrator at 20
+/// steps per contact is much smaller.
 const RESIDUAL: f64 = 1e-3;
 /// [-] limit of the overlap at the mean impact speed, over the diameter of the smaller particle: λ in the paper's Eq.
 /// 11.
@@ -39,8 +39,8 @@ fn certain(value: f64) -> Estimate {
     Estimate::without_error(value)
 }
 
-/// One check of the sheet. With `Equals` the result is suspect if it differs by more than `allowed` and, where there is
-/// an error, by more than 3 standard errors.
+/// Makes one check of the sheet. If the expected value is `Equals`, the result is suspect if it differs by more than
+/// `allowed`. If there is a standard error, it must also differ by more than 3 standard errors.
 fn check(name: &'static str, unit: &'static str, found: Estimate, expected: Expected, allowed: f64) -> TrustCheck {
     let mut check =
         TrustCheck { name, unit, found: Some(found), expected, judgement: Judgement::Stated, remark: String::new() };

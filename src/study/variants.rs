@@ -24,15 +24,15 @@ use std::sync::Arc;
 
 /// Variants of a case that a command runs.
 pub struct Variants {
-    /// The case.
+    /// Case from which the variants are made.
     pub case: Case,
     /// Experiment of each variant.
     pub checked: Vec<Checked>,
     /// Number of runs of each variant, with different seeds.
     pub replicas: u16,
-    /// Trajectories to be written of the first run of each variant; `None` for none.
+    /// Settings of the trajectories of the first run of each variant; `None` if no trajectories are written.
     pub trajectories: Option<Trajectories>,
-    /// True to test each variant with half the time step.
+    /// True if each variant is tested with half the time step.
     pub verify: bool,
 }
 
@@ -42,7 +42,7 @@ impl Variants {
         self.checked.iter().map(|(experiment, _)| experiment)
     }
 
-    /// Refuses a shared run in which processes would be idle: more processes than particles, and no replicas to do.
+    /// Refuses a shared run in which processes would be idle: more processes than particles, and no replicas.
     ///
     /// # Errors
     /// Some processes would be idle.
@@ -59,12 +59,12 @@ impl Variants {
         )))
     }
 
-    /// Checksum of the variants, which all processes compare before they make the starts.
+    /// Checksum of the variants, which all processes compare before they make initial states.
     pub fn mark(&self) -> u32 {
         mark_of_experiments(self.experiments())
     }
 
-    /// Runs variant by variant: the first, which is done alone, then its replicas.
+    /// Makes the list of runs, variant by variant. The first run of a variant is done alone, then its replicas.
     fn runs(&self, ranks: &Ranks) -> Result<Vec<ResumableRun>, StudyError> {
         let names = file_names(self.experiments().map(|experiment| experiment.name.as_str()));
         let mut runs = Vec::new();
@@ -79,7 +79,8 @@ impl Variants {
         Ok(runs)
     }
 
-    /// Initial states of the variants. If all processes share the runs, each process makes its part of a start.
+    /// Initial states of the variants. If all processes share the runs, each process makes a part of each initial
+    /// state.
     fn starts(&self, ranks: &Ranks) -> Result<Vec<Start>, StudyError> {
         if ranks.count() == 1 {
             self.experiments().try_for_each(refuse_too_large)?;
@@ -108,10 +109,10 @@ pub struct VariantResults<'a> {
     frames: Vec<Frames>,
 }
 
-/// Content of a document on the variants.
+/// Results of the variants in the form in which they are written to a document.
 #[derive(Default)]
 pub struct VariantFindings {
-    /// Outcome of each variant, the average over its replicas.
+    /// Outcome of each variant, averaged over its replicas.
     pub outcomes: Vec<Outcome>,
     /// Comparisons of the variants with their references.
     pub comparisons: Vec<Verdict>,
@@ -148,7 +149,7 @@ impl<'a> VariantResults<'a> {
         }))
     }
 
-    /// The folder of results.
+    /// Folder for the results of the command.
     pub fn folder(&self) -> Rc<Folder> {
         Rc::clone(&self.executor.folder)
     }
@@ -172,7 +173,7 @@ impl<'a> VariantResults<'a> {
         Ok(end)
     }
 
-    /// Makes the trust sheet of the first run of the last variant; `end` is the final state of this run.
+    /// Makes the trust sheet of the variant that was run last; `end` is the final state of its first run.
     ///
     /// # Errors
     /// The stored state for the test with half the time step belongs to another run.
@@ -187,8 +188,8 @@ impl<'a> VariantResults<'a> {
         Ok(())
     }
 
-    /// Does these replicas of a variant concurrently, counted from its first run. Returns false if the user has stopped
-    /// the variant; unfinished replicas are then left out.
+    /// Does the replicas of a variant with the indices `range` concurrently; index 0 is its first run. Returns false if
+    /// the user has stopped the variant; unfinished replicas are then left out.
     ///
     /// # Errors
     /// The stored state of a replica belongs to another run.
@@ -245,7 +246,7 @@ impl<'a> VariantResults<'a> {
     }
 }
 
-/// Names of files for variants: the names of the variants in letters that any system accepts. All are different.
+/// File names for the variants: their names in letters that any system accepts. All file names are different.
 fn file_names<'a>(variants: impl Iterator<Item = &'a str>) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
     for variant in variants {

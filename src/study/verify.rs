@@ -1,4 +1,4 @@
-//! `--verify`: measures the effect of half the time step and half the window.
+//! `--verify`: measures the effect of halving the time step and the window.
 
 use crate::experiment::{AverageFrom, Experiment, HardStepping, TimeStep};
 use crate::outcome::Outcome;
@@ -9,16 +9,17 @@ use crate::schedule::Schedule;
 use crate::statistics::Estimate;
 use std::convert::Infallible;
 
-/// Divisor of the length of the run that gives the length of the test. The test is run once as set and once at half the
-/// step, which costs twice as much if all particles are stepped. That makes three fifteenths, a fifth of the run.
+/// Ratio of the length of the run to that of the test. The test is done once with the original settings and once with
+/// half the step, which costs twice as much if all particles move in time steps. Together this is three fifteenths of
+/// the run.
 const PARTS: f64 = 15.0;
 
-/// Number of samples in the test, enough blocks for a standard error.
+/// Number of samples in the test, which is enough for the blocks of a standard error.
 const SAMPLES: f64 = 48.0;
 
-/// Continues a run for a fifteenth of its length from its final state, once as set and once at half the step and
-/// window. `end` is the final state in the order of ids. Contacts in progress begin anew in both runs. Progress is
-/// shown unless `quiet`.
+/// Continues a run from its final state for a fifteenth of its length, once with its settings and once with half the
+/// step and window. `end` is the final state in the order of ids. Contacts in progress begin anew in both
+/// continuations. Progress is shown unless `quiet` is true.
 pub fn verify(outcome: &Outcome, end: &Particles, quiet: bool) -> HalvedStep {
     let run = |experiment: &Experiment| {
         let progress = Progress::new([experiment], quiet);
@@ -45,7 +46,7 @@ pub(super) fn verify_with_checkpoints(
     })
 }
 
-/// Runs the test as set and at half the step; `run` does one run.
+/// Does the test with the original settings and with half the step; `run` does one run.
 fn halve<E>(outcome: &Outcome, mut run: impl FnMut(&Experiment) -> Result<Outcome, E>) -> Result<HalvedStep, E> {
     if let Some(why) = &outcome.failure {
         return Ok(HalvedStep::Unknown(format!("the run itself stopped early: {why}")));
@@ -77,11 +78,11 @@ fn halve<E>(outcome: &Outcome, mut run: impl FnMut(&Experiment) -> Result<Outcom
     }))
 }
 
-/// Experiment of the test over `stretch` [s], at half the step if `halved`.
+/// Experiment of the test with the duration `stretch` [s], with half the step and window if `halved` is true.
 fn stretched(outcome: &Outcome, stretch: f64, halved: bool) -> Experiment {
     let mut experiment = outcome.experiment.clone();
     let factor = if halved { 0.5 } else { 1.0 };
-    // windows of the length at the end of the run, where the test begins
+    // the windows have the length that they have at the end of the run, where the test begins
     let window = Schedule::new(&outcome.experiment).longest().min(stretch);
     experiment.run.duration = stretch;
     experiment.run.average_from = AverageFrom::Time(0.0);

@@ -1,9 +1,10 @@
 //! Work sharing among the threads of a run: each thread takes one piece of work after the other until none is left.
 //!
 //! A run alternates between dozens of shared loops, each of some tenths of a millisecond. A thread that starts a loop
-//! here does pieces itself, and then waits for the other threads without sleeping. The loops of rayon put a waiting
-//! thread to sleep, and waking it takes long on a virtual machine (docs/design/islands.md). The result of a piece does
-//! not depend on the thread that does it, so results are equal for any number of threads.
+//! of this module works on pieces itself, and then waits for the other threads without sleeping. The loops of the
+//! library rayon put a waiting thread to sleep, and waking it takes long on a virtual machine (docs/design/islands.md).
+//! The result of a piece does not depend on the thread that computes it, so results are equal for any number of
+//! threads.
 
 mod spinning;
 
@@ -16,14 +17,14 @@ use std::time::Duration;
 
 /// Number of times that an idle thread searches for work before it rests. The searches take some 2 ms if no other
 /// program uses the processor. This is longer than the pause between two shared loops of an engine, and short compared
-/// with the times for which one thread works alone. The searches are counted instead of timed, because physics reads no
-/// clock.
+/// with the times for which one thread works alone. The searches are counted instead of timed, because engines do not
+/// read the time.
 const LOOKS: u32 = 5000;
 
 /// Rest between two searches after [`LOOKS`] searches without work.
 const RESTS: Duration = Duration::from_micros(200);
 
-/// Calls `work` on every piece.
+/// Calls `work` on every piece, on several threads of the pool.
 pub fn for_each<T: Send>(
     pieces: impl DoubleEndedIterator<Item = T> + ExactSizeIterator + Send,
     work: impl Fn(T) + Sync,
@@ -43,7 +44,7 @@ pub fn for_each_with<T: Send, M>(
         return pieces.for_each(|piece| work(&mut memory, piece));
     }
     let (pieces, busy) = (Mutex::new(pieces), AtomicUsize::new(helpers));
-    // rayon passes on a panic in a piece: then the remaining pieces do not matter
+    // rayon passes on a panic in a piece: the remaining pieces are then not needed
     let next = |back: bool| {
         let mut pieces = pieces.lock().unwrap_or_else(PoisonError::into_inner);
         if back { pieces.next_back() } else { pieces.next() }
@@ -58,8 +59,8 @@ pub fn for_each_with<T: Send, M>(
         for _ in 0..helpers {
             scope.spawn(|_| {
                 let _done = CompletionSignal(&busy);
-                // helpers take pieces from the end: a thread then gets mostly the pieces that it had in the loop
-                // before, which are in its cache
+                // the other threads take pieces from the end: each thread then mostly gets the pieces that it had in
+                // the previous loop, which are in its cache
                 do_pieces(true);
             });
         }
@@ -97,7 +98,7 @@ impl Drop for CompletionSignal<'_> {
     }
 }
 
-/// Waits until no thread is busy, and meanwhile does other available work of the pool.
+/// Waits until no thread works on pieces of the loop, and meanwhile does other available work of the pool.
 fn wait_for(busy: &AtomicUsize) {
     let mut idle = IdleThread::default();
     while busy.load(Ordering::Acquire) > 0 {
@@ -108,16 +109,16 @@ fn wait_for(busy: &AtomicUsize) {
     }
 }
 
-/// State of a thread that has nothing to do, which counts its searches for work.
+/// State of a thread that has no work, which counts its searches for work.
 #[derive(Default)]
 struct IdleThread {
-    /// Number of searches for work since the thread last did something.
+    /// Number of searches for work since the thread last did work.
     looks: u32,
 }
 
 impl IdleThread {
-    /// Returns when it is time to search again: at once, but after other programs had a chance to use the processor;
-    /// after a rest if [`LOOKS`] searches have found nothing.
+    /// Waits until the next search for work. The wait is short, but lets other programs use the processor. After
+    /// [`LOOKS`] searches without work it is a rest of [`RESTS`].
     fn look_again(&mut self) {
         self.looks = self.looks.saturating_add(1);
         if self.looks < LOOKS { std::thread::yield_now() } else { std::thread::sleep(RESTS) }
@@ -149,7 +150,7 @@ mod tests {
         let barrier = std::sync::Barrier::new(3);
         let made = AtomicUsize::new(0);
         let own = || made.fetch_add(1, Ordering::Relaxed);
-        // each piece waits until the other two have begun: a single thread would never end
+        // each piece waits until the two others have begun, so a single thread would never end
         let who = on(3, || map_with(0..3, own, |own, _| (barrier.wait(), *own).1));
         assert_eq!(made.into_inner(), 3);
         assert_eq!(who.iter().collect::<std::collections::BTreeSet<_>>().len(), 3, "{who:?}");
@@ -163,7 +164,7 @@ mod tests {
 
     #[test]
     fn a_piece_that_panics_is_told_and_leaves_nobody_waiting() {
-        // first the leading thread panics, which begins at the front, then the helper
+        // the panic occurs first in the thread that begins at the front, then in the other thread
         for wrong in [0, 1] {
             let barrier = std::sync::Barrier::new(2);
             let piece = |k: usize| assert!((barrier.wait(), k).1 != wrong, "on purpose");

@@ -1,8 +1,8 @@
-//! Code that keeps the other threads of a run awake between the pieces of work that they share.
+//! Keeps the other threads of a run awake between the pieces of work that they share.
 //!
-//! rayon soon puts an idle thread to sleep, and waking it takes long on a virtual machine. In a dense gas two threads
-//! were 1.4 times as fast as one. They were 1.66 times as fast if idle threads kept searching for work instead of
-//! sleeping (docs/design/islands.md). Results do not depend on this choice.
+//! The library rayon soon puts an idle thread to sleep, and waking it takes long on a virtual machine. In a dense gas
+//! two threads were 1.4 times as fast as one. They were 1.66 times as fast if idle threads kept searching for work
+//! instead of sleeping (docs/design/islands.md). Results do not depend on this search.
 
 use super::IdleThread;
 use rayon::{Scope, Yield};
@@ -14,20 +14,20 @@ thread_local! {
     static TAKES_PART: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Runs `work` on a thread of the pool while the other threads of the pool search for pieces of it. A second, nested
+/// Runs `work` on a thread of the pool, while the other threads of the pool search for pieces of this work. A nested
 /// call does not start another search: a thread that searches for pieces within a piece could delay that piece.
 pub fn keep_workers_spinning<R: Send>(work: impl FnOnce() -> R + Send) -> R {
     let over = AtomicBool::new(false);
     rayon::scope(|scope| {
         let _part = SpinningGuard::taken();
         keep_awake(scope, &over);
-        // set also if the work panics: the scope waits for the threads that search for pieces
+        // the flag is also set if the work panics: the scope waits for the threads that search for pieces
         let _over = Over(&over);
         work()
     })
 }
 
-/// Reports on drop to the searching threads that the work has ended.
+/// Sets a flag on drop, by which the searching threads end their search.
 struct Over<'a>(&'a AtomicBool);
 
 impl Drop for Over<'_> {
@@ -36,11 +36,11 @@ impl Drop for Over<'_> {
     }
 }
 
-/// Marks the thread as taking part for as long as this value lives.
+/// Marks the present thread as one that takes part in the work, as long as this value exists.
 struct SpinningGuard;
 
 impl SpinningGuard {
-    /// Marks the thread; `None` if it takes part already.
+    /// Marks the present thread; `None` if it takes part already.
     fn taken() -> Option<Self> {
         (!TAKES_PART.replace(true)).then_some(Self)
     }
@@ -55,8 +55,8 @@ impl Drop for SpinningGuard {
 fn keep_awake<'scope>(scope: &Scope<'scope>, over: &'scope AtomicBool) {
     for _ in 1..rayon::current_num_threads() {
         scope.spawn(move |_| {
-            // A thread that takes part may start this task while it waits for a piece. The thread must not wait here
-            // until all work is over.
+            // a thread that takes part already may get this task while it waits for a piece: it must not wait here
+            // until all work is over
             if let Some(_part) = SpinningGuard::taken() {
                 look_for_work(over);
             }
@@ -64,7 +64,7 @@ fn keep_awake<'scope>(scope: &Scope<'scope>, over: &'scope AtomicBool) {
     }
 }
 
-/// Does available work until `over` is set.
+/// Does available work of the pool until `over` is set.
 fn look_for_work(over: &AtomicBool) {
     let mut idle = IdleThread::default();
     while !over.load(Ordering::Relaxed) {
@@ -83,7 +83,7 @@ mod tests {
     use std::sync::atomic::AtomicUsize;
     use std::time::Duration;
 
-    /// Largest number of pieces of work done at the same time on four threads.
+    /// Largest number of pieces of work that were done at the same time on four threads.
     fn at_once(pause: Duration) -> usize {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(4).build().unwrap();
         let (here, most) = (AtomicUsize::new(0), AtomicUsize::new(0));

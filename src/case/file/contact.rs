@@ -5,18 +5,20 @@ use crate::case::quantity::{Length, Ratio, Speed, Stiffness, Time};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-/// `[contact]`: restitution and friction.
+/// Table `[contact]`: restitution and friction.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ContactFile {
-    /// Ratio of the normal speeds after and before an impact, e: 1 elastic, 0 without rebound (hard spheres only).
+    /// Restitution e, the ratio of the normal speeds after and before an impact. 1: elastic; 0: no rebound (hard
+    /// spheres only).
     #[schemars(example = 0.97)]
     #[schemars(extend("x-required" = "where two particles can meet", "x-range" = "0 ..= 1"))]
     pub restitution: Option<Located<Ratio>>,
     /// Coefficient of sliding friction, μ.
     #[schemars(example = 0.1, extend("default" = 0, "x-range" = "0 ..= 100"))]
     pub friction: Option<Located<Ratio>>,
-    /// True: spheres rotate. A tangential law or an impact rule sets it by itself; false turns rotation off all the same.
+    /// True: spheres rotate. False: they do not. Without this key they rotate if the case has a tangential law, rolling
+    /// or twisting resistance, or an impact rule.
     #[schemars(example = true, extend("x-default" = "true with `[soft.tangential]` or `[hard.friction]`"))]
     pub rotation: Option<Located<bool>>,
     /// Two kinds of particles, or a kind of particles and a wall, with contact properties that differ from `[contact]`
@@ -24,7 +26,7 @@ pub struct ContactFile {
     pub pairs: Option<Vec<Located<PairFile>>>,
 }
 
-/// `[[contact.pairs]]`: contact of two kinds.
+/// Table `[[contact.pairs]]`: contact of two kinds.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PairFile {
@@ -32,24 +34,24 @@ pub struct PairFile {
     /// `[[walls]]`. One name given twice means contacts within that kind of particles.
     #[schemars(extend("examples" = [["glass", "steel"]], "x-required" = "always"))]
     pub between: Option<Located<[Located<String>; 2]>>,
-    /// Ratio of the normal speeds after and before an impact, e.
+    /// Restitution e, the ratio of the normal speeds after and before an impact.
     #[schemars(example = 0.9, extend("x-default" = "that of `[contact]` or the wall", "x-range" = "0 ..= 1"))]
     pub restitution: Option<Located<Ratio>>,
     /// Coefficient of sliding friction, μ.
     #[schemars(example = 0.1, extend("x-default" = "that of `[contact]` or the wall", "x-range" = "0 ..= 100"))]
     pub friction: Option<Located<Ratio>>,
-    /// Stiffness of the spring between the two, k_n; or give `contact_time` or `overlap`. Only
+    /// Stiffness of the spring between the two bodies, k_n; or give `contact_time` or `overlap`. Only
     /// `[soft.linear_spring_dashpot]` has springs: Hertz's law computes the stiffness of a pair from the `elasticity`
-    /// of each.
+    /// of each body.
     #[schemars(example = &"5000 N/m", extend("x-range" = "1e-9 ..= 1e20 N/m"))]
     #[schemars(extend("x-default" = "that of `[soft.linear_spring_dashpot]`"))]
     pub stiffness: Option<Located<Stiffness>>,
-    /// Wanted duration of a contact, T_c. The stiffness of each contact follows from it and from the masses of the two
-    /// bodies.
+    /// Wanted duration of a contact, T_c. The stiffness of each contact follows from this duration and from the masses
+    /// of the two bodies.
     #[schemars(example = &"1e-5 s", extend("x-range" = "greater than 0 s"))]
     pub contact_time: Option<Located<Time>>,
-    /// Wanted largest overlap in an impact at `impact_speed`. The stiffness of each contact follows from it and from
-    /// the masses of the two bodies.
+    /// Wanted largest overlap in an impact at the speed `impact_speed`. The stiffness of each contact follows from this
+    /// overlap and from the masses of the two bodies.
     #[schemars(example = &"2 um", extend("x-range" = "greater than 0 m"))]
     pub overlap: Option<Located<Length>>,
     /// Normal speed of the impact that `overlap` refers to; required with `overlap`.

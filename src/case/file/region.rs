@@ -17,7 +17,8 @@ pub struct RegionFile {
     /// A cylinder along an axis.
     #[schemars(extend("x-one-of" = "region"))]
     pub cylinder: Option<Located<CylinderRegionFile>>,
-    /// The `name` of a wall that encloses the centres: a vessel, a shell that is open at its ends, or an open mesh.
+    /// The `name` of a wall that encloses the centres of the particles: a vessel, a shell that is open at its ends, or
+    /// an open mesh.
     #[schemars(example = &"hopper", extend("x-one-of" = "region"))]
     pub inside: Option<Located<String>>,
 }

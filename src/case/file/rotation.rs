@@ -1,106 +1,118 @@
-//! Tangential laws of soft contacts, and rules of the tangential impulse of hard ones.
+//! Tangential laws of soft contacts, rolling and twisting resistance, and rules of the tangential impulse of hard
+//! impacts.
 
 use crate::case::de::Located;
 use crate::case::quantity::{Ratio, Slowness};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-/// `[soft.tangential.*]`.
+/// Tables `[soft.tangential.*]`: choice of a tangential law.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum TangentialFile {
-    /// Linear spring and dashpot with memory, together at most friction times the normal force. Give `stiffness_ratio`,
-    /// or the `tangential_restitution` of impacts without sliding.
+    /// Linear spring and dashpot with memory. Their total force is at most the coefficient of friction times the normal
+    /// force. Give `stiffness_ratio`, or the `tangential_restitution` of impacts without sliding.
     Linear {
-        /// Tangential stiffness over the normal one, κ = k_t/k_n.
+        /// Ratio of the tangential stiffness to the normal one, κ = k_t/k_n.
         #[schemars(example = 0.2857)]
         #[schemars(extend("x-required" = "or `tangential_restitution`", "x-one-of" = "spring"))]
         #[schemars(extend("x-range" = "greater than 0, up to 10"))]
         stiffness_ratio: Option<Located<Ratio>>,
-        /// Tangential dashpot over the normal one, c_t/c_n.
+        /// Ratio of the tangential dashpot to the normal one, c_t/c_n.
         #[schemars(example = 0.5, extend("default" = 0, "x-range" = "0 ..= 10"))]
         dashpot_ratio: Option<Located<Ratio>>,
-        /// Ratio β_0 of the slip after and before an impact without sliding. Spring and dashpot then swing for half a period
-        /// in the contact time.
+        /// Ratio β_0 of the slip speed after an impact without sliding to that before. The spring and the dashpot then
+        /// swing for half a period in the contact time.
         #[schemars(example = 0.44, extend("x-range" = "greater than 0, up to 1", "x-one-of" = "spring"))]
         tangential_restitution: Option<Located<Ratio>>,
     },
-    /// Mindlin's stiffness of elastic spheres, 8 G* sqrt(R δ), with memory. It needs `[soft.hertz]`.
+    /// Mindlin's tangential stiffness of elastic spheres, 8 G* sqrt(R δ), with memory. This law requires
+    /// `[soft.hertz]`.
     Mindlin {
-        /// Quantity that a contact remembers while its stiffness changes. Only "rescaled" never creates energy.
+        /// Quantity that a contact stores while its stiffness changes. Only with "rescaled" a contact never creates
+        /// energy.
         #[schemars(example = &"force", extend("default" = "rescaled"))]
         history: Option<Located<HistoryFile>>,
-        /// Tangential dashpot over the normal one, c_t/c_n; both grow with the fourth root of the overlap.
+        /// Ratio of the tangential dashpot to the normal one, c_t/c_n. Both dashpots grow with the fourth root of the
+        /// overlap.
         #[schemars(example = 0.5, extend("default" = 0, "x-range" = "0 ..= 10"))]
         dashpot_ratio: Option<Located<Ratio>>,
     },
-    /// Friction without memory: friction times the normal force against the slip, but at most what stops it in a step.
+    /// Friction without memory. The force acts against the slip and is the coefficient of friction times the normal
+    /// force. It is at most the force that stops the slip within one step.
     Coulomb {},
 }
 
-/// Quantity that a contact with Mindlin's law remembers.
+/// Quantity that a contact with Mindlin's law stores.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum HistoryFile {
-    /// The force; while the contact is unloaded, the force also falls in proportion to the radius of the contact.
+    /// The tangential force. While the overlap decreases, the force also decreases in proportion to the radius of the
+    /// contact.
     Rescaled,
-    /// The force.
+    /// The tangential force. It does not change with the overlap.
     Force,
-    /// The displacement.
+    /// The tangential displacement of the two surfaces. The force is this displacement times the present stiffness.
     Displacement,
 }
 
-/// `[soft.rolling.*]`.
+/// Tables `[soft.rolling.*]`: choice of a law of rolling resistance.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum RollingFile {
-    /// Rolling spring and dashpot with a limit (type C of Ai et al. 2011): spheres can rest on a slope.
+    /// Rolling spring and dashpot with a limit (type C of Ai et al. 2011). Spheres can rest on a slope.
     Spring {
-        /// Coefficient of rolling friction, μ_r. The largest torque is μ_r R_eff times the normal force.
+        /// Coefficient of rolling friction, μ_r. The largest torque is μ_r R_eff f_n, with effective radius R_eff and
+        /// normal force f_n.
         #[schemars(example = 0.05, extend("x-required" = "always", "x-range" = "greater than 0, up to 10"))]
         friction: Option<Located<Ratio>>,
-        /// Stiffness of the rolling spring over k_n R_eff².
+        /// Ratio of the stiffness of the rolling spring to k_n R_eff².
         #[schemars(example = 0.01, extend("x-default" = "2.25 μ_r²", "x-range" = "greater than 0, up to 10"))]
         stiffness_ratio: Option<Located<Ratio>>,
-        /// Share of critical damping below the limit.
+        /// Damping ratio of the rolling spring below its limit; 1 is critical damping.
         #[schemars(example = 0.1, extend("default" = 0.3, "x-range" = "0 ..= 10"))]
         damping_ratio: Option<Located<Ratio>>,
     },
-    /// Constant torque against the rolling (type A of Ai et al. 2011): spheres cannot rest on a slope.
+    /// Constant torque against the rolling (type A of Ai et al. 2011). Spheres cannot rest on a slope.
     Constant {
-        /// Coefficient of rolling friction, μ_r. The torque is μ_r R_eff times the normal force.
+        /// Coefficient of rolling friction, μ_r. The torque is μ_r R_eff f_n, with effective radius R_eff and normal
+        /// force f_n.
         #[schemars(example = 0.05, extend("x-required" = "always", "x-range" = "greater than 0, up to 10"))]
         friction: Option<Located<Ratio>>,
     },
-    /// Torque in proportion to the rolling speed (type B of Ai et al. 2011): spheres on a slope creep.
+    /// Torque in proportion to the rolling speed (type B of Ai et al. 2011). Spheres on a slope creep.
     Viscous {
-        /// Torque over R_eff times the normal force, and over the rolling speed.
+        /// Coefficient c of the torque c v R_eff f_n, with rolling speed v, effective radius R_eff and normal force
+        /// f_n.
         #[schemars(example = &"0.1 s/m", extend("x-required" = "always", "x-range" = "greater than 0 s/m"))]
         coefficient: Option<Located<Slowness>>,
     },
 }
 
-/// `[soft.twisting]`.
+/// Table `[soft.twisting]`: law of twisting resistance.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TwistingFile {
-    /// Share of critical damping below the limit (2/3) μ a f_n, where a is the radius of the contact.
+    /// Damping ratio of the twisting spring; 1 is critical damping. The torque is at most (2/3) μ a f_n, with the
+    /// radius a of the contact and the normal force f_n.
     #[schemars(example = 0.3, extend("default" = 0, "x-range" = "0 ..= 10"))]
     pub damping_ratio: Option<Located<Ratio>>,
 }
 
-/// `[hard.friction.*]`.
+/// Tables `[hard.friction.*]`: choice of a rule of the tangential impulse.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum ImpactRuleFile {
-    /// Walton's rule: an impact reverses the slip by the factor β_0, or slides.
+    /// Walton's rule: an impact changes the slip s to -β_0 s, or the surfaces slide throughout the impact.
     Walton {
-        /// Ratio β_0 of the slip after and before an impact without sliding: -1 smooth, 0 the slip stops, 1 it reverses.
+        /// Coefficient β_0 of an impact without sliding, which changes the slip s to -β_0 s. -1: smooth spheres, whose
+        /// slip does not change. 0: the slip stops. 1: the slip is reversed.
         #[schemars(example = 0.44, extend("x-required" = "always", "x-range" = "-1 ..= 1"))]
         tangential_restitution: Option<Located<Ratio>>,
     },
-    /// Rule of stiff soft spheres with the law `[soft.tangential.linear]`, at every angle. The default with that law.
+    /// Rule that stiff soft spheres with the tangential spring of the case obey at every angle of impact. This rule is
+    /// the default if the case has such a spring.
     OfSpring {},
-    /// An impact stops the slip, or slides: Walton's rule with β_0 = 0.
+    /// An impact stops the slip, or the surfaces slide: Walton's rule with β_0 = 0.
     Coulomb {},
 }

@@ -1,4 +1,4 @@
-//! `sizes` of `[[particles]]`.
+//! Distributions of diameters: the key `sizes` of `[[particles]]`.
 
 use crate::case::de::Located;
 use crate::case::quantity::{Length, Ratio};
@@ -11,10 +11,10 @@ use serde::Deserialize;
 pub enum SizesFile {
     /// Uniform distribution: all diameters between two limits are equally likely.
     Uniform {
-        /// Smallest diameter.
+        /// Smallest diameter of the distribution.
         #[schemars(example = &"300 um", extend("x-required" = "always", "x-range" = "1e-7 m ..= 1 m"))]
         from: Option<Located<Length>>,
-        /// Largest diameter.
+        /// Largest diameter of the distribution.
         #[schemars(example = &"500 um", extend("x-required" = "always", "x-range" = "1e-7 m ..= 1 m"))]
         to: Option<Located<Length>>,
     },
@@ -23,21 +23,21 @@ pub enum SizesFile {
         /// Median of the diameters, by number, before the ends are cut off.
         #[schemars(example = &"400 um", extend("x-required" = "always", "x-range" = "1e-7 m ..= 1 m"))]
         median: Option<Located<Length>>,
-        // with more than 10 two thirds of the diameters would span four decades of volume: a typing error
+        // with more than 10, two thirds of the diameters would span six decades of volume: probably a typing error
         /// Geometric standard deviation before the ends are cut off. About two thirds of the diameters lie between the
-        /// median divided by it and the median times it.
+        /// median divided by this number and the median times this number.
         #[schemars(example = 1.3, extend("x-required" = "always", "x-range" = "greater than 1, up to 10"))]
         geometric_deviation: Option<Located<Ratio>>,
         /// Smallest diameter. The time step of soft spheres and the window of drag must resolve spheres of this size.
         #[schemars(example = &"200 um", extend("x-required" = "always", "x-range" = "1e-7 m ..= 1 m"))]
         from: Option<Located<Length>>,
-        /// Largest diameter.
+        /// Largest diameter of the distribution.
         #[schemars(example = &"800 um", extend("x-required" = "always", "x-range" = "1e-7 m ..= 1 m"))]
         to: Option<Located<Length>>,
     },
     /// A list of diameters, such as those of sieves.
     Table {
-        /// Diameters.
+        /// Diameters of the list.
         #[schemars(extend("examples" = [["300 um", "400 um"]], "x-required" = "always"))]
         #[schemars(extend("x-range" = "1e-7 m ..= 1 m"))]
         diameters: Option<Located<Vec<Located<Length>>>>,
@@ -45,13 +45,13 @@ pub enum SizesFile {
         #[schemars(extend("examples" = [[0.25, 0.75]], "x-required" = "always"))]
         #[schemars(extend("x-range" = "greater than 0, up to 1e9"))]
         fractions: Option<Located<Vec<Located<Ratio>>>>,
-        /// Meaning of the shares.
+        /// Quantity of which `fractions` are shares: the number or the volume of the particles.
         #[schemars(example = &"volume", extend("default" = "number"))]
         by: Option<Located<ByFile>>,
     },
 }
 
-/// Quantity that the shares of a table of sizes refer to.
+/// Quantity of which the numbers in `fractions` are shares.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum ByFile {

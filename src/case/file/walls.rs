@@ -6,11 +6,11 @@ use crate::case::quantity::{Length, Ratio, Speed};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-/// `[[walls]]`: one wall.
+/// Table `[[walls]]`: one wall.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct WallFile {
-    /// A flat wall; everything behind it is solid.
+    /// A flat wall. The whole space behind the plane is solid.
     #[schemars(extend("x-one-of" = "shape", "x-required" = "or another shape"))]
     pub plane: Option<Located<PlaneFile>>,
     /// A solid ball, or a hollow one with the particles inside.
@@ -23,7 +23,8 @@ pub struct WallFile {
     #[serde(rename = "box")]
     #[schemars(extend("x-one-of" = "shape"))]
     pub room: Option<Located<BoxFile>>,
-    /// A cylinder along an axis: solid, hollow with the particles inside (a can, or a pipe without ends), or a thin shell.
+    /// A cylinder along an axis: solid, hollow with the particles inside (a can, or a pipe without ends), or a thin
+    /// shell.
     #[schemars(extend("x-one-of" = "shape"))]
     pub cylinder: Option<Located<CylinderFile>>,
     /// A truncated cone along an axis: solid, hollow with the particles inside, or a thin shell (a hopper).
@@ -35,14 +36,15 @@ pub struct WallFile {
     /// Name of the wall in `[[contact.pairs]]`; several walls of one material may share a name.
     #[schemars(example = &"steel wall")]
     pub name: Option<Located<String>>,
-    /// Ratio of the normal speeds after and before an impact, e: 1 elastic, 0 without rebound (hard spheres only).
+    /// Restitution e, the ratio of the normal speeds after and before an impact. 1: elastic; 0: no rebound (hard
+    /// spheres only).
     #[schemars(example = 0.97, extend("x-required" = "always", "x-range" = "0 ..= 1"))]
     pub restitution: Option<Located<Ratio>>,
     /// Coefficient of sliding friction, μ.
     #[schemars(example = 0.1, extend("default" = 0, "x-range" = "0 ..= 100"))]
     pub friction: Option<Located<Ratio>>,
-    /// Velocity of the surface along itself, as of a belt or a sheared side; the shape stays at rest. Allowed for
-    /// planes, pipes without ends, and meshes all of whose triangles are parallel to the velocity.
+    /// Velocity of the surface in its own plane, as of a conveyor belt or a sheared side; the shape stays at rest.
+    /// Allowed for planes, pipes without ends, and meshes all of whose triangles are parallel to the velocity.
     #[schemars(extend("examples" = [["0 m/s", "0 m/s", "0.5 m/s"]], "default" = [0, 0, 0]))]
     #[schemars(extend("x-range" = "-1e5 ..= 1e5 m/s"))]
     pub velocity: Option<Three<Speed>>,
@@ -50,11 +52,11 @@ pub struct WallFile {
     pub elasticity: Option<Located<ElasticityFile>>,
 }
 
-/// A half-space.
+/// Flat wall in front of a solid half-space.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PlaneFile {
-    /// A point on the surface.
+    /// A point on the surface of the wall.
     #[schemars(extend("examples" = [["0 m", "40 mm", "0 m"]], "x-required" = "always"))]
     pub point: Option<Three<Length>>,
     /// Vector from the surface towards the particles, of any length.
@@ -62,7 +64,7 @@ pub struct PlaneFile {
     pub normal: Option<Three<Ratio>>,
 }
 
-/// A ball.
+/// Spherical wall, solid or hollow.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SphereFile {
@@ -72,7 +74,7 @@ pub struct SphereFile {
     /// Radius of the sphere.
     #[schemars(example = &"2 mm", extend("x-required" = "always", "x-range" = "greater than 0 m"))]
     pub radius: Option<Located<Length>>,
-    /// True: the particles are inside. False: outside.
+    /// True: the particles are inside the sphere. False: they are outside.
     #[schemars(example = true, extend("default" = false))]
     pub inside: Option<Located<bool>>,
 }
@@ -88,7 +90,7 @@ pub struct BoxFile {
     #[schemars(extend("examples" = [["5 mm", "4 mm", "5 mm"]]))]
     #[schemars(extend("x-required" = "always", "x-range" = "greater than 0 m"))]
     pub half_extents: Option<Three<Length>>,
-    /// True: the particles are inside. False: outside.
+    /// True: the particles are inside the box. False: they are outside.
     #[schemars(example = true, extend("default" = false))]
     pub inside: Option<Located<bool>>,
 }
@@ -122,7 +124,7 @@ pub struct CylinderFile {
     /// Half the length of the cylinder. With `inside = true` it may be left out: then the wall is a pipe without ends.
     #[schemars(example = &"3 mm", extend("x-required" = "unless `inside`", "x-range" = "greater than 0 m"))]
     pub half_height: Option<Located<Length>>,
-    /// True: the particles are inside.
+    /// True: the particles are inside the cylinder.
     #[schemars(example = true, extend("default" = false))]
     pub inside: Option<Located<bool>>,
     /// True: the wall is a thin shell, open at both ends, with particles on both sides.
@@ -140,16 +142,16 @@ pub struct ConeFile {
     /// Direction of the axis.
     #[schemars(example = &"z", extend("x-required" = "always"))]
     pub axis: Option<Located<Axis>>,
-    /// Radius at the end with the smaller coordinate.
+    /// Radius of the cone at its end with the smaller coordinate along the axis.
     #[schemars(example = &"2 mm", extend("x-required" = "always", "x-range" = "greater than 0 m"))]
     pub lower_radius: Option<Located<Length>>,
-    /// Radius at the end with the larger coordinate.
+    /// Radius of the cone at its end with the larger coordinate along the axis.
     #[schemars(example = &"6 mm", extend("x-required" = "always", "x-range" = "greater than 0 m"))]
     pub upper_radius: Option<Located<Length>>,
     /// Half the length of the cone.
     #[schemars(example = &"4 mm", extend("x-required" = "always", "x-range" = "greater than 0 m"))]
     pub half_height: Option<Located<Length>>,
-    /// True: the particles are inside, between closed ends.
+    /// True: the particles are inside the cone, between closed ends.
     #[schemars(example = true, extend("default" = false))]
     pub inside: Option<Located<bool>>,
     /// True: the wall is a thin shell, open at both ends, with particles on both sides: a hopper.
@@ -161,7 +163,8 @@ pub struct ConeFile {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MeshFile {
-    /// Name of an STL or OBJ file, relative to the file that names it, in the folder of that file or below.
+    /// Name of an STL or OBJ file, relative to the folder of the file that contains this key. The file must be in that
+    /// folder or below.
     #[schemars(example = &"hopper.stl", extend("x-required" = "always"))]
     pub file: Option<Located<String>>,
     /// Length of one unit of the file, which STL and OBJ files do not state.

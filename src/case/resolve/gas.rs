@@ -75,7 +75,7 @@ impl Resolver {
             constants.von_karman = self.in_range(kappa, help)?;
         }
         if let Some(intercept) = intercept {
-            // B is smaller for rough walls, and larger for walls that reduce drag
+            // the constant B is smaller for rough walls, and larger for walls that reduce drag
             constants.intercept = self.in_range(intercept, help)?;
         }
         Ok(constants)
@@ -124,7 +124,7 @@ impl Resolver {
         radius: f64,
     ) -> Result<(), Diagnostic> {
         let (Some((first, _)), Some((last, _))) = (points.first(), points.last()) else { return Ok(()) };
-        // a row at a wall may miss it by the rounding of a position typed with six digits
+        // the position of a row at a wall may differ from that of the wall by rounding to six digits
         let close = 1e-6 * height;
         let rows = format!("has rows from y = {} m to {} m", short(*first), short(*last));
         let gap = format!("the gap from y = 0 to {} m", short(height));

@@ -15,8 +15,8 @@ use crate::simulation::soft_step;
 /// hundred times that of the paper's longest run (6.5e6). With so many, even a single particle takes minutes to hours.
 pub const MOST: f64 = 1e9;
 
-/// Largest number of time steps if only particles in contact are stepped. With more steps, one step would be less than
-/// the rounding error of the time (1e-16 of the time).
+/// Largest number of time steps if only particles in contact are moved by time steps. With more steps, one step would
+/// be less than the rounding error of the time (1e-16 of the time).
 const MOST_LOCAL: f64 = 1e15;
 
 impl Resolver {

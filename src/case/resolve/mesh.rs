@@ -12,11 +12,11 @@ use crate::memory;
 use crate::walls::{Continued, Findings, Mesh, Mismatch, Nested, Sides, continued};
 use nalgebra::{Rotation3, Unit, Vector3};
 
-/// [-] largest ratio of the longest edge of the mesh to that of the box, or the reverse. Beyond this ratio the unit is
-/// probably wrong.
+/// [-] largest ratio of the longest edge of the mesh to that of the box, or of the box to the mesh. Beyond this ratio
+/// the unit of the mesh is probably wrong.
 const ANOTHER_UNIT: f64 = 100.0;
-/// [-] distance, over the largest particle diameter, to which a surface is continued beyond periodic sides. Contacts
-/// are searched for within 1.25 radii.
+/// [-] distance to which a surface is continued beyond periodic sides, in units of the largest particle diameter.
+/// Contacts are searched for within 1.25 radii.
 const MARGIN: f64 = 2.0;
 /// [byte] memory per triangle while a wall is made from the triangles. The value was measured: growth of the peak
 /// memory of the process from 1e5 to 4e5 triangles.
@@ -83,7 +83,7 @@ impl Resolver {
         Ok(file)
     }
 
-    /// [m] length in the case of one unit of the file.
+    /// [m] length of one unit of the mesh file.
     fn scale(&self, mesh: &Located<MeshFile>) -> Result<f64, Diagnostic> {
         let unit = self.need(&mesh.value.unit, "mesh.unit")?;
         let help = "files of triangles mostly are in \"1 mm\"";
@@ -107,7 +107,7 @@ impl Resolver {
             }
         };
         let position = mesh.position.as_ref().map_or_else(Vector3::zeros, vector);
-        // without a rotation, corners are not changed even by rounding
+        // without a rotation the corners must not change, not even by rounding
         let rotation = (angle != 0.0).then(|| Rotation3::from_axis_angle(&axis, angle));
         for corner in heap.iter_mut().flatten() {
             let scaled = *corner * scale;
@@ -163,7 +163,7 @@ impl Resolver {
         }
     }
 
-    /// Warns how closed parts within other closed parts are treated.
+    /// Warns about closed parts within other closed parts, and explains their treatment.
     fn warn_of_nesting(&mut self, name: &Located<String>, nested: &Nested) {
         let Nested { cavities, turned, skins, bodies, crossing } = *nested;
         let typed = self.as_typed(name);

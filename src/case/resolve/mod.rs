@@ -80,7 +80,7 @@ pub fn resolve(
     let gravity = resolver.gravity(file)?;
     let contact = match &file.contact {
         Some(contact) => resolver.surface(&contact.value.restitution, &contact.value.friction)?,
-        // a case without this table has passed the check above only if it has a single particle
+        // a case without the table `[contact]` has passed the check above only if it has a single particle
         None => crate::scene::Surface { restitution: 1.0, friction: 0.0 },
     };
     let pairs = crate::scene::Pairs::default();
@@ -132,7 +132,7 @@ fn vector<const M: i8, const K: i8, const S: i8>(three: &Three<Quantity<M, K, S>
 }
 
 impl Resolver {
-    /// Returns a required value. Missing values have been refused before, all in one message.
+    /// Returns the value of a required key. Missing keys have been refused before, all in one message.
     fn need<'a, T>(&self, value: &'a Option<T>, key: &str) -> Result<&'a T, Diagnostic> {
         value.as_ref().ok_or_else(|| Diagnostic::about("the case", format!("the required key `{key}` is missing")))
     }
@@ -150,7 +150,7 @@ impl Resolver {
     /// Adds a warning about a value to the list of warnings.
     fn warn(&mut self, origin: &Origin, message: impl Into<String>, help: impl Into<String>) {
         let warning = self.sources.warning(origin, message).help(help);
-        // a file named by several species is read for each, but needs one warning
+        // a file that several species name is read once for each of them, but one warning is enough
         if !self.warnings.contains(&warning) {
             self.warnings.push(warning);
         }

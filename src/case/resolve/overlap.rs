@@ -14,8 +14,9 @@ use std::ops::ControlFlow;
 /// [-] overlap over the smaller diameter that counts as the rounding error of a touch. Positions written after a long
 /// run have this accuracy.
 const ROUNDING: f64 = 1e-9;
-/// Number of close pairs per particle above which a start is refused without examining the rest. Equal spheres without
-/// overlap have fewer than 40 others in their cell and its neighbours: 27 cells of one diameter, filled to 0.74.
+/// Number of close pairs per particle above which a start is refused without examining the rest. An equal sphere
+/// without overlap has fewer than 40 others in its own cell and the 26 cells around it, which are one diameter wide and
+/// filled to 0.74.
 const ENOUGH: usize = 100;
 /// [-] largest overlap over the smaller diameter with which the soft engine starts from positions given by the user.
 /// The particles then start within a contact.
@@ -36,7 +37,7 @@ pub(super) enum Rule {
 struct InitialOverlap {
     i: usize,
     with: OverlappedBody,
-    /// [-] overlap over the smaller diameter.
+    /// [-] ratio of the overlap to the smaller diameter.
     ratio: f64,
     /// [-] largest ratio with which the model can start.
     limit: f64,
@@ -85,7 +86,8 @@ impl Resolver {
             found(InitialOverlap { i, with: OverlappedBody::Particle(j), ratio, limit });
             looked_at += 1;
             deepest = deepest.max(ratio);
-            // n spheres at one position make about n² pairs, of which one with a large overlap is enough
+            // n spheres at one position make about n² pairs, so the check ends when many pairs and one large overlap
+            // are found
             let enough = looked_at > ENOUGH * placed.len() && deepest > 0.5;
             if enough { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         });
@@ -109,10 +111,10 @@ impl Resolver {
         Err(self.sources.error(&particle.origin, message).help("move it, or make `domain.size` larger"))
     }
 
-    /// [-] largest overlap, over the smaller diameter, with which the model starts; `of` are two particles, or one
-    /// twice for a wall. Soft and hybrid spheres of a saved state or of another program's file may overlap as during a
-    /// run; those placed by the user only a little. Stepped hard spheres may overlap only in a saved state,
-    /// event-driven ones not at all.
+    /// [-] largest overlap with which the model starts, over the smaller diameter. `of` are two particles, or one
+    /// particle twice if it touches a wall. Soft and hybrid spheres of a saved state or of another program's file may
+    /// overlap as during a run, and those placed by the user only a little. Stepped hard spheres may overlap only in a
+    /// saved state, event-driven ones not at all.
     fn deepest(&self, of: [&Placed; 2], rule: Rule, flat: bool) -> f64 {
         let saved = of.iter().all(|placed| placed.saved);
         let settled = of.iter().all(|placed| placed.saved || placed.foreign);

@@ -12,7 +12,7 @@ use std::f64::consts::PI;
 
 /// Contact stiffness computed from one key of a pair's table in the case file.
 struct Wanted<'a> {
-    /// [N/m] stiffness.
+    /// [N/m] stiffness that follows from the key.
     stiffness: f64,
     /// [kg] effective mass for which the stiffness was computed. `None` if the stiffness does not depend on the masses
     /// of the two bodies.
@@ -137,8 +137,8 @@ impl Resolver {
             let stiffness = mass * (reduced_overlap(surface.restitution) * speed / depth).powi(2);
             wanted.extend(pair.overlap.as_ref().map(|l| Wanted { stiffness, at_mass, key: (&l.origin, &l.path) }));
         }
-        // not declared as exclusive keys, because a change to another of them would then keep the `impact_speed` of
-        // `overlap`
+        // these keys are not declared as exclusive: a later source with another of them would then remove `overlap` but
+        // keep its `impact_speed`
         if let [_, Wanted { key: (origin, path), .. }, ..] = wanted.as_slice() {
             let message = format!("`{path}` says again how stiff the pair is");
             let help = "keep one of `stiffness`, `contact_time` and `overlap`";

@@ -26,7 +26,7 @@ const OF_MASS: usize = 14;
 const OF_MOMENTUM: usize = 15;
 /// [-] relative error of a number in single precision, which other programs write.
 const SINGLE: f64 = f32::EPSILON as f64;
-/// Number of significant digits of a number from which its last digit may be rounded. Numbers with fewer digits are
+/// Number of significant digits from which on the last digit of a number may be rounded. Numbers with fewer digits are
 /// exact up to single precision.
 const ROUNDED: usize = 6;
 
@@ -131,7 +131,8 @@ impl Resolver {
         if row.text(OF_MASS).is_some_and(|text| !text.is_empty()) {
             let mass = self.number(row, OF_MASS, "mass")?;
             let of_case = species.of_one_size(size.map_or(species.diameter, |(diameter, _)| diameter)).mass();
-            // relative error of a volume: three times that of a diameter, and that of the mass itself
+            // factor 4: three times the relative error of the diameter for the volume, plus the error of the mass
+            // itself
             self.agree(row, (OF_MASS, mass), (of_case, &species.name), "kg", 4.0)?;
         }
         Ok(true)

@@ -1,4 +1,4 @@
-//! Rotation of spheres: spins of the start, tangential law and impact rule.
+//! Rotation of spheres: initial spins, tangential law, rolling and twisting resistance, and impact rule.
 
 use super::{Resolver, vector};
 use crate::case::de::Located;
@@ -28,7 +28,7 @@ impl Resolver {
         typed.map_or(tangential || rule, |typed| typed.value)
     }
 
-    /// [-] moment of inertia over m r².
+    /// [-] ratio of the moment of inertia to m r².
     pub(super) fn inertia_factor(&self, kind: &Located<ParticlesFile>) -> Result<f64, Diagnostic> {
         let Some(typed) = &kind.value.inertia_factor else { return Ok(SOLID_SPHERE) };
         let help = "0.4 is a solid sphere, 0.667 a thin shell";
@@ -75,7 +75,7 @@ impl Resolver {
         }
     }
 
-    /// Tangential behaviour of spheres that rotate; `None` if they do not.
+    /// Laws and rules by which spheres rotate; `None` if spheres do not rotate.
     pub(super) fn rotation(
         &mut self,
         file: &CaseFile,
@@ -107,7 +107,8 @@ impl Resolver {
         self.in_range(typed, help).map(Some)
     }
 
-    /// The tangential law that a case names; with Walton's rule alone, the spring that has its β_0.
+    /// Tangential law that a case gives. If the case gives only Walton's rule, the law is a spring with the β_0 of that
+    /// rule, or friction without memory if no such spring exists.
     fn tangential_law(&mut self, file: &CaseFile, soft: &SoftSettings) -> Result<TangentialLaw, Diagnostic> {
         let is_linear = soft.law.is_none_or(|law| law.is_linear());
         let is_hertz = soft.law.is_none_or(|law| matches!(law, ContactLaw::Hertz(_)));
@@ -173,7 +174,7 @@ impl Resolver {
         typed.map_or(Ok(0.0), |typed| self.in_range(typed, "other codes often take 0.5"))
     }
 
-    /// The law of rolling resistance that a case names.
+    /// Law of rolling resistance that a case gives; `None` if there is none.
     fn rolling_law(&self, file: &CaseFile) -> Result<Option<RollingLaw>, Diagnostic> {
         let typed = file.soft.as_ref().and_then(|soft| soft.value.rolling.as_ref());
         let Some(typed) = typed else { return Ok(None) };
@@ -183,7 +184,7 @@ impl Resolver {
                 let friction = self.in_range(self.need(friction, "soft.rolling.spring.friction")?, help)?;
                 let help = "leave it out for 2.25 μ_r²";
                 let stiffness = stiffness_ratio.as_ref().map(|typed| self.in_range(typed, help)).transpose()?;
-                let damping = self.resistance_damping(damping_ratio.as_ref(), 0.3)?; // Ai et al. 2011, their example
+                let damping = self.resistance_damping(damping_ratio.as_ref(), 0.3)?; // example of Ai et al. 2011
                 RollingLaw::Spring { friction, stiffness, damping }
             }
             RollingFile::Constant { friction } => {
@@ -203,7 +204,7 @@ impl Resolver {
         typed.map_or(Ok(default), |typed| self.in_range(typed, "1 is critical damping"))
     }
 
-    /// The law of twisting resistance that a case names.
+    /// Law of twisting resistance that a case gives; `None` if there is none.
     fn twisting_law(&self, file: &CaseFile, tangential: TangentialLaw) -> Result<Option<TwistingLaw>, Diagnostic> {
         let typed = file.soft.as_ref().and_then(|soft| soft.value.twisting.as_ref());
         let Some(typed) = typed else { return Ok(None) };
@@ -216,7 +217,8 @@ impl Resolver {
         Ok(Some(TwistingLaw { damping }))
     }
 
-    /// The impact rule that a case names; without one that of the tangential spring, if there is a spring.
+    /// Impact rule that a case gives. If the case gives none, it is the rule of the tangential spring, or Coulomb's
+    /// rule without a spring.
     fn impact_rule(
         &mut self,
         file: &CaseFile,

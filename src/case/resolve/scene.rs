@@ -55,8 +55,8 @@ impl Resolver {
 
     /// Warns that buoyancy is neglected, if the density of the fluid makes buoyancy matter.
     pub(super) fn warn_of_buoyancy(&mut self, file: &CaseFile, scene: &Scene) {
-        /// [-] fraction of the weight below which buoyancy is neglected without a warning: the usual margin of
-        /// comparisons.
+        /// [-] ratio of buoyancy to weight below which buoyancy is neglected without a warning. It equals the usual
+        /// margin of comparisons.
         const SMALL: f64 = 0.01;
         let (Some(fluid), Some(typed)) =
             (&scene.fluid, file.fluid.as_ref().and_then(|fluid| fluid.value.density.as_ref()))
@@ -121,7 +121,7 @@ impl Resolver {
         let density = self.need(&fluid.value.density, "fluid.density")?;
         let rho = self.in_range(density, "did you mean \"1.2 kg/m^3\" (air)?")?;
         let viscosity = self.need(&fluid.value.kinematic_viscosity, "fluid.kinematic_viscosity")?;
-        // a large number was probably meant in mm²/s or in St (cm²/s)
+        // a large number was probably meant in mm²/s or in stokes (St, cm²/s)
         let unit = if viscosity.value.0 > 1.0 { "mm^2/s" } else { "cm^2/s" };
         let slip =
             format!("did you mean \"{} {unit}\"? air has 1.5e-5 m^2/s, water 1e-6 m^2/s", short(viscosity.value.0));

@@ -19,8 +19,8 @@ use crate::simulation::soft_step;
 const FEWEST_STEPS: f64 = 5.0;
 /// [-] number of steps per contact N_c below which a warning is given (the paper's section 3.4: T_c/50 ..= T_c/15).
 const GOOD_STEPS: f64 = 15.0;
-/// [N/m] allowed range of spring stiffness. Other values do not exist: a bubble has 0.1, a diamond sphere of 1 mm 1e9.
-/// Squares of their times or frequencies would also exceed the range of floating-point numbers.
+/// [N/m] allowed range of spring stiffness. No real body is outside this range: a bubble has 0.1, a diamond sphere of 1
+/// mm has 1e9. Beyond it, squares of times or frequencies would exceed the range of floating-point numbers.
 pub(super) const SPRINGS: std::ops::RangeInclusive<f64> = 1e-9..=1e20;
 /// [-] default number of steps per contact N_c.
 const DEFAULT_STEPS: f64 = 20.0;
@@ -28,7 +28,7 @@ const DEFAULT_STEPS: f64 = 20.0;
 const CLEARANCE: f64 = 2.0;
 
 impl Resolver {
-    /// Settings of the soft engine. The hard model does not use these settings, so that an error in them is then only a
+    /// Settings of the soft engine. If the model is hard, these settings are not used, and an error in them is only a
     /// warning.
     pub(super) fn soft(&mut self, file: &CaseFile) -> Result<SoftSettings, Diagnostic> {
         match self.soft_settings(file) {
@@ -131,7 +131,7 @@ impl Resolver {
         let Some(shortest) = times.governing() else { return Ok(()) };
         let step = soft_step(experiment, experiment.count());
         let steps = shortest / step;
-        // a limit typed exactly, such as N_c = 5, must not fail by rounding
+        // a number typed exactly at the limit, such as N_c = 5, must not be refused because of rounding
         if steps >= GOOD_STEPS * (1.0 - 1e-9) {
             return Ok(());
         }
@@ -154,8 +154,8 @@ impl Resolver {
         Ok(())
     }
 
-    /// Refuses a time step beyond the stability limit of its integrator. If such a step is allowed, or the integrator
-    /// is unstable at any step, warns instead.
+    /// Refuses a time step beyond the stability limit of its integrator. If the case allows such a step, or if the
+    /// integrator is unstable at any step, a warning is given instead.
     pub(super) fn check_stability(&mut self, file: &CaseFile, experiment: &Experiment) -> Result<(), Diagnostic> {
         let Some(soft) = file.soft.as_ref().filter(|_| self.model.has_contacts()) else { return Ok(()) };
         let particles = experiment.count();

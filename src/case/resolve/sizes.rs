@@ -112,7 +112,7 @@ impl Resolver {
             let share = self.in_range(fraction, help)?;
             let share = match by {
                 ByFile::Number => share,
-                // the number of particles is proportional to the volume over that of one particle
+                // shares of the volume become shares of the number: each is divided by the volume of one particle
                 ByFile::Volume => share / d.powi(3),
             };
             rows.push(Fraction { diameter: d, share });

@@ -19,11 +19,11 @@ const RANDOM_PACKING: f64 = 0.64;
 const DENSEST_PACKING: f64 = 0.7405;
 /// Largest number of particles. More would need more memory than a desktop computer has.
 const MOST_PARTICLES: i64 = 50_000_000;
-/// Largest number of species. Their half a million pairs take some 100 MB and a second to check; ten times as many
-/// species would take 10 GB.
+/// Largest number of species. The half a million pairs of 1000 species take some 100 MB and a second to check; ten
+/// times as many species would take 10 GB.
 const MOST_KINDS: usize = 1000;
-/// [byte] memory per particle, rounded up. The value was measured: growth of the peak memory of the process from 1e5 to
-/// 4e5 particles in gas (265 hard, 296 soft).
+/// [byte] memory per particle, rounded up. The value was measured as the growth of the peak memory of the process from
+/// 1e5 to 4e5 particles in gas (265 hard, 296 soft).
 const BYTES: f64 = 300.0;
 /// [m/s] largest allowed component of a velocity; particles in a gas are slower.
 pub(super) const FASTEST: f64 = 1e5;
@@ -34,7 +34,8 @@ fn too_many(count: f64) -> String {
     format!("{count:.3e} particles, which take about {gigabytes:.3e} GB of memory; allowed: up to {MOST_PARTICLES}")
 }
 
-/// [m³] volume to which a volume fraction refers: that of the start region if it is a body, else of the whole box.
+/// [m³] volume to which a volume fraction refers: that of the start region if it is a block or a cylinder, else of the
+/// whole box.
 fn share_of(region: &Option<StartRegion>, scene: &Scene) -> f64 {
     match region {
         Some(StartRegion::Body(body)) => body.volume(&scene.domain.size),
@@ -46,7 +47,7 @@ fn share_of(region: &Option<StartRegion>, scene: &Scene) -> f64 {
 pub(super) struct Placed {
     /// [m] position of the centre, inside the box along periodic axes.
     pub position: Vector3<f64>,
-    /// [m] radius.
+    /// [m] radius of the particle.
     pub radius: f64,
     /// True if the particle comes, unchanged, from a state saved by a run.
     pub saved: bool,
@@ -242,7 +243,7 @@ impl Resolver {
         let fraction = self.need(&kind.value.volume_fraction, "particles.volume_fraction")?;
         let help = "the share of the whole box that this kind fills; spheres at random places pack no denser than 0.64";
         let phi = self.in_range(fraction, help)?;
-        // a fraction computed from a whole number of particles must give that number again
+        // a volume fraction that was computed from a whole number of particles must give that number again
         let count = (phi * volume / species.volume() * (1.0 + 1e-12)).floor();
         if count > MOST_PARTICLES as f64 {
             let what = format!("means {}", too_many(count));

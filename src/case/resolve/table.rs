@@ -41,7 +41,7 @@ pub fn read_bytes(path: &Path) -> Result<Vec<u8>, String> {
     Ok(bytes)
 }
 
-/// True if symbolic links in the path of a file lead out of the folder. False for a missing file.
+/// True if symbolic links in the path of a file lead out of the folder. False if the file does not exist.
 pub fn leads_out(file: &Path, folder: &Path) -> bool {
     let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     match (file.canonicalize(), folder.canonicalize()) {
@@ -66,7 +66,7 @@ pub fn text_of(bytes: &[u8]) -> Result<Arc<str>, String> {
     match std::str::from_utf8(bytes) {
         Ok(text) => {
             let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-            // line ends of CR alone become LF, so that line numbers in messages are correct
+            // a lone CR at the end of a line becomes LF, so that line numbers in messages are correct
             Ok(if text.contains('\n') { text.into() } else { text.replace('\r', "\n").into() })
         }
         Err(error) => {
@@ -123,7 +123,7 @@ impl<'a> TableRow<'a> {
 }
 
 /// Splits the name of a column into name and unit, if it ends with a suitable unit: `x_mm` is `x` in mm, `vx_mm_s` is
-/// `vx` in mm/s. Wanted names that contain such an ending themselves are not split.
+/// `vx` in mm/s. Wanted names that themselves end like a unit are not split.
 fn with_unit<'a>(column: &'a str, wanted: &[&str]) -> (&'a str, Option<String>) {
     let split = column.split_once('_').filter(|(name, _)| !wanted.contains(&column) && wanted.contains(name));
     let unit = |(name, unit): (&'a str, &str)| {
@@ -236,7 +236,7 @@ impl Resolver {
     pub(super) fn number(&self, row: TableRow<'_>, wanted: usize, column: &str) -> Result<f64, Diagnostic> {
         let text = row.text(wanted).unwrap_or("");
         let number = match row.table.units.get(wanted).and_then(Option::as_deref) {
-            // parsed together with its unit, a number has the same rounding as in a case
+            // the number is parsed together with its unit, so that it is rounded as in a case
             Some(unit) if !text.is_empty() => quantity::parse(&format!("{text} {unit}"), dimension(column)).ok(),
             _ => text.parse::<f64>().ok(),
         };

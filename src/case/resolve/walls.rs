@@ -234,7 +234,7 @@ impl Resolver {
     fn plane(&self, plane: &Located<PlaneFile>, domain: &Domain) -> Result<Plane, Diagnostic> {
         let point = vector(self.need(&plane.value.point, "plane.point")?);
         let typed = self.need(&plane.value.normal, "plane.normal")?;
-        // division by the largest component keeps squares of very small and very large components finite
+        // after division by the largest component, squares of very small and very large components remain finite
         let raw = vector(typed);
         let largest = raw.amax();
         if largest == 0.0 {

@@ -56,22 +56,23 @@ pub struct LabScene {
 pub struct PanelSetup {
     /// Heading of the panel.
     pub title: &'static str,
-    /// Collision model.
+    /// Collision model of the panel.
     pub model: Model,
     /// Changes to the case for this panel alone, in the form of `--set` arguments.
     pub sets: &'static [&'static str],
 }
 
-/// View of the box: axes and part that the page draws.
+/// Part of the box that the page draws, and its axes.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct BoxView {
     /// Axis of space on the horizontal axis: 0, 1 or 2 for x, y or z.
     pub right: usize,
     /// Axis of space on the vertical axis: 0, 1 or 2 for x, y or z.
     pub up: usize,
-    /// [m] range shown: lower and upper limit on the horizontal axis, then on the vertical axis; `None`: the whole box.
+    /// [m] part of the box that is shown: lower and upper limit on the horizontal axis, then on the vertical axis.
+    /// `None`: the whole box.
     pub region: Option<[f64; 4]>,
-    /// [-] factor by which gaps between spheres are drawn larger (for two spheres only).
+    /// [-] factor by which the drawing enlarges gaps between spheres; only for scenes of two spheres.
     pub magnify: Option<f64>,
 }
 

@@ -21,7 +21,7 @@ pub fn write_chart(folder: &Folder, study: &ChartStudy) -> Result<PathBuf, Outpu
         provenance: study.provenance,
         failures: Vec::new(),
         verdicts: study.verdicts,
-        // each quantity has a separate verdict in the body of the page
+        // the body of the page has a separate verdict for each quantity
         answers: 0,
         front: Vec::new(),
         notes: study.notes,

@@ -66,7 +66,7 @@ fn contacts_restitution(impacts: &Impacts) -> Option<f64> {
     (impacts.count > impacts.instants.count).then(|| (after / before).sqrt())
 }
 
-/// [-] fraction of a particle's time that the neglected contacts would have taken.
+/// [-] fraction of the time of a particle that the neglected contacts would have taken.
 fn time_left_out(outcome: &Outcome) -> f64 {
     let record = &outcome.record;
     let time = 2.0 * record.pairs.instants.duration() + record.walls.instants.duration();

@@ -1,4 +1,4 @@
-//! The document of an impact study.
+//! Document of an impact study.
 
 use crate::output::document::{Block, Document, TextRow, known, status};
 use crate::output::numbers::{count, quantity, significant};
@@ -7,10 +7,10 @@ use crate::output::{Bounce, BounceValues, Folder, ImpactStudy, OutputError, csv,
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
-/// Writes all results of an impact study. Returns the path of the report.
+/// Writes all results of an impact study, and returns the path of the report.
 ///
 /// # Errors
-/// An [`OutputError`]; the files written before it stay, without a `summary.json`.
+/// An [`OutputError`]. Files written before the error remain, but there is no `summary.json`.
 pub fn write_impact(folder: &Folder, study: &ImpactStudy) -> Result<PathBuf, OutputError> {
     let bounces = study.bounces;
     let figures = figures::impact(bounces, study.oblique);
@@ -62,7 +62,7 @@ pub fn write_impact(folder: &Folder, study: &ImpactStudy) -> Result<PathBuf, Out
     document.write(folder, numbers)
 }
 
-/// A row per variant, and one below it for its closed form.
+/// Table with two rows per variant: the computed values, and the values of its closed form if there is one.
 fn values(study: &ImpactStudy) -> Block {
     let cells = |name: &str, model: &str, values: &BounceValues, exact: Option<&BounceValues>| {
         let off = |asked: Option<f64>| Some(values.restitution? - asked?);
@@ -90,13 +90,14 @@ fn values(study: &ImpactStudy) -> Block {
     )
 }
 
-/// Counts only: the wall time of one impact is that of setting it up and of noting its path.
+/// Row with the amount of work of a variant. Only counts are given: the wall time of one impact is mostly spent on
+/// setting the impact up and on storing its path.
 fn work(bounce: &Bounce) -> TextRow {
     let step = quantity(bounce.time_step, "s", 3);
     (bounce.failure.is_some(), vec![bounce.name.clone(), step, count(bounce.work)])
 }
 
-/// Numbers of a variant in `summary.json`.
+/// Data of a variant for `summary.json`.
 fn numbers(bounce: &Bounce) -> Value {
     json!({
         "name": bounce.name,

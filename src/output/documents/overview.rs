@@ -31,7 +31,7 @@ fn matrix(study: &Study) -> Matrix {
         let words = [Some(set.to_owned()).filter(|set| !set.is_empty()), against].into_iter().flatten();
         (outcome.experiment.name.clone(), words.collect::<Vec<_>>().join(", "))
     });
-    // a variant without an answer is only the reference for others
+    // a variant without an answer serves only as the reference of other variants
     let columns: Vec<_> = heads.zip(study.outcomes).filter(|((name, _), _)| judged(name).is_some()).collect();
     let verdicts: Vec<&Verdict> = columns.iter().filter_map(|((name, _), _)| judged(name)).collect();
     let together = verdicts.iter().map(|verdict| {
@@ -74,7 +74,7 @@ fn judged(verdict: &Verdict) -> &[Judged] {
     verdict.comparison.as_ref().map_or(&[], |comparison| &comparison.judged)
 }
 
-/// Answer for one quantity, with the difference that the sentence gives [% of its scale].
+/// Answer for one quantity, with the difference that its sentence contains [% of the scale of the quantity].
 fn cell(verdict: &Verdict, name: &str) -> Cell {
     let Some(one) = judged(verdict).iter().find(|one| one.tested.name == name) else {
         return Cell { answer: None, words: "not compared".into() };

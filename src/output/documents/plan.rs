@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 pub struct PlanDocument<'a> {
     /// Path of the case file.
     pub case: String,
-    /// Title of the case: its first line.
+    /// Title of the case: the first line of the case file.
     pub title: String,
     /// Collision model that the case itself gives.
     pub model_of_the_case: String,
@@ -178,7 +178,7 @@ fn contacts(plan: &RunPrediction) -> Vec<Block> {
     if plan.contacts.is_empty() {
         return Vec::new();
     }
-    // a stiffness common to all contacts is in the heading
+    // if all contacts have one stiffness, the heading contains it
     let own = plan.contacts.iter().any(|row| row.contact.bodies.stiffness_ratio != 1.0);
     let rows = plan.contacts.iter().take(MOST_ROWS).map(|row| -> TextRow {
         let stiffness = own.then(|| format!("{} N/m", significant(row.stiffness, 4)));

@@ -20,8 +20,8 @@ const ANSWERS: usize = 3;
 /// Number of standard errors beyond which a deviation is highlighted.
 const SUSPECT: f64 = 3.0;
 
-/// [-] energy that the energy balance (ledger) leaves unexplained, over all energy in this balance, above which the
-/// value is highlighted. The error of the integrator at 20 steps per contact is much smaller.
+/// [-] share of the energy that is unexplained in the energy balance (ledger), above which the share is highlighted.
+/// The error of the integrator at 20 steps per contact is much smaller.
 const SUSPECT_RESIDUAL: f64 = 1e-3;
 
 /// Writes all results of a run or a comparison, and returns the path of the report.
@@ -96,8 +96,8 @@ fn document<'a>(study: &Study<'a>) -> Result<Document<'a>, OutputError> {
 /// Main part of the page. The first `over_time` figures show curves over time.
 fn body(study: &Study, over_time: usize, figures: &[Figure]) -> Vec<Block> {
     let outcomes = study.outcomes;
-    // averages over an unsteady run mix different states, and averages of a few bodies have little meaning: then curves
-    // over time come first
+    // curves over time come first in two cases: averages over an unsteady run mix different states, and averages of a
+    // few bodies have little meaning
     let follows = |outcome: &Outcome| !outcome.steadiness.steady || !outcome.paths.points.is_empty();
     let transient = over_time > 0 && outcomes.iter().all(follows);
     let player = Player::of(outcomes, study.frames);
@@ -202,7 +202,7 @@ fn impacts(outcomes: &[Outcome]) -> Vec<Block> {
 
 fn impact_cells(impacts: &Impacts, rate: Option<Estimate>, requested: String) -> Vec<String> {
     let s = impacts.summary();
-    // collisions at exact instants have no overlap except by rounding
+    // collisions at exact instants have overlaps only by rounding
     let deep = |value: Option<f64>| known(s.largest_overlap > Some(ROUNDING), significant(value, 3));
     vec![
         count(s.count),
@@ -228,7 +228,7 @@ fn energy(outcomes: &[Outcome]) -> Vec<Block> {
     let prefix = Prefix::of(largest);
     let joule = |energy: f64| significant(energy * prefix.factor, 4);
     let through = |o: &Outcome| o.record.ledger.through(o.energy_at_start);
-    // one column per variant, so that the items of a balance are one below the other
+    // each variant has a column, so that the terms of its balance are one below the other
     let row = |name: &str, cell: &dyn Fn(&Outcome) -> String| -> TextRow {
         (false, std::iter::once(name.into()).chain(outcomes.iter().map(cell)).collect())
     };
@@ -236,7 +236,7 @@ fn energy(outcomes: &[Outcome]) -> Vec<Block> {
     let work = |name: &str, of: fn(&Outcome) -> f64| {
         row(name, &|o| format!("{} ({})", joule(of(o)), percent(of(o), through(o))))
     };
-    // a loss that is only the rounding error of impulses has no meaningful digit
+    // a loss that consists only of the rounding error of impulses has no meaningful digit
     let loss = |name: &str, of: fn(&Outcome) -> f64| {
         row(name, &|o| {
             let rounding = (of(o) / through(o)).abs() < 1e-12;
@@ -330,8 +330,8 @@ fn hashes(outcomes: &[Outcome]) -> Block {
     table("variant | hash of the initial state | hash of the final state", outcomes, cells)
 }
 
-/// [-] energy that the energy balance (ledger) leaves unexplained, over the initial energy plus the magnitudes of the
-/// work of drag, gravity and moving walls. `None` if that sum is 0.
+/// [-] energy that is unexplained in the energy balance (ledger), over the sum of the initial energy and the magnitudes
+/// of the work of drag, gravity and moving walls. `None` if this sum is 0.
 fn relative_residual(outcome: &Outcome) -> Option<f64> {
     let ledger = &outcome.record.ledger;
     let through = ledger.through(outcome.energy_at_start);

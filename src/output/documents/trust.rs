@@ -27,7 +27,7 @@ pub(super) fn blocks(sheets: &[TrustSheet]) -> Vec<Block> {
         HalvedStep::Verified(_) => None,
         HalvedStep::Unknown(why) => Some(why),
     });
-    // mostly all variants have the same reason, which is written once
+    // usually all variants have the same reason, which is then written once
     let mut told: Vec<&String> = Vec::new();
     for why in unknown {
         if !told.contains(&why) {

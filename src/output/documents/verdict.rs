@@ -6,7 +6,7 @@ use crate::output::numbers::{percent, quantity, significant, with_error};
 use crate::output::{Basis, Study, Verdict};
 use crate::statistics::{Deviation, Estimate, Judged};
 
-/// Answers, and the numbers from which they follow for each compared pair; empty for a single run.
+/// Answers for each compared pair of variants, with the numbers from which they follow; empty for a single run.
 pub fn blocks(study: &Study) -> Vec<Block> {
     if study.comparisons.is_empty() {
         return Vec::new();

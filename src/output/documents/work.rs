@@ -35,7 +35,7 @@ pub fn costs(outcomes: &[Outcome]) -> Vec<Block> {
     };
     let head = "variant | model | time step | window | simulated | wall s per simulated s | over cheapest | steps | events | pair checks";
     let particles = distinct(outcomes.iter().map(|outcome| count(outcome.particles as u64)));
-    // names of the integrators, for runs that had contacts
+    // names of the integrators that were used, for runs with contacts
     let stepped = outcomes.iter().filter_map(|outcome| {
         let integrators = outcome.integrators();
         let name = &outcome.experiment.name;

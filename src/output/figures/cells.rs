@@ -10,7 +10,7 @@ use kuva::render::layout::Layout;
 use kuva::render::plots::Plot;
 use kuva::render::render::render_multiple;
 
-/// Dash patterns of the theoretical lines, in their order.
+/// Dash patterns of the theoretical lines, one for each line in their order.
 const DASHES: [&str; 3] = ["", "8 4", "2 3"];
 
 fn colour(shade: Shade) -> &'static str {

@@ -162,7 +162,7 @@ fn draw(panel: &Panel) -> (Vec<Plot>, Layout) {
     }
     for point in failed.iter().flat_map(|series| &series.points).filter(shown) {
         x.include(point.x);
-        // points of failed runs are drawn on the frame, whatever their y
+        // points of failed runs are drawn on the upper frame, whatever their value
         if panel.log_y || y.is_empty() {
             y.include(point.y);
         }
@@ -182,7 +182,7 @@ fn draw(panel: &Panel) -> (Vec<Plot>, Layout) {
     }
     let mut layout = layout(panel, x, y, empty);
     if empty {
-        // kuva draws no axes without a plot
+        // kuva draws axes only if there is a plot
         plots.push(Plot::Line(LinePlot::new().with_data([(0.0, 0.0)])));
     }
     for &(value, label) in &panel.marks {
@@ -223,7 +223,7 @@ fn layout(panel: &Panel, x: (f64, f64), y: (f64, f64), empty: bool) -> Layout {
 pub(super) fn ticks((low, high): (f64, f64)) -> TickFormat {
     let span = high - low;
     TickFormat::Custom(Arc::new(move |value| {
-        // small remainder after adding steps up to zero
+        // a sum of steps near zero leaves a small remainder
         let value = if value.abs() < 1e-9 * span { 0.0 } else { value };
         let size = value.abs().max(1e-3 * span);
         if value != 0.0 && !(1e-4..1e6).contains(&size) {
@@ -237,7 +237,7 @@ pub(super) fn ticks((low, high): (f64, f64)) -> TickFormat {
     }))
 }
 
-/// Tick labels of a logarithmic axis, as powers of ten where numbers would be long.
+/// Tick labels of a logarithmic axis. Long numbers are written as powers of ten.
 pub(super) fn powers() -> TickFormat {
     TickFormat::Custom(Arc::new(|value| {
         let power = value.log10();

@@ -35,7 +35,7 @@ pub fn gas(profile: &Profile, height: f64) -> Vec<Figure> {
         "Mean streamwise velocity of the gas.",
         chart::single(&profiles::gas_velocity(profile, height)),
     )];
-    // the direct simulation is of a channel, not of a pipe
+    // the simulated flow is that of a channel, not of a pipe
     if let Some(flow) = profile.channel_flow().filter(|flow| flow.section == Section::Channel) {
         figures.push(Figure::new(
             "wall-units",

@@ -5,8 +5,8 @@ use crate::output::numbers::Prefix;
 use crate::output::panel::{Figure, Panel, PanelSeries, SeriesPoint, SeriesStyle};
 use crate::scene::Scene;
 
-/// [-] length of the spanwise axis in the picture along each of its two directions, over its true length. The axis is
-/// drawn at 45 degrees and half length (cabinet projection).
+/// [-] factor on the spanwise axis for its length along each of the two directions of the picture. The axis is drawn at
+/// 45 degrees and half length (cabinet projection).
 const OBLIQUE: f64 = 0.5 * std::f64::consts::FRAC_1_SQRT_2;
 /// [-] length of an arrow over the shortest edge of the box.
 const ARROW: f64 = 0.3;
@@ -24,7 +24,7 @@ pub fn geometry(scene: &Scene) -> Figure {
     let wall =
         |y: f64| [(0.0, 0.0), (size.x, 0.0), (size.x, size.z), (0.0, size.z), (0.0, 0.0)].map(|(x, z)| at(x, y, z));
     let kind = |axis: usize| if scene.domain.periodic[axis] { "periodic" } else { "between walls" };
-    // series of equal name share one line of the legend
+    // series with equal names share one line of the legend
     let end = |y: f64| PanelSeries::new("ends of the box along y", SeriesStyle::Line(0), wall(y));
     let mut series = vec![end(0.0), end(size.y)];
     for (x, z) in [(0.0, 0.0), (size.x, 0.0), (size.x, size.z), (0.0, size.z)] {

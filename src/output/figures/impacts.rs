@@ -19,7 +19,7 @@ const CURVE_POINTS: usize = 60;
 /// Name in the legend of curves from kinetic theory.
 const THEORY: &str = "Maxwellian gas";
 
-/// [-] overlap over the diameter below which the overlap is rounding, as in event-driven collisions.
+/// [-] overlap over the diameter below which an overlap counts as rounding, as in event-driven collisions.
 pub(in crate::output) const ROUNDING: f64 = 1e-9;
 
 /// Kind of curve by which a distribution is drawn.
@@ -36,11 +36,11 @@ enum Shape {
 #[derive(Clone, Copy)]
 struct ImpactQuantity {
     x_label: &'static str,
-    /// Factor on the quantity for the axis, such as 100 for per cent.
+    /// Factor by which the quantity is multiplied for the axis, such as 100 for per cent.
     scale: f64,
     y_label: &'static str,
     shape: Shape,
-    /// Smallest value that is drawn; variants whose values are all smaller are left out.
+    /// Smallest value that is drawn. Variants all of whose values are smaller are left out.
     least: f64,
     pick: fn(&Impacts) -> &Histogram,
     /// Prediction of kinetic theory, as a function of the quantity.
@@ -180,8 +180,8 @@ impl ImpactQuantity {
         panel
     }
 
-    /// Density as a step curve. On a linear axis the curve ends at zero. On a logarithmic axis an empty bin counts as
-    /// half a value, which is below all filled bins.
+    /// Density as a step curve. On a linear axis the curve ends at zero. On a logarithmic axis an empty bin is drawn at
+    /// the density of half a count, which is below the density of every filled bin.
     fn steps(&self, histogram: &Histogram) -> Vec<SeriesPoint> {
         let all = bins(histogram);
         let mut points: Vec<SeriesPoint> = Vec::new();
@@ -192,7 +192,7 @@ impl ImpactQuantity {
             else {
                 continue;
             };
-            // the last group may have fewer bins: the missing bins count as empty
+            // the last group may contain fewer bins than the others: the missing bins count as empty
             let density = sum / merged as f64;
             let y = if self.shape == Shape::LogDensity { density.max(half_count(histogram, merged)) } else { density };
             let upper = first.lower + merged as f64 * histogram.width;
@@ -234,7 +234,7 @@ fn shares(histogram: &Histogram) -> Vec<SeriesPoint> {
     std::iter::once(zero).chain(all.chunks(all.len().div_ceil(SHOWN).max(1)).filter_map(end)).collect()
 }
 
-/// Density that corresponds to half a value in `merged` bins.
+/// Probability density that corresponds to a count of one half in `merged` bins.
 fn half_count(histogram: &Histogram, merged: usize) -> f64 {
     0.5 / (histogram.total as f64 * histogram.width * merged as f64)
 }

@@ -1,7 +1,8 @@
-//! The pictures, as SVG text 640 px wide.
+//! Pictures of results, as SVG text with a width of 640 px.
 //!
-//! All share the style of one file. Bands show one standard error. A variant keeps its colour, dash and marker in every
-//! picture. Values that cannot be drawn are left out, and a panel without points says so.
+//! All pictures have the style defined in one file. Bands show one standard error. A variant has the same colour, dash
+//! pattern and marker in every picture. Values that cannot be drawn are left out. A panel without points contains a
+//! text about this.
 
 mod bounces;
 mod budgets;
@@ -39,12 +40,12 @@ use crate::case::saved;
 use crate::outcome::Outcome;
 use crate::record::{Histogram, Impacts};
 
-/// The pictures at the head of a comparison; none for a single run.
+/// Pictures at the top of a comparison; none for a single run.
 pub fn glance(study: &Study) -> Vec<Figure> {
     overview::differences(study).into_iter().chain(overview::cost(study)).collect()
 }
 
-/// The pictures of the averages of a run or comparison, in the order of a page.
+/// Pictures of the averages of a run or comparison, in the order of the page.
 pub fn study(outcomes: &[Outcome]) -> Vec<Figure> {
     let mut figures = vec![
         Figure::new(
@@ -90,7 +91,7 @@ pub fn study(outcomes: &[Outcome]) -> Vec<Figure> {
     figures
 }
 
-/// The pictures of overlaps, if there are any.
+/// Pictures of overlaps; none without overlaps.
 fn overlaps(outcomes: &[Outcome]) -> Vec<Figure> {
     let mut figures = Vec::new();
     let any = |of: fn(&Impacts) -> &Histogram| {
@@ -123,12 +124,12 @@ fn overlaps(outcomes: &[Outcome]) -> Vec<Figure> {
     figures
 }
 
-/// [byte] largest length of the words in a file name: file systems allow 255 in total, and other parts stand before and
-/// behind.
+/// [byte] largest length of the words in a file name. File systems allow 255 bytes for the whole name, which also
+/// contains other parts.
 const LONGEST_NAME: usize = 100;
 
-/// Words as part of a file name: letters and digits in lower case, the rest as hyphens. Long words are cut and get a
-/// checksum of the whole text.
+/// Words in the form of a part of a file name: letters and digits in lower case, other characters as hyphens. Long
+/// words are cut and get a checksum of the whole text.
 pub fn file_name(title: &str) -> String {
     let letters = title.chars().map(|c| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { ' ' });
     let mut name = letters.collect::<String>().split_whitespace().collect::<Vec<_>>().join("-");
@@ -140,7 +141,7 @@ pub fn file_name(title: &str) -> String {
     name
 }
 
-/// The pictures of an impact study.
+/// Pictures of an impact study.
 pub fn impact(bounces: &[Bounce], oblique: Option<&ObliqueStudy>) -> Vec<Figure> {
     let slip = oblique.map(|study| {
         let caption = "Oblique impacts without spin: slip after against slip before, both over μ u_n. On the line of slope 1 nothing changes; below zero the slip is reversed.";

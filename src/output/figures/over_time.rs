@@ -10,8 +10,8 @@ use crate::output::panel::{Figure, Panel, PanelSeries, SeriesPoint, SeriesStyle}
 use crate::predict::closed_form::{Bouncing, Chain, Cooling, settling_velocity};
 use nalgebra::Vector3;
 
-/// Number of parts of a run for which impact rates are computed. With so many parts a curve has enough points, and each
-/// part still contains impacts.
+/// Number of parts of equal length into which a run is divided for impact rates. With so many parts a curve has enough
+/// points, and each part still contains impacts.
 const PARTS: usize = 50;
 
 /// Number of intervals of a theoretical curve.
@@ -68,7 +68,8 @@ impl TimeAxis {
         Self { length, prefix: Prefix::of(length) }
     }
 
-    /// Panel with this time axis. Series without points are left out; `None` if no series but theory remains.
+    /// Panel with this time axis. Series without points are left out. `None` if no other series than theoretical ones
+    /// remains.
     fn panel(&self, y_label: String, series: Vec<PanelSeries>) -> Option<Panel> {
         let series: Vec<PanelSeries> = series.into_iter().filter(|series| !series.points.is_empty()).collect();
         let drawn = series.iter().any(|series| !matches!(series.look, SeriesStyle::Exact | SeriesStyle::Reference));
@@ -146,7 +147,8 @@ fn temperature(group: &PanelGroup, time: &TimeAxis) -> Vec<PanelSeries> {
     if all { lines(group, time, Row::granular_temperature) } else { Vec::new() }
 }
 
-/// Mean velocities along an axis. There are no lines if the velocities are only rounding errors of a sum that cancels.
+/// Mean velocities along an axis. There are no lines if the velocities are only the rounding errors of sums that
+/// vanish.
 fn velocity(group: &PanelGroup, time: &TimeAxis, axis: usize) -> Vec<PanelSeries> {
     let lines = lines(group, time, |row| Some(row.velocity[axis]));
     let rows = group.members.iter().flat_map(|(_, outcome)| &outcome.series.rows);
@@ -189,8 +191,8 @@ fn series(group: &PanelGroup, time: &TimeAxis) -> Vec<Panel> {
     panels.into_iter().flatten().collect()
 }
 
-/// Axis with most of the motion: that of gravity or, without gravity, that of the largest velocity. If nothing moves,
-/// the result is the streamwise axis.
+/// Axis along which most of the motion occurs: that of gravity or, without gravity, that of the largest velocity. If
+/// nothing moves, the result is the streamwise axis.
 fn axis(outcome: &Outcome) -> usize {
     let gravity = outcome.experiment.scene.gravity;
     let speeds =

@@ -16,14 +16,15 @@ pub const COST: &str = "cost";
 const WIDTH: f64 = 560.0;
 /// [px] part of the width that contains the names of rows.
 const NAMES: f64 = 168.0;
-/// [px] height of a row without its points; then height of each point.
+/// [px] height of a row without its points. The next constant is the height of each point.
 const ROW: f64 = 10.0;
 const POINT: f64 = 11.0;
 /// [margins] largest difference on the axis; larger differences are drawn at the frame, with their numbers.
 const FURTHEST: f64 = 4.0;
 /// [s] wall time below which the cost of a run depends mainly on the load of the machine.
 const TELLING: f64 = 0.1;
-/// Colours of the variants, equal to those of other pictures; style.css contains the colours for the dark mode.
+/// Colours of the variants, equal to those of other pictures. The file style.css contains the colours for the dark
+/// mode.
 const COLOURS: [&str; 7] = super::chart::COLOURS;
 
 fn colour(place: usize) -> String {
@@ -36,7 +37,7 @@ pub fn symbol(quantity: &str) -> String {
     slice_column(quantity).map_or(quantity, |column| column.symbol).into()
 }
 
-/// Difference that the sentence of the comparison gives [% of its scale].
+/// Difference of a quantity that the sentence of the comparison contains [% of the scale of the quantity].
 pub fn in_per_cent(one: &Judged) -> Option<Estimate> {
     let found = one.tested.headline()?;
     Some(Estimate::new(found.difference, found.error).times(100.0 / one.tested.scale))
@@ -222,7 +223,7 @@ struct Bar {
     /// [-] cost over that of the cheapest variant; `None` for a run that stopped early.
     ratio: Option<f64>,
     words: String,
-    /// True if the variant is the reference, or equivalent to it within the margin.
+    /// True if the variant is the reference, or is equivalent to the reference within the margin.
     equal: bool,
 }
 

@@ -32,8 +32,8 @@ pub fn streamwise_velocity(outcomes: &[Outcome]) -> String {
     draw(&groups(outcomes).iter().map(panel).collect::<Vec<_>>())
 }
 
-/// Picture of the mean streamwise velocities of the particles and of the gas. This picture is a separate one, because
-/// the much wider range of the gas would hide differences between variants. `None` without a gas.
+/// Picture of the mean streamwise velocities of the particles and of the gas. It is a separate picture, because the
+/// much wider range of the gas velocity would hide differences between variants. `None` without a gas.
 pub fn beside_the_gas(outcomes: &[Outcome]) -> Option<String> {
     let height = Height::of(outcomes);
     let groups = groups(outcomes);
@@ -46,9 +46,9 @@ pub fn beside_the_gas(outcomes: &[Outcome]) -> Option<String> {
     Some(draw(&groups.iter().map(panel).collect::<Vec<_>>()))
 }
 
-/// [-] fraction of slice `k` of `slices` across y that centres of spheres can reach; they stay a radius away from
-/// walls. `None` if centres cannot reach the slice. The fraction is 1 if spheres differ in size, because it then
-/// depends on the size.
+/// [-] fraction of slice `k` of `slices` across y in which centres of spheres can be; they keep a radius away from
+/// walls. `None` if centres cannot be in the slice. If spheres differ in size, this fraction depends on the size, and
+/// the function returns 1.
 fn open_part(outcome: &Outcome, k: usize, slices: usize) -> Option<f64> {
     let scene = &outcome.experiment.scene;
     let ([species], false) = (scene.species.as_slice(), scene.has_sizes()) else { return Some(1.0) };
@@ -67,7 +67,7 @@ fn open_part(outcome: &Outcome, k: usize, slices: usize) -> Option<f64> {
     (open > 0.0).then(|| (open / width).min(1.0))
 }
 
-/// Lines of the number density over its mean, for the volume that centres of particles can reach.
+/// Lines of the number density over its mean. The density refers to the volume in which centres of particles can be.
 fn room(group: &PanelGroup, height: &Height) -> Vec<PanelSeries> {
     let series = |(place, (name, outcome)): (usize, &(String, &Outcome))| {
         let rows = &outcome.profiles.slices;
@@ -110,8 +110,8 @@ pub(super) fn gas_velocity(profile: &Profile, length: f64) -> Panel {
     height.panel("U  [m/s]", vec![line])
 }
 
-/// Pictures of the six second moments, with a panel per moment. Each group of variants has one picture, which follows
-/// its caption.
+/// Pictures of the six second moments, with a panel per moment. There is one picture per group of variants; each
+/// element contains a caption and a picture.
 pub fn second_moments(outcomes: &[Outcome]) -> Vec<(String, String)> {
     let height = Height::of(outcomes);
     let picture = |group: &PanelGroup| {
@@ -153,7 +153,7 @@ fn lines(group: &PanelGroup, height: &Height, column: SliceColumn) -> Vec<PanelS
 }
 
 fn scores(outcomes: &[Outcome], height: &Height, column: SliceColumn) -> Vec<PanelSeries> {
-    // without standard errors there is no score
+    // the difference in standard errors is undefined if there are no standard errors
     let score = |(row, base): (&SliceRow, &SliceRow)| {
         let score = row.of(column)?.less(base.of(column)?).in_errors()?;
         Some(SeriesPoint::at(row.y * height.prefix.factor, score))
@@ -162,8 +162,8 @@ fn scores(outcomes: &[Outcome], height: &Height, column: SliceColumn) -> Vec<Pan
         let slices = |k: usize| outcomes[k].profiles.slices.len();
         place != reference && slices(*place) == slices(*reference)
     });
-    // a variant keeps its style; if there are more variants than styles, only drawn variants get styles, so that few
-    // styles repeat
+    // a variant keeps its style in all pictures; if there are more variants than styles, only drawn variants get
+    // styles, so that few styles repeat
     let kept = outcomes.len() <= TOLD_APART;
     pairs
         .enumerate()

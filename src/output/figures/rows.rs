@@ -18,7 +18,7 @@ const REST: f64 = 130.0;
 /// Number of decades to the left of the vertical line.
 const DECADES: f64 = 2.0;
 
-/// Point in a row.
+/// Point in a row of the picture.
 pub struct Dot {
     /// Index of the kind of points to which this point belongs.
     pub series: usize,
@@ -32,7 +32,7 @@ pub struct Dot {
 
 /// Data of a picture of rows.
 pub struct RowsFigure {
-    /// Label of the axis.
+    /// Label of the horizontal axis.
     pub x_label: String,
     /// Names of the kinds of points.
     pub series: Vec<String>,
@@ -88,7 +88,7 @@ pub fn rows(picture: &RowsFigure) -> String {
     svg(&render_multiple(plots, layout.with_width(WIDTH).with_height(height)))
 }
 
-/// Plot of the points of one kind, either the certain or the uncertain ones.
+/// Plot of the points of one kind, either those with certain or those with uncertain answers.
 fn points(picture: &RowsFigure, series: usize, sure: bool, floor: f64) -> Option<Plot> {
     let kinds = picture.series.len() as f64;
     let (mut data, mut arms) = (Vec::new(), Vec::new());

@@ -40,7 +40,7 @@ fn panel(study: &SweepStudy, axis: &SweepAxis, observable: &SweepObservable) -> 
         Some(numbers) => numbers[row.at[0]],
         None => row.at[0] as f64 + 1.0,
     };
-    // one curve for each variant and each choice of the other keys
+    // one curve for each variant and each combination of values of the other keys
     let mut curves: Vec<(usize, &[usize], Vec<&SweepRow>)> = Vec::new();
     for row in study.rows {
         match curves.iter_mut().find(|(variant, others, _)| (*variant, *others) == (row.variant, &row.at[1..])) {

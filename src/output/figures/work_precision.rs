@@ -28,7 +28,7 @@ fn picture(study: &ChartStudy, index: usize, cost: CostMeasure) -> String {
     let at = |place: usize| {
         let point = &study.points[place];
         let found = point.errors.get(index).copied().flatten()?;
-        // the smallest positive number instead of an error of 0, so that the point is drawn on the lower frame
+        // an error of 0 is replaced by the smallest positive number, so that the point is drawn on the lower frame
         let y = found.error.max(f64::MIN_POSITIVE);
         Some(SeriesPoint { x: point.cost(cost), y, error: found.uncertainty })
     };

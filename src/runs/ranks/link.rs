@@ -9,7 +9,7 @@ pub trait Link {
     /// Number of this process, from 0 (MPI: rank).
     fn rank(&self) -> usize;
 
-    /// Number of processes.
+    /// Number of processes that work on the command.
     fn size(&self) -> usize;
 
     /// Number of these processes that run on this machine.
@@ -21,7 +21,7 @@ pub trait Link {
     /// Next message that has arrived from any process and was not returned before, with the number of its sender.
     fn take(&self) -> Option<(usize, Vec<u8>)>;
 
-    /// Bytes of all processes, in the order of their numbers. All processes must call this method.
+    /// Gathers the bytes of all processes, in the order of their numbers. All processes must call this method.
     fn gather(&self, own: &[u8]) -> Vec<Vec<u8>>;
 
     /// Exchanges bytes, as in [`Communicator::exchange`].

@@ -2,9 +2,9 @@
 //! calls their numbers ranks.
 //!
 //! All processes read equal command lines and cases, and [check](Ranks::agree) that these are equal. Then process 0,
-//! the lead, does the command. The other processes are helpers: they do runs that the lead names by their indices in a
-//! list, and send back the results. Each process makes this list by itself, so only indices and results are sent. The
-//! result of a run does not depend on the process that did it.
+//! the lead, does the command. The other processes are helpers. The lead sends them indices in a list of runs; they do
+//! these runs and send back the results. Each process makes this list by itself, so only indices and results are sent.
+//! The result of a run does not depend on the process that did it.
 
 mod link;
 #[cfg(feature = "mpi")]
@@ -25,9 +25,9 @@ use std::collections::VecDeque;
 /// The processes that work on one command.
 pub struct Ranks {
     link: Box<dyn Link>,
-    /// True if the processes have compared their work and found it equal.
+    /// True if the processes have compared checksums of their work, and these were equal.
     agreed: Cell<bool>,
-    /// Numbers of the helpers that are free to do a run. A helper occurs once for every run that it could do at once.
+    /// Numbers of the free helpers. A helper is listed once for every further run that it could do at the same time.
     free: RefCell<VecDeque<usize>>,
     /// Number of runs that helpers are doing.
     away: Cell<usize>,
@@ -40,13 +40,13 @@ pub struct Ranks {
 pub enum Message {
     /// Lead to helper: do the run at this index of the list.
     Do(usize),
-    /// Lead to helper: take part in the shared run at this index of the list, which begins.
+    /// Lead to helper: take part in the run at this index of the list, which all processes share and which begins now.
     Follow(usize),
     /// Lead to helper: stop the present runs at the ends of their windows.
     Stop,
     /// Lead to helper: the command is over, with this exit code.
     End(u8),
-    /// Helper to lead: the helper is free to do this number of runs.
+    /// Helper to lead: the helper can do this number of further runs.
     Free(usize),
     /// Helper to lead: the run at this index has reached this simulated time [s].
     At(usize, f64),
@@ -61,14 +61,15 @@ pub enum Message {
 /// Result of reading the command and the case in one process.
 #[derive(Clone, PartialEq, Serialize, Deserialize)]
 enum Found {
-    /// The process has work to do, with this checksum.
+    /// The process has work to do, and this is the checksum of the work.
     Work(u32),
-    /// The process has this error; true if the input is wrong.
+    /// The process has this error. The flag is true if the input is wrong.
     Error(String, bool),
 }
 
 impl Ranks {
-    /// Joins the processes that were started together with this one. Returns this process alone if there are no others.
+    /// Joins the processes that were started together with this process. If there are no others, this process works
+    /// alone.
     ///
     /// # Errors
     /// MPI cannot be started.
@@ -91,7 +92,7 @@ impl Ranks {
         }
     }
 
-    /// This process alone.
+    /// Creates the value for a process that works alone.
     pub fn alone() -> Self {
         Self::with(Box::new(LoneProcess))
     }
@@ -111,7 +112,7 @@ impl Ranks {
         self.link.rank() == 0
     }
 
-    /// Number of processes.
+    /// Number of processes that work on the command.
     pub fn count(&self) -> usize {
         self.link.size()
     }
@@ -122,14 +123,14 @@ impl Ranks {
         asked.map_or_else(|| (cores() / self.link.on_this_machine()).max(1), usize::from)
     }
 
-    /// Prints that several processes share the runs, if they do.
+    /// Prints that several processes share the runs, if there are several.
     pub fn announce(&self, threads: usize, quiet: bool) {
         if self.count() > 1 && !quiet {
             tell(format!("{} processes share the work, {} in this one", self.count(), counted(threads, "thread")));
         }
     }
 
-    /// Does work that is not shared. It is done by the lead only.
+    /// Does work that is not shared among processes, in the lead only.
     ///
     /// # Errors
     /// The error of the work, or the error of a process that could not begin.
@@ -138,8 +139,8 @@ impl Ranks {
         if self.is_lead() { work() } else { Ok(()) }
     }
 
-    /// Checks with the other processes that all have equal work; `mark` computes its checksum. All processes must call
-    /// this or [`close`](Self::close).
+    /// Checks with the other processes that all have equal work; `mark` computes its checksum. Every process must call
+    /// this function or [`close`](Self::close).
     ///
     /// # Errors
     /// The error of the first process that has one, returned in all processes. It is also an error if the work of a
@@ -158,8 +159,8 @@ impl Ranks {
         disagreement(&all).map_or(found, Err)
     }
 
-    /// Ends the common work of the processes, with the result of this one. The lead prints the reason of an error, and
-    /// all processes end with the exit code for the lead's result. All processes must call this.
+    /// Ends the common work of the processes. `result` is the result of this process. The lead prints the reason of an
+    /// error. All processes end with the exit code for the result of the lead. Every process must call this function.
     pub fn close<T>(&self, result: Result<T, StudyError>, code: impl FnOnce(&Result<T, StudyError>) -> u8) -> u8 {
         let result = if self.agreed.get() { result } else { self.agree(result, |_| 0) };
         if !self.is_lead() {
@@ -181,7 +182,7 @@ impl Ranks {
         code
     }
 
-    /// Waits for the end of the command, in a helper without further work; returns the exit code.
+    /// Waits in a helper without further work until the command ends; returns the exit code.
     fn wait_for_the_end(&self, why: Option<StudyError>) -> u8 {
         if let (Some(why), None) = (why, self.dismissed.get()) {
             self.report(&Message::Failed(why.to_string()));
@@ -200,12 +201,12 @@ impl Ranks {
         code
     }
 
-    /// Records the exit code with which the lead has ended the command, in a helper.
+    /// Stores the exit code with which the lead has ended the command; called in a helper.
     pub fn dismissed(&self, code: u8) {
         self.dismissed.set(Some(code));
     }
 
-    /// Sends the run at this index to a free helper; returns false if there is none.
+    /// Sends the run at this index to a free helper; returns false if no helper is free.
     pub fn hand_out(&self, index: usize) -> bool {
         let Some(helper) = self.free.borrow_mut().pop_front() else { return false };
         self.send(helper, &Message::Do(index));
@@ -228,7 +229,8 @@ impl Ranks {
         (1..self.count()).for_each(|helper| self.send(helper, &Message::Stop));
     }
 
-    /// Next message from a helper to the lead. The list of free helpers is updated.
+    /// Next message from a helper to the lead. Messages that a helper is free or has ended a run also update the list
+    /// of free helpers.
     pub fn heard(&self) -> Option<Message> {
         let (from, message) = self.take()?;
         match &message {
@@ -257,7 +259,8 @@ impl Ranks {
     fn take(&self) -> Option<(usize, Message)> {
         loop {
             let (from, bytes) = self.link.take()?;
-            // bytes that are no message come from another program, which `agree` has already found
+            // bytes that are no message come from a process that runs another program; `agree` has already detected
+            // such a process
             if let Ok(message) = unpacked(&bytes) {
                 return Some((from, message));
             }
@@ -277,7 +280,7 @@ fn unfit(why: postcard::Error) -> StudyError {
     StudyError::Failed(format!("error: a message between processes cannot be read: {why}"))
 }
 
-/// Reason why the processes cannot begin together; `None` if there is none.
+/// Reason why the processes cannot begin together; `None` if they can.
 fn disagreement(all: &[Found]) -> Option<StudyError> {
     let error = all.iter().enumerate().find_map(|(rank, found)| match found {
         Found::Error(why, input) => Some((rank, why, *input)),

@@ -33,7 +33,7 @@ impl Mpi {
 }
 
 impl Drop for Mpi {
-    /// Aborts all processes if this one panicked, since the others would wait for ever.
+    /// Aborts all processes if this process panicked, since the others would wait for ever.
     fn drop(&mut self) {
         if std::thread::panicking() {
             self.world.abort(1);
@@ -93,7 +93,7 @@ impl Link for Mpi {
         let own = self.rank();
         let pieces = outgoing.iter().map(|bytes| bytes.len().div_ceil(PIECE)).sum();
         mpi::request::multiple_scope(pieces, |scope, sent| {
-            // bytes are sent only to processes for which there are any; in most parts of a run these are neighbours
+            // bytes are sent only to processes for which there are any; during most of a run these are neighbours
             for (rank, bytes) in outgoing.iter().enumerate().filter(|(rank, _)| *rank != own) {
                 let to = self.world.process_at_rank(rank as i32);
                 bytes.chunks(PIECE).for_each(|piece| {

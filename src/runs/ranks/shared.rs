@@ -1,5 +1,5 @@
 //! Communication in a run that all processes share. MPI may only be called from the thread that started it. So the run
-//! works in another thread, which sends requests to the first one.
+//! is done in another thread, which sends requests to the thread of MPI.
 
 use super::Ranks;
 use super::link::Link;
@@ -8,7 +8,7 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Request from the thread of the run to the thread of MPI, and its answer.
+/// Message between the thread of the run and the thread of MPI: a request or its answer.
 enum Call {
     Exchange(Vec<Vec<u8>>),
     Broadcast(Vec<u8>),
@@ -16,10 +16,10 @@ enum Call {
     Largest(Vec<f64>),
 }
 
-/// Amount of communication of a process with others during a shared run.
+/// Amount and duration of the communication of a process with others during a shared run.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Traffic {
-    /// Number of messages to single other processes.
+    /// Number of messages from this process to single other processes.
     pub messages: u64,
     /// [bytes] size of these messages to single processes.
     pub bytes: u64,
@@ -27,7 +27,7 @@ pub struct Traffic {
     pub calls: u64,
     /// Time spent on communication, including the time spent waiting for other processes.
     pub waited: Duration,
-    /// Time from the beginning to the end of the run.
+    /// Wall time from the beginning to the end of the run.
     pub whole: Duration,
 }
 
@@ -44,7 +44,7 @@ impl std::fmt::Display for Traffic {
     }
 }
 
-/// End of the channel in the thread of the run.
+/// End of the channel in the thread of the run, by which this thread sends requests.
 struct LineEnd {
     rank: usize,
     size: usize,
@@ -112,8 +112,8 @@ fn answer(link: &dyn Link, call: Call) -> Call {
 }
 
 impl Ranks {
-    /// Does work on a run that all processes share. Each process works in a second thread, since MPI may only be called
-    /// from the thread that started it. Returns the result of the work, and the amount of communication.
+    /// Does work on a run that all processes share. In each process the work is done in a second thread, since MPI may
+    /// only be called from the thread that started it. Returns the result of the work, and the amount of communication.
     pub fn together<T: Send>(&self, work: impl FnOnce(Arc<dyn Communicator>) -> T + Send) -> (T, Traffic) {
         let (asked, calls) = channel();
         let (answers, answered) = channel();
@@ -133,7 +133,7 @@ impl Ranks {
                 let answer = answer(&*self.link, call);
                 traffic.calls += 1;
                 traffic.waited += asked.elapsed();
-                // the thread of the run waits for this answer
+                // this cannot fail, because the thread of the run waits for the answer
                 let _ = answers.send(answer);
             }
             traffic.whole = began.elapsed();

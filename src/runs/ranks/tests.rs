@@ -1,4 +1,4 @@
-//! Tests of several processes, which are threads of one test here.
+//! Tests of several processes, which are simulated by the threads of one test.
 
 use super::link::Link;
 use super::*;
@@ -14,7 +14,7 @@ use std::time::Duration;
 /// Message that has been sent, with the number of its sender.
 type Letter = (usize, Vec<u8>);
 
-/// One of several threads that stand for processes.
+/// One of several threads that simulate processes.
 struct Thread {
     rank: usize,
     others: Vec<Sender<Letter>>,
@@ -161,7 +161,7 @@ fn every_run_is_done_once_and_by_all() {
             return help(&squares, SHARE, ranks, &Signals::listen()?).map(|()| 9);
         }
         let mut all = vec![0; COUNT];
-        // there are two lists of runs, one after the other, as in `compare`
+        // the runs are done in two calls, one after the other, as in `compare`
         let indices: Vec<usize> = (0..COUNT).collect();
         for part in [&indices[..20], &indices[20..]] {
             distribute(&squares, part, SHARE, ranks, |index, square| {
@@ -193,7 +193,7 @@ fn a_helper_that_fails_ends_all_and_one_that_is_stopped_stops_all() {
                 over += 1;
                 square.map(drop)
             })?;
-            // each of four threads may be in a run, and receive one more before the message arrives
+            // each of four threads may be doing a run, and may receive another run before the message arrives
             Ok(if over < COUNT / 2 { 130 } else { 3 })
         })
     };

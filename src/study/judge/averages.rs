@@ -10,8 +10,8 @@ use crate::walls::Wall;
 use nalgebra::Vector3;
 use std::borrow::Cow;
 
-/// Smallest number of slices on either side of the mid-plane for which the shape of a profile is compared, not its mean
-/// alone.
+/// Smallest number of slices on either side of the mid-plane for which the shape of a profile is compared. With fewer
+/// slices only the mean is compared.
 const SLICES: usize = 4;
 
 /// Number of points in each half of the gas profile at which its symmetry is checked.
@@ -69,7 +69,7 @@ fn profile(
     }
 }
 
-/// Temperature and impact rates, as far as they exist in the reference.
+/// Temperature and impact rates, each if it exists in the reference.
 fn numbers(outcome: &Outcome, reference: &Outcome, until: f64) -> Vec<Observable> {
     let of = |outcome: &Outcome| {
         let averaged = outcome.averaged.clone();
@@ -83,7 +83,7 @@ fn numbers(outcome: &Outcome, reference: &Outcome, until: f64) -> Vec<Observable
     let numbers = both.filter_map(|((name, unit, own), (_, _, other))| {
         // rates are converted to the number of particles of the reference
         let counts = (name != "granular temperature").then_some((reference.particles, outcome.particles));
-        // for particles at rest neither the temperature nor the impacts matter
+        // for particles at rest neither the temperature nor the impact rates are meaningful
         let rest = reference.experiment.scene.rest_speed().powi(2);
         reference.temperature.filter(|temperature| temperature.value > rest)?;
         let scale = (value(&other)?, "its value");
@@ -113,8 +113,8 @@ fn value(batches: &Option<Batches>) -> Option<f64> {
     batches.as_ref()?.values.first().copied().filter(|value| *value > 0.0)
 }
 
-/// Converts a sum over particles to another number of particles. `counts` is the number wanted and the number in the
-/// sum.
+/// Converts a sum over particles to another number of particles. `counts` contains the wanted number and the number of
+/// particles in the sum.
 fn of_as_many(batches: Option<Batches>, counts: Option<(usize, usize)>) -> Option<Batches> {
     match counts {
         Some((wanted, present)) if wanted != present => {
@@ -129,13 +129,13 @@ fn number(name: Cow<'static, str>, unit: &'static str, (scale, scale_is): Scale,
     Observable { name, unit, places, parity, fixed_mean, scale, scale_is, parts }
 }
 
-/// A scale of differences, and its name in words.
+/// Scale of differences, and its name in words.
 type Scale = (f64, &'static str);
 
-/// Scale of differences in a column, in the unit of the column. For the density and for a normal stress it is their
-/// mean. For the shear stress it is the largest magnitude. For U it is the mean slip between gas and particles or,
-/// without gas, the mean velocity past walls; or the agitation if that is larger. These do not depend on the frame of
-/// reference. `None` without samples, or if nothing moves.
+/// Scale of differences in a column, in the unit of the column. For the density and for a normal stress it is the mean.
+/// For the shear stress it is the largest magnitude. For U it is the mean slip between gas and particles or, without
+/// gas, the mean velocity relative to the walls; or the agitation if that is larger. None of these depends on the frame
+/// of reference. `None` without samples, or if nothing moves.
 fn scale(column: &SliceColumn, reference: &Outcome) -> Option<Scale> {
     let table = &reference.profiles;
     let known: Vec<(f64, f64)> = (0..table.slices.len())

@@ -9,8 +9,8 @@ use crate::output::numbers::{quantity, significant};
 use crate::statistics::{Answer, Batches, LEVEL, Observable, Parity, compare, two_sided};
 use std::borrow::Cow;
 
-/// Number of instants at which curves are compared. They are enough for the shape, and few enough for each of them to
-/// matter.
+/// Number of instants at which curves are compared. So many instants show the shape of a curve, and few instants keep
+/// the test of each one powerful.
 const INSTANTS: usize = 20;
 
 /// Smallest number of replicas of each variant for which errors are given.
@@ -19,8 +19,8 @@ pub const FEWEST: usize = 3;
 /// Recommended number of replicas if there are none: Student's t then has 14 degrees of freedom.
 const ADVISED: usize = 8;
 
-/// Number of particles that may move together without a single run giving a wrong answer "different". For molecular
-/// chaos it would be 1.
+/// Number of particles that are assumed to move together, so that a single run gives no wrong answer "different". For
+/// molecular chaos this number would be 1.
 const CLUMP: f64 = 100.0;
 
 /// Quantities whose curves are compared.
@@ -90,8 +90,8 @@ pub fn common(all: &[Vec<&Outcome>]) -> Vec<f64> {
     (1..=count).map(|k| times[k * times.len() / count - 1]).collect()
 }
 
-/// Curves of all runs of a variant that exist in the reference, with their scales. There are curves of all particles
-/// and of each species.
+/// Curves of all runs of a variant that also exist in the reference, with their scales. There are curves of all
+/// particles and of each species.
 pub fn observables(runs: &[&Outcome], references: &[&Outcome], times: &[f64]) -> Vec<Observable> {
     let kinds = references.first().map_or(&[][..], |reference| &reference.kinds.curves);
     let of_kinds = kinds.iter().filter_map(|curve| of_kind(curve, runs, references, times));
@@ -150,7 +150,7 @@ impl Of {
 }
 
 /// Scale of a curve, in the unit of the curve: its largest magnitude in the reference, or for a velocity its largest
-/// change. `None` if there is none.
+/// change. `None` if this value does not exist.
 fn scale(curve: &SeriesColumn, references: &[&Outcome], times: &[f64]) -> Option<f64> {
     let rows = || references.iter().flat_map(|run| times.iter().filter_map(|&time| row_at(run, time)));
     let largest = |of: fn(&Row) -> Option<f64>, start: f64| {
@@ -164,9 +164,9 @@ fn scale(curve: &SeriesColumn, references: &[&Outcome], times: &[f64]) -> Option
     (scale > 0.0).then_some(scale)
 }
 
-/// Compares two variants with one run each. There is no error bar, but a difference may exceed the largest one possible
-/// by chance. If N particles move independently, temperature and energy scatter by sqrt(2/(3 N)) of their values. Here
-/// groups of [`CLUMP`] particles are taken as moving independently.
+/// Compares two variants with one run each. A single run has no error bar, but a difference may exceed the largest one
+/// that is possible by chance. If N particles move independently, temperature and energy scatter by sqrt(2/(3 N)) of
+/// their values. Here N is the number of groups of [`CLUMP`] particles.
 fn single(variant: &Outcome, reference: &Outcome, times: &[f64], why: &str) -> Finding {
     let clumps = variant.particles.min(reference.particles) as f64 / CLUMP;
     let scatter = (2.0 / (3.0 * clumps)).sqrt();

@@ -1,4 +1,4 @@
-//! Comparison of every variant with its reference: equivalent, different, or unresolved.
+//! Comparison of every variant with its reference; the answer is equivalent, different, or unresolved.
 //!
 //! Few bodies are compared by their paths, as long as paths can be predicted. Beyond that time, and for many bodies,
 //! two steady runs are compared by their averages. Unsteady runs are compared by curves over time, whose errors are
@@ -24,15 +24,15 @@ use crate::study::replicas::FROZEN;
 use words::{pair, percent};
 
 /// [s] wall time below which the ratio of two wall times is not meaningful. Work that is done once, such as the first
-/// search of neighbours and the start of threads, takes milliseconds.
+/// search for neighbours and the start of threads, takes milliseconds.
 const TELLING: f64 = 0.1;
 
 /// [-] largest ratio of the sample interval of a longer run to that of this run. Up to this ratio the averages of the
 /// longer run improve in proportion to its length. Beyond it, the recommendation also names a sample interval.
 const CLOSE: f64 = 1.1;
 
-/// [-] volume fraction up to which soft spheres collide as often as hard ones, except for about 5 % of their softness
-/// (docs/theory/softness.md).
+/// [-] volume fraction up to which the collision rate of soft spheres equals that of hard ones, except for about 5 % of
+/// their softness (docs/theory/softness.md).
 const DILUTE: f64 = 0.03;
 
 /// Compares every variant that has a reference other than itself, in a single test. `others` holds the replicas of each
@@ -67,11 +67,11 @@ pub struct Criteria {
 pub struct ReplicaRuns<'a> {
     /// Outcome of the first replica. If there are several, its averages are over all replicas.
     pub outcome: &'a Outcome,
-    /// Outcomes of all replicas except the first.
+    /// Outcomes of the other replicas, all except the first.
     pub others: &'a [Outcome],
 }
 
-/// Answer of a comparison and its reasons, without the names of the variants.
+/// Answer of a comparison with the reasons for it, without the names of the variants.
 struct Finding {
     answer: Answer,
     basis: Basis,
@@ -121,7 +121,8 @@ fn found(runs: &[ReplicaRuns; 2], asked: Criteria) -> Finding {
     }
 }
 
-/// The finding, with any answer "equivalent" withdrawn if a run stopped early, since such runs cannot show equivalence.
+/// The finding, in which the answer "equivalent" becomes "unresolved" if a run stopped early. Such runs cannot show
+/// equivalence.
 fn stopped(runs: &[ReplicaRuns; 2], found: Finding) -> Finding {
     let Some(stopped) = runs.iter().map(|one| one.outcome).find(|one| one.failure.is_some()) else { return found };
     if found.answer != Answer::Equivalent {
@@ -150,7 +151,7 @@ fn frozen(both: [&Outcome; 2]) -> Option<f64> {
     both.iter().filter_map(|one| one.places_kept).reduce(f64::max).filter(|kept| *kept > FROZEN)
 }
 
-/// Compares one run of each variant in a scene that does not mix, where another run would settle differently.
+/// Compares one run of each variant in a scene whose particles do not mix. Another run would settle to another state.
 fn one_of_many(both: [&Outcome; 2], kept: f64) -> Finding {
     let placed = both[1].experiment.start.iter().all(|one| matches!(one.amount, Amount::Placed(_)));
     let advice = if placed {
@@ -187,7 +188,7 @@ fn steady(variant: &Outcome, reference: &Outcome, asked: Criteria) -> Finding {
     let shorter = if variant.simulated_seconds < reference.simulated_seconds { variant } else { reference };
     let replicas = |one: &Outcome| one.averaged.replicas.map_or(1, |replicas| replicas.count);
     let runs = replicas(variant).min(replicas(reference));
-    // from given positions all replicas would be equal
+    // if all particles have given positions, all replicas would be equal
     let placed = shorter.experiment.start.iter().all(|one| matches!(one.amount, Amount::Placed(_)));
     let frozen = frozen([variant, reference]).is_some();
     let needed = |stretch: f64| {
@@ -225,7 +226,7 @@ fn longer(run: &Outcome, stretch: f64) -> String {
     format!("{longer} (statistics.sample_interval = \"{}\")", quantity(run.sample_interval, "s", 2))
 }
 
-/// Names of the runs that are not steady, with the reasons. Such runs are not compared by averages over time.
+/// Description of the runs that are not steady, with the reasons. Such runs are not compared by averages over time.
 fn unsteady(runs: [&Outcome; 2]) -> String {
     let why = runs.into_iter().filter_map(|one| {
         let predicate = words::not_steady(&one.steadiness)?;
@@ -249,8 +250,8 @@ fn soft_rate(variant: &Outcome, reference: &Outcome) -> Option<String> {
     ))
 }
 
-/// Cost of a variant over that of its reference, in words; `None` if either stopped, since its cost is not that of the
-/// whole case.
+/// Cost of a variant over that of its reference, in words. `None` if either run stopped early, since its cost is not
+/// that of the whole case.
 fn costs(variant: &Outcome, reference: &Outcome) -> Option<String> {
     if [variant, reference].iter().any(|one| one.failure.is_some()) {
         return None;

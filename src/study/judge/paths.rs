@@ -21,8 +21,8 @@ use nalgebra::Vector3;
 /// differences that are compared.
 const DISTURBANCE: f64 = 1e-6;
 
-/// [-] growth of the disturbance up to which paths are compared. Beyond it, a difference between the models as small as
-/// the margin of 1 % has grown beyond all other effects.
+/// [-] growth of the disturbance up to which paths are compared. After more growth, a difference as small as the margin
+/// of 1 % between the models would have grown beyond all other effects.
 const GROWTH: f64 = 1e3;
 
 /// States of all particles at one instant, by id.
@@ -38,7 +38,7 @@ fn near(s: f64, t: f64) -> bool {
     (s - t).abs() <= 1e-9 * s.abs().max(t.abs())
 }
 
-/// Instants that two runs have in common, with the states in both.
+/// Instants that two runs have in common, with the states of the particles in both runs.
 fn common<'a>(a: &'a Outcome, b: &'a Outcome) -> Vec<[Instant<'a>; 2]> {
     let others = instants(b);
     let same = |one: Instant<'a>| {
@@ -49,7 +49,7 @@ fn common<'a>(a: &'a Outcome, b: &'a Outcome) -> Vec<[Instant<'a>; 2]> {
     instants(a).into_iter().filter_map(same).collect()
 }
 
-/// [m/s] largest difference in velocity, and the id of the particle.
+/// [m/s] largest difference in velocity between two states, and the id of the particle.
 fn velocity_apart([a, b]: [Instant; 2]) -> (f64, u32) {
     let apart = a.iter().zip(b).map(|(p, q)| ((p.velocity - q.velocity).norm(), p.id));
     apart.fold((0.0, 0), |most, one| if one.0 > most.0 { one } else { most })
@@ -135,7 +135,7 @@ pub fn judge(variant: &Outcome, reference: &Outcome, margin: f64) -> Finding {
     Finding { answer, basis: Basis::Paths, sentence, reason, comparison: None }
 }
 
-/// Deviation of one particle from its position or velocity in the other run.
+/// Deviation of one particle from its position or velocity in another run.
 #[derive(Clone, Copy, Default)]
 struct Apart {
     /// [m/s] or [m] magnitude of the deviation.
@@ -154,13 +154,13 @@ struct Widest {
 /// Instants at which particles of a run are in the course of an impact.
 struct ImpactSpans<'a> {
     instants: Vec<Instant<'a>>,
-    /// For each instant, true for the particles in an impact.
+    /// For each instant and each particle, true if the particle is in an impact.
     during: Vec<Vec<bool>>,
 }
 
 impl<'a> ImpactSpans<'a> {
-    /// Instants of a run at which a particle touches something, at most `longest` [s] after it began to or before it
-    /// ceases to.
+    /// Instants of a run at which each particle touches another body, if they are at most `longest` [s] after the
+    /// beginning of this touch or before its end.
     fn of(run: &'a Outcome, longest: f64) -> Self {
         let instants = instants(run);
         let mut during: Vec<Vec<bool>> = instants.iter().map(|instant| vec![false; instant.len()]).collect();
@@ -169,7 +169,8 @@ impl<'a> ImpactSpans<'a> {
             let mut at = 0;
             while at < instants.len() {
                 let end = (at..instants.len()).find(|at| !touches(at)).unwrap_or(instants.len());
-                // contacts of the start have not begun, and those of the end do not cease
+                // a contact that exists at the start has no known beginning, and one that exists at the end has no
+                // known end
                 let began = if at == 0 { f64::NEG_INFINITY } else { instants[at][0].time };
                 let ceases = instants.get(end).map_or(f64::INFINITY, |instant| instant[0].time);
                 for (instant, row) in instants[at..end].iter().zip(&mut during[at..end]) {
@@ -188,22 +189,22 @@ impl<'a> ImpactSpans<'a> {
         first..first.max(self.instants.partition_point(|instant| instant[0].time <= to))
     }
 
-    /// Index of the instant at a time [s] that the run has.
+    /// Index of the recorded instant of the run at a time [s].
     fn at(&self, time: f64) -> usize {
         self.instants.partition_point(|instant| instant[0].time < time).min(self.instants.len() - 1)
     }
 }
 
 impl Widest {
-    /// Largest differences of the `variant` from the `reference` over the pairs `before` of their common instants; `None`
-    /// if every particle is in an impact at all of them.
+    /// Largest differences of the `variant` from the `reference` over `before`, pairs of instants that both runs have
+    /// in common. `None` if every particle is in an impact at all these instants.
     ///
-    /// A velocity may be that of the reference up to `late` [s] earlier or later, as after a delayed impact. Particles
-    /// in the course of an impact are left out, since they differ because of the contact and not because of its result.
-    /// A particle is in an impact shortly after it has begun to touch, and shortly before it ceases to.
+    /// A velocity may equal that of the reference up to `late` [s] earlier or later, as after a delayed impact.
+    /// Particles in the course of an impact are left out, since they differ because of the contact and not because of
+    /// its result. A particle is in an impact shortly after the beginning of a touch, and shortly before its end.
     fn of(before: &[&[Instant; 2]], [variant, reference]: [&Outcome; 2], late: f64) -> Option<Self> {
-        /// [-] longest time of an impact over the contact time of the fastest ones. Slow impacts of Hertz's law last
-        /// longer, by the fifth root of the speed.
+        /// [-] longest time of an impact over the contact time of the fastest impacts. With Hertz's law slow impacts
+        /// last longer: the contact time decreases with the fifth root of the speed.
         const SLOW: f64 = 3.0;
         let domain = &reference.experiment.scene.domain;
         let longest = SLOW * impact_time(&variant.experiment).max(impact_time(&reference.experiment));
@@ -234,7 +235,7 @@ impl Widest {
     }
 }
 
-/// [s] longest contact time of the fastest impacts; 0 of hard spheres, and where contacts do not end.
+/// [s] longest contact time of the fastest impacts; 0 for hard spheres, and if contacts do not end.
 fn impact_time(experiment: &Experiment) -> f64 {
     let Some(law) = experiment.law() else { return 0.0 };
     let times = at_fastest_impacts(experiment).into_iter().map(|kind| kind.contact_time(&law));
@@ -263,16 +264,16 @@ fn predictable(reference: &Outcome) -> Option<f64> {
     let grown = |both: &[Instant; 2]| velocity_apart(*both).0 > GROWTH * DISTURBANCE * speed;
     let common = common(reference, &twin);
     let first = common.iter().position(grown)?;
-    // impacts that occur a little earlier or later differ for an instant only
+    // impacts that occur a little earlier or later cause a difference at one instant only
     let lasting = common[first..].iter().filter(|both| grown(both)).count() * 2 > common.len() - first;
     lasting.then(|| common[first.saturating_sub(1)][0][0].time)
 }
 
-/// Time up to which the paths of a reference can be predicted; none if it is the whole run.
+/// Time [s] up to which the paths of a reference can be predicted; `None` if they can be predicted for the whole run.
 pub struct Horizon(Option<f64>);
 
 impl Horizon {
-    /// True if this time is before the end of the run.
+    /// True if the paths cannot be predicted up to the end of the run.
     pub fn is_chaotic(&self) -> bool {
         self.0.is_some()
     }
@@ -283,15 +284,15 @@ pub fn horizon(reference: &Outcome) -> Horizon {
     Horizon(predictable(reference))
 }
 
-/// Deviation from zero of a sum of runs with weights that add up to zero.
+/// Deviation from zero of a weighted sum of runs, for weights that add up to zero.
 pub struct Missed {
     /// [s] instant of the deviation.
     pub time: f64,
-    /// [m/s] largest speed in the reference.
+    /// [m/s] largest speed of a particle in the reference.
     pub speed: f64,
-    /// [m/s] largest velocity in the sum.
+    /// [m/s] largest velocity in the weighted sum.
     pub velocity: f64,
-    /// [m] largest distance in the sum.
+    /// [m] largest distance in the weighted sum.
     pub place: f64,
 }
 

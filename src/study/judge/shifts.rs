@@ -1,5 +1,5 @@
-//! Shift of each observable by a change of the case: one number per observable, for comparison with those of other
-//! changes.
+//! Shift of each observable by a change of the case. A shift is one number per observable, so that shifts by different
+//! changes can be compared.
 //!
 //! Two steady runs are compared by means over the channel, the number density at the walls, temperature and rates.
 //! Unsteady runs are compared by curves over time, at the instant of the most significant difference or by the mean.
@@ -16,10 +16,10 @@ use crate::statistics::{
     student_bound, two_sided,
 };
 
-/// Runs with their weights. The weighted sum of these runs is compared.
+/// Runs with their weights, of which the weighted sum is compared.
 pub type Mix<'a> = [(f64, ReplicaRuns<'a>)];
 
-/// The unchanged case, which determines how all runs are compared.
+/// Runs of the unchanged case, which also determine the kind of comparison for all other runs.
 pub struct ShiftReference<'a> {
     runs: ReplicaRuns<'a>,
     basis: Basis,
@@ -27,21 +27,21 @@ pub struct ShiftReference<'a> {
     horizon: Option<Horizon>,
 }
 
-/// Function that chooses the shift among the deviations of an observable.
+/// Function that selects the shift among the deviations of an observable.
 type ShiftColumn = fn(&Tested) -> Option<Deviation>;
 
-/// Shifts of several observables, and the kind of comparison.
+/// Shifts of several observables, and the kind of comparison by which they were found.
 pub struct Shifts {
     /// Shifts in the order of the observables.
     pub shifts: Vec<Shift>,
     /// Kind of comparison by which the shifts were found.
     pub basis: Basis,
-    /// Reason why no statement is made; `None` if one is made.
+    /// Reason why the shifts allow no statement; `None` if they do.
     pub doubt: Option<String>,
 }
 
 impl<'a> ShiftReference<'a> {
-    /// A reference from the runs of the unchanged case, with the kind of comparison that is valid for them.
+    /// Makes a reference from the runs of the unchanged case, with the kind of comparison that is valid for them.
     pub fn new(runs: ReplicaRuns<'a>) -> Self {
         let outcome = runs.outcome;
         let few = !outcome.paths.points.is_empty();
@@ -55,8 +55,8 @@ impl<'a> ShiftReference<'a> {
         Self { runs, basis, horizon }
     }
 
-    /// Shifts of the sum of some runs against the sum of others. Weights are positive and have equal totals on both
-    /// sides. For curves the shift is that of the mean or of one instant, whichever is more significant.
+    /// Shifts of the weighted sum `of` relative to the weighted sum `against`. Weights are positive and have equal
+    /// totals in both sums. For curves the shift is that of the mean or of one instant, whichever is more significant.
     pub fn shifts(&self, of: &Mix, against: &Mix, margin: f64) -> Shifts {
         self.found([of, against], margin, Tested::headline)
     }
@@ -167,8 +167,8 @@ fn all_of<'a>(runs: &ReplicaRuns<'a>) -> Vec<&'a Outcome> {
 }
 
 /// A profile as one number. It is the mean over the slices. For a profile that changes its sign at the mid-plane it is
-/// half the difference of both sides, and for the density the value at the walls. A single number is not changed. The
-/// part is `None` if no value is known.
+/// half the difference of both sides, and for the density the value at the walls. A single number is not changed. A
+/// part is `None` if none of its values is known.
 fn number(profile: &Observable) -> Option<Observable> {
     let count = profile.places.len();
     if count == 0 {
@@ -200,7 +200,7 @@ fn number(profile: &Observable) -> Option<Observable> {
     })
 }
 
-/// Weighted sum of equal observables of several runs.
+/// Weighted sum of the observables of several runs, one by one.
 fn sum(each: &[(f64, Vec<Observable>)]) -> Vec<Observable> {
     let Some((weight, first)) = each.first() else { return Vec::new() };
     if each.len() == 1 && *weight == 1.0 {
@@ -217,7 +217,7 @@ fn sum(each: &[(f64, Vec<Observable>)]) -> Vec<Observable> {
     first.iter().enumerate().map(one).collect()
 }
 
-/// Shifts between two lists of equal observables.
+/// Shifts between two lists of the same observables.
 fn judged([a, b]: [&[Observable]; 2], margin: f64, pick: ShiftColumn) -> Vec<Shift> {
     let comparison = compare(a, b, margin, ErrorLevels::default());
     let one = |(a, b): (&Observable, &Observable)| {
@@ -269,9 +269,9 @@ fn without_error(a: &Observable, b: &Observable) -> Option<Shift> {
 }
 
 /// Increases the errors of shifts that come from a line through several runs, by the distance of these runs from the
-/// line. The distance is measured in units of its own error, from `misses`, which belong to equal observables. If runs
-/// do not scatter, the distance is the only source of error: the error of the shift is then the distance times `share`
-/// [-].
+/// line. The distance is measured in units of its own error, from `misses`, which belong to the same observables. If
+/// runs do not scatter, the distance is the only source of error. The error of the shift is then the distance times
+/// `share` [-].
 pub fn widened(shifts: Vec<Shift>, misses: &[Shift], share: f64) -> Vec<Shift> {
     let one = |mut shift: Shift| {
         let miss = misses.iter().find(|miss| miss.observable == shift.observable);

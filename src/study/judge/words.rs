@@ -1,4 +1,4 @@
-//! Sentences for the answers of a comparison.
+//! Sentences that express the answers of a comparison.
 
 use crate::output::numbers::{counted, quantity, significant, with_error};
 use crate::statistics::{Answer, Comparison, Deviation, Estimate, Judged, LARGEST_DRIFT, Steadiness};
@@ -6,7 +6,7 @@ use crate::statistics::{Answer, Comparison, Deviation, Estimate, Judged, LARGEST
 /// Number of differences that are named in a sentence; the table contains all of them.
 const NAMED: usize = 3;
 
-/// [-] largest recommended factor on the length of a run or on the number of replicas. Beyond it no number is given,
+/// [-] largest recommended factor on the length of a run or on the number of replicas. A larger factor is not written,
 /// since no run would be that long.
 const ENDLESS: f64 = 1000.0;
 
@@ -15,12 +15,12 @@ pub fn pair(variant: &str, reference: &str) -> String {
     format!("\"{variant}\" against \"{reference}\":")
 }
 
-/// A share in percent.
+/// A share [-] as text in percent.
 pub fn percent(share: f64) -> String {
     format!("{} %", significant(100.0 * share, 2))
 }
 
-/// Predicate of a sentence about a run that is not steady, to follow its name; `None` for a steady run.
+/// Predicate of a sentence whose subject is the name of a run that is not steady; `None` for a steady run.
 pub fn not_steady(steadiness: &Steadiness) -> Option<String> {
     let why = match steadiness.drift {
         _ if steadiness.steady => return None,
@@ -51,8 +51,8 @@ pub fn in_prose(name: &str) -> String {
     }
 }
 
-/// Answer of a comparison of averages or curves. `across` is the unit of the positions, m or s. `needed` returns a text
-/// about a run that is longer by a factor, with which the comparison would be decided.
+/// Answer of a comparison of averages or curves in words. `across` is the unit of the positions, m or s. `needed`
+/// returns a description of a run that is longer by a given factor, with which the comparison would be decided.
 pub fn answer(comparison: &Comparison, across: &str, needed: impl Fn(f64) -> String) -> String {
     match comparison.answer {
         Answer::Equivalent => equivalent(comparison, across),
@@ -80,7 +80,7 @@ fn equivalent(comparison: &Comparison, across: &str) -> String {
 
 fn different(detected: &[&Judged], across: &str, limit: f64) -> String {
     let mut different: Vec<&&Judged> = detected.iter().filter(|one| one.answer == Answer::Different).collect();
-    // differences that are certainly beyond the margin come first, however significant smaller ones are
+    // differences that are certainly beyond the margin come first, even if others are more significant
     different.sort_by_key(|one| !one.beyond);
     let Some((first, rest)) = different.split_first() else { return "different.".into() };
     let named: Vec<String> = rest.iter().take(NAMED - 1).map(|one| size(one, across)).collect();
@@ -124,7 +124,7 @@ fn unresolved(comparison: &Comparison, across: &str, needed: &impl Fn(f64) -> St
         return format!("unresolved: there are no error bars for {}.", names.join(", "));
     };
     let limit = margin(comparison.margin);
-    // all observables have to be shown equivalent; if these runs nearly show it, at least twice the length is
+    // every observable must be shown to be equivalent; if these runs nearly show this, at least twice the length is
     // recommended
     let stretch = comparison.judged.iter().map(|one| one.stretch).fold(2.0, f64::max);
     let advice = if stretch > ENDLESS {

@@ -1,4 +1,4 @@
-//! Meaning of the columns in a particle file of another program, found from their usual names.
+//! Recognizes the columns of a particle file of another program by their usual names.
 
 use super::{COLUMNS, Lines};
 use crate::case::diagnostic::Diagnostic;
@@ -6,7 +6,7 @@ use crate::case::resolve::Resolver;
 
 /// Index in [`COLUMNS`] of the species of a particle.
 pub const SPECIES: usize = 7;
-/// Index in [`COLUMNS`] of the x component of the position; the next three lines give those of velocity, spin and
+/// Index in [`COLUMNS`] of the x component of the position. The next three constants are those of velocity, spin and
 /// momentum.
 const POSITION: usize = 0;
 const VELOCITY: usize = 3;
@@ -23,7 +23,7 @@ const IMAGES: [&str; 4] = ["ix", "iy", "iz", "image"];
 pub struct Layout {
     /// Index of the word in the line for each of [`COLUMNS`]; `None` if the file has no such column.
     pub at: [Option<usize>; COLUMNS.len()],
-    /// True if species are given by numbers from 1 on instead of names.
+    /// True if species are given by numbers, counted from 1, instead of names.
     pub counted: bool,
     /// True, for each axis, if positions are given as fractions of the box size.
     pub scaled: [bool; 3],
@@ -79,7 +79,7 @@ fn meaning(name: &str, width: usize) -> Option<Meaning> {
     if plain == "type" || plain == "particletype" {
         return Some(Meaning::Type);
     }
-    // x, xu, xs, xsu; vx, v_x, vel_x, velocity.x; v_vx for a LAMMPS variable called vx
+    // accepted names: x, xu, xs, xsu; vx, v_x, vel_x, velocity.x; v_vx for a LAMMPS variable called vx
     for (axis, letter) in ["x", "y", "z"].into_iter().enumerate() {
         let is = |first: &[&str], last: &[&str]| {
             first.iter().any(|first| {
@@ -132,7 +132,7 @@ impl Layout {
             Some(Meaning::Scaled(axis)) if self.at[axis].is_none() => {
                 (self.at[axis], self.scaled[axis]) = (Some(first), true);
             }
-            // a further column with the same position in another form
+            // the position along this axis is known already from another column
             Some(Meaning::Scaled(_)) => {}
             Some(Meaning::Known(column)) => {
                 for k in 0..width {

@@ -16,7 +16,7 @@ const HELP: &str = "a dump of atoms in text has the items TIMESTEP, NUMBER OF AT
 struct DumpFrame {
     /// Index of the first line of the instant.
     first: usize,
-    /// Number of atoms that the dump announces, and index of the line with this number.
+    /// Number of atoms given in the dump, and index of the line with this number.
     count: Option<(usize, usize)>,
     /// [m] lower and upper corner of the box.
     bounds: Option<[Vector3<f64>; 2]>,
@@ -123,8 +123,8 @@ impl Resolver {
         Ok(instant)
     }
 
-    /// Number of lines with atoms after the header. If fewer lines follow than were announced, the file was cut short,
-    /// which is an error.
+    /// Number of lines with atoms after the header. If fewer lines follow than the dump announced, the file was cut
+    /// short, which is an error.
     fn atoms_of_dump(&self, lines: &Lines, header: usize, count: Option<(usize, usize)>) -> Result<usize, Diagnostic> {
         let Some((count, announced)) = count else {
             return Err(self.wrong(lines, header, "atoms without a number of them before", HELP));

@@ -33,7 +33,7 @@ struct Outline<'a> {
     low: Vector3<f64>,
     high: Vector3<f64>,
     boxed: bool,
-    /// Number of atoms that the file announces, and index of the line with this number.
+    /// Number of atoms given in the header of the file, and index of the line with this number.
     announced: Option<(usize, usize)>,
     atoms: Option<Atoms>,
     /// Index of the header line of the section `Velocities`.

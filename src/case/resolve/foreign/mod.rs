@@ -20,7 +20,7 @@ pub(super) const COLUMNS: [&str; 18] = [
     "x", "y", "z", "vx", "vy", "vz", "diameter", "species", "id", "wx", "wy", "wz", "radius", "density", "mass", "px",
     "py", "pz",
 ];
-/// Number of the first [`COLUMNS`] that a CSV table may have.
+/// Number of [`COLUMNS`], counted from the first, that a CSV table may have.
 pub(super) const OF_CSV: usize = 12;
 /// Index of the column with the ids of particles.
 const ID: usize = 8;
@@ -215,7 +215,7 @@ impl Resolver {
         text.parse().map_err(|_| error())
     }
 
-    /// Text of a coordinate [m] minus `origin` [m]; unchanged if `origin` is 0.
+    /// Text of a coordinate [m] relative to `origin` [m]; the text is unchanged if `origin` is 0.
     fn shifted(&self, lines: &Lines, number: usize, text: &str, origin: f64) -> Result<String, Diagnostic> {
         if origin == 0.0 {
             return Ok(text.to_owned());

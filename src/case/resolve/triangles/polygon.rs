@@ -5,8 +5,8 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use spade::handles::FixedVertexHandle;
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
 
-/// [-] smallest sine of the angle by which a polygon turns at a corner, if it is divided as a fan. Smaller angles would
-/// give very thin triangles, which the surface ignores.
+/// [-] smallest sine of the angle by which a polygon turns at a corner, for a polygon that is divided as a fan. Smaller
+/// angles would give very thin triangles, which the surface ignores.
 const TURN: f64 = 1e-6;
 /// [-] relative error of an area that counts as rounding.
 const ROUNDING: f64 = 1e-9;
@@ -31,7 +31,7 @@ pub fn cut(corners: &[Vector3<f64>]) -> Result<Cut, &'static str> {
     if corners.len() == 3 || length == 0.0 {
         return Ok(Cut { triangles: fan(), off: 0.0 });
     }
-    // division by the length keeps squares of very small and very large numbers finite
+    // after division by the length, squares of very small and very large numbers remain finite
     let places: Vec<Vector3<f64>> = corners.iter().map(|corner| (corner - corners[0]) / length).collect();
     let twice_area: Vector3<f64> = (1..places.len() - 1).map(|k| places[k].cross(&places[k + 1])).sum();
     let Some(normal) = twice_area.try_normalize(ROUNDING) else {
@@ -104,7 +104,7 @@ fn inside(flat: &[[f64; 2]]) -> Result<Vec<[usize; 3]>, &'static str> {
             }
         }
     }
-    // for each face: its neighbour faces, each with true if a border separates the two
+    // for each face a list of its neighbour faces, each with true if a border separates the two faces
     let mut beside = vec![Vec::new(); plane.num_all_faces()];
     for edge in plane.directed_edges() {
         let border = borders.contains(&pair(edge.from().fix(), edge.to().fix()));

@@ -8,7 +8,8 @@ use super::words::Words;
 use super::{Heap, MOST_TRIANGLES, TriangleFile, too_many, wrong};
 use nalgebra::Vector3;
 
-/// [byte] length of the head of a binary file, which ends with the number of triangles; then length of one triangle.
+/// [byte] length of the head of a binary file; the number of triangles is at its end. The next constant is the length
+/// of one triangle.
 const HEAD: usize = 84;
 const TRIANGLE: usize = 50;
 /// [-] number of significant digits that determine a number in single precision.
