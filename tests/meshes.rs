@@ -1,7 +1,7 @@
 //! Walls of triangles: seams without effect, corners that are not missed, closed vessels that particles do not leave.
 
 mod gas;
-mod heaps;
+pub mod heaps;
 
 use crate::support::*;
 use diptych::engine::{Engine, Failure};
