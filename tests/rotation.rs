@@ -2,6 +2,7 @@
 
 mod mindlin;
 mod pairs;
+mod profiles;
 mod rolling;
 
 use crate::support::*;
