@@ -21,7 +21,7 @@ pub fn sums(sample: Sample, slices: usize, slice_of: impl Fn(usize) -> usize + S
 }
 
 /// Averages of a slice, from its sums: mean spin Ω = Σ I ω/Σ I [rad/s], T_r and its parts Σ I (ω - Ω)²/Σ m [m²/s²].
-/// `None` without particles. Sums may also be differences, so that a mass that should be zero is of rounding only.
+/// `None` without particles.
 pub fn derive(sums: &[f64]) -> Option<[f64; SPIN_QUANTITIES]> {
     let [mass, inertia] = [sums[0], sums[1]];
     if mass <= 0.0 || inertia <= 0.0 {
