@@ -413,7 +413,8 @@ pub struct Sensitivity {
     pub case: PathBuf,
     /// Tests only these factors, each with its size if it is not the usual one, as in --factors
     /// restitution=0.8,gas,box=0.25; there are model, stiffness, integrator, stepping, restitution, wall-restitution,
-    /// friction, wall-friction, gas, drag, box and seed [default: all that the scene has].
+    /// friction, wall-friction, rotation, tangential-restitution, tangential-stiffness, rolling, gas, drag, box and seed
+    /// [default: all that the scene has].
     #[arg(long, value_name = "NAME[=SIZE],...", value_delimiter = ',')]
     pub factors: Vec<String>,
     /// A factor of your own: a key of the case at another value, such as --vary "particles[0].density=1100 kg/m^3";

@@ -334,3 +334,26 @@ fn hertzian_restitution_is_that_of_the_method() {
         assert!(apart < 0.25 * spread + 1e-6, "{:?}", row.values);
     }
 }
+
+/// Largest error over all slips in per cent of the largest friction impulse, computed independently: 40,000 steps of
+/// the linear oscillator, e = 0.9.
+#[test]
+fn walton_is_a_spring_with_equal_half_periods_and_none_without_dashpot() {
+    let reference = [
+        ("walton-spring", [(0.2, 3.797), (0.44, 2.456), (0.7, 0.972), (0.9, 0.107)]),
+        ("walton-undamped", [(0.2, 26.874), (0.44, 24.304), (0.7, 20.221), (0.9, 14.465)]),
+    ];
+    for (name, largest) in reference {
+        let map = of(name);
+        let [slip, beta, error] = ["reduced_slip", "tangential_restitution", "error"].map(|name| column(map, name));
+        for (restitution, wanted) in largest {
+            let rows = || map.rows.iter().filter(|row| row.at(beta) == restitution);
+            let errors = || rows().map(|row| (row.at(slip), 100.0 * row.at(error).abs()));
+            let (worst, found) = errors().max_by(|a, b| a.1.total_cmp(&b.1)).unwrap();
+            println!("{name}: beta_0 {restitution}: {found:.4} % at {worst}, {wanted} %");
+            assert!((found - wanted).abs() < 0.003, "{name}, {restitution}: {found} {wanted}");
+            // the worst slip is that at which the rule turns from sticking to sliding, unless rule and spring agree at all
+            assert!(wanted < 0.2 || worst == 1.0, "{name}, {restitution}: {worst}");
+        }
+    }
+}

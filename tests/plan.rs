@@ -433,3 +433,35 @@ fn local_stepping_is_for_those_who_touch_rarely() {
         assert_eq!(found.engine, Some(engine), "{stiffness}: {:?}", plan.time_in_contact);
     }
 }
+
+/// Half the period of the tangential spring over a contact is sqrt((2/7)/κ) without damping, that of the rolling spring
+/// sqrt((2/5)/(2.25 μ_r²)).
+#[test]
+fn the_spring_that_limits_the_time_step_is_named() {
+    let limits = |sets: &[&str]| {
+        let planned = planned(&case("rotation/oblique", sets));
+        let of = |name: &str| {
+            planned.plan.step_limits.iter().find(|limit| limit.name.contains(name)).map(|limit| limit.longest)
+        };
+        let first = planned.plan.step_limits[0].name.clone();
+        let said = planned.recommendation.reasons.iter().any(|reason| reason.contains("tangential spring"));
+        let steps = planned.recommendation.steps_per_contact;
+        (first, of("contact, T_c/N_c").unwrap(), of("tangential"), of("rolling"), said, steps)
+    };
+    let (first, contact, tangential, rolling, said, steps) = limits(&[]);
+    let share = (2.0 / 7.0 / 0.8604651163_f64).sqrt();
+    assert!(first.starts_with("tangential spring, half its period/N_c: ball at a wall"), "{first}");
+    assert!((tangential.unwrap() / contact / share - 1.0).abs() < 1e-6 && rolling.is_none());
+    let (_, _, _, _, unsaid, fewer) = limits(&["soft.tangential.linear.stiffness_ratio=0.25"]);
+    assert!(said && !unsaid && steps == (fewer / share - 0.01).ceil(), "{steps} {fewer}");
+    let (first, contact, _, rolling, ..) = limits(&[
+        "soft.tangential.linear.stiffness_ratio=0.1",
+        "soft.rolling.spring.friction=0.5",
+        "soft.rolling.spring.damping_ratio=0",
+    ]);
+    assert!(
+        (rolling.unwrap() / contact / (0.4 / (2.25 * 0.25_f64)).sqrt() - 1.0).abs() < 1e-6,
+        "{rolling:?} {contact}"
+    );
+    assert!(first.starts_with("rolling spring"), "{first}");
+}

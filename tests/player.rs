@@ -124,3 +124,27 @@ fn what_stopped_is_not_ranked() {
     let cost = std::fs::read_to_string(folder.path().join("figures/cost.svg")).unwrap();
     assert!(cost.contains("not ranked") && cost.matches(" ×").count() == 2 && cost.contains(">1.0 ×"), "{cost}");
 }
+
+/// The spin of a ball that slides until it rolls is recorded with the speed u/R at which it rolls in the end.
+#[test]
+fn spins_are_recorded_where_spheres_rotate() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let case = ["compare", "cases/rotation/slide-to-roll.toml", "--out", out.to_str().unwrap()];
+    let output = diptych(&case).output().unwrap();
+    let page = std::fs::read_to_string(out.join("report.html")).unwrap_or_else(|_| panic!("{}", words(&output.stderr)));
+    let data: serde_json::Value =
+        serde_json::from_str(between(&page, "<script type=\"application/json\">", "</script>")).unwrap();
+    let variants = data["variants"].as_array().unwrap();
+    let spin = |place: usize| variants[place]["swiftest"].as_f64().unwrap();
+    // 5/7 of 0.1 m/s, over the radius of 0.5 mm; spring and weight make it swing about this value by some per cent
+    assert!((spin(0) / 142.86 - 1.0).abs() < 0.05 && (spin(1) / 142.86 - 1.0).abs() < 0.05, "{} {}", spin(0), spin(1));
+    assert_eq!((variants[2]["name"].as_str(), spin(2)), (Some("soft, no rotation"), 0.0));
+    for variant in variants {
+        let frames = variant["times"].as_array().unwrap().len();
+        let parts = ["deepest", "swiftest"].map(|most| usize::from(variant[most].as_f64() > Some(0.0)));
+        let bytes = frames * (6 + 6 + 2 * parts[0] + 2 * parts[1] + 1);
+        let text = variant["data"].as_str().unwrap();
+        assert_eq!(text.len(), bytes.div_ceil(3) * 4, "{}", variant["name"]);
+    }
+}

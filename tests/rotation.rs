@@ -4,6 +4,7 @@ mod closed_forms;
 mod gases;
 mod mindlin;
 mod pairs;
+mod profiles;
 mod rolling;
 mod soak;
 

@@ -13,14 +13,15 @@ import pandas as pd
 UNITS = {
     "m": ["x", "y", "z", "diameter", "radius", "overlap"],
     "m_s": ["vx", "vy", "vz", "U", "V", "W"],
-    "m2_s2": ["uu", "vv", "ww", "uv", "uw", "vw", "granular_temperature"],
+    "m2_s2": ["uu", "vv", "ww", "uv", "uw", "vw", "granular_temperature", "rotational_temperature", "Rxx", "Ryy", "Rzz"],
     "m3_s3": ["uuu", "uuv", "uuw", "uvv", "uvw", "uww", "vvv", "vvw", "vww", "www"],
+    "rad_s": ["mean_spin_x", "mean_spin_y", "mean_spin_z"],
     "s": ["Time", "t"],
 }
 UNIT_OF = {name: unit for unit, names in UNITS.items() for name in names}
 
 #: Units in summary.json and impacts.csv, as they are written in column names.
-IN_NAMES = {"m/s": "m_s", "m²/s²": "m2_s2", "1/s": "per_s", "1": "", "": ""}
+IN_NAMES = {"m/s": "m_s", "m²/s²": "m2_s2", "1/s": "per_s", "rad/s": "rad_s", "1": "", "": ""}
 
 #: Vectors of a trajectory by the name that extended XYZ or VTK has for them.
 VECTORS = {"pos": ["x", "y", "z"], "Points": ["x", "y", "z"], "velo": ["vx", "vy", "vz"], "velocity": ["vx", "vy", "vz"], "vel": ["vx", "vy", "vz"]}

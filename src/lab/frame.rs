@@ -25,7 +25,7 @@ pub struct Now {
 /// Numbers of a run that the page shows next to the panel.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Live {
-    /// [J] kinetic energy of all particles.
+    /// [J] kinetic energy, with that of rotation.
     pub kinetic: f64,
     /// [J] elastic energy stored in contacts.
     pub elastic: f64,

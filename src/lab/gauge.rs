@@ -33,6 +33,8 @@ pub enum Gauge {
     Channel,
     /// Overlap, impacts and kinetic energy of a column of spheres on a floor.
     Column,
+    /// Velocity, spin and slip of one ball at a wall below it.
+    Spin,
     /// Collisions of a gas that were found and that were missed.
     Missed,
 }
@@ -124,6 +126,11 @@ impl Gauge {
                     Graph::new("Kinetic energy", MILLI, "energy [nJ]", vec![3]),
                 ]
             }
+            Self::Spin => vec![
+                Graph::new("Velocity along the wall", MILLI, "velocity [m/s]", vec![1]),
+                Graph::new("Radius times spin, positive if it rolls forward", MILLI, "R ω [m/s]", vec![2]),
+                Graph::new("Slip of the point of contact", MILLI, "slip [m/s]", vec![3]),
+            ],
             Self::Missed => vec![
                 Graph::new("Collisions suffered by a sphere", MILLI, "collisions", vec![1]),
                 Graph::new("Collisions that were missed", MILLI, "share [%]", vec![2]),
@@ -158,6 +165,10 @@ impl Gauge {
                 let impacts = simulation.record.pairs.count + simulation.record.walls.count;
                 let diameter = 2.0 * particles.radius[0];
                 vec![1e3 * time, 1e2 * deepest / diameter, impacts as f64, 1e9 * particles.kinetic_energy()]
+            }
+            Self::Spin => {
+                let (velocity, surface) = (particles.velocity[0].x, -particles.radius[0] * particles.spin_of(0).z);
+                vec![1e3 * time, velocity, surface, velocity - surface]
             }
             Self::Missed => {
                 let missed = simulation.counters().missed_collisions as f64;

@@ -125,7 +125,7 @@ impl<'a> LabPanel<'a> {
         let largest = |a: Option<f64>, b: Option<f64>| a.into_iter().chain(b).max_by(f64::total_cmp);
         let count = record.pairs.count + record.walls.count;
         Live {
-            kinetic: simulation.particles.kinetic_energy(),
+            kinetic: simulation.particles.kinetic_energy() + simulation.particles.rotational_energies().value(),
             elastic: simulation.elastic_energy(),
             dissipated: ledger.dissipated(),
             work: ledger.gravity_work + ledger.drag_work + ledger.wall_work,

@@ -42,6 +42,8 @@ pub struct Frame {
     pub velocity: Vec<Vector3<f32>>,
     /// [m] largest overlap of each particle; 0 for particles without contact.
     pub overlap: Vec<f32>,
+    /// [rad/s] magnitude of the spin of each particle; empty where spheres do not rotate.
+    pub spin: Vec<f32>,
     /// Number of the method that moved each particle: 0 straight flight, 1 the solution of an island (a small group of
     /// particles that may meet), 2 the engine with all particles at once.
     pub solver: Vec<u8>,
@@ -151,6 +153,10 @@ impl Observer for Frames {
                 .collect(),
             velocity: followed.iter().map(|place| particles.velocity[of(place)].map(|v| v as f32)).collect(),
             overlap: followed.iter().map(|place| overlaps[of(place)] as f32).collect(),
+            spin: match &particles.spin {
+                None => Vec::new(),
+                Some(spins) => followed.iter().map(|place| spins[of(place)].norm() as f32).collect(),
+            },
             solver: followed.iter().map(|place| solver[of(place)]).collect(),
         });
         self.spacing = self.space(simulation);

@@ -87,16 +87,21 @@ impl Observer for Rings {
     fn see(&mut self, simulation: &Simulation) {
         let (Some(profiles), Some(pipe)) = (&mut self.profiles, pipe(simulation.scene())) else { return };
         let [x, y] = pipe.center();
-        let mut turned = Particles::default();
-        for (place, velocity) in simulation.particles.position.iter().zip(&simulation.particles.velocity) {
+        let particles = &simulation.particles;
+        let (mass, inertia) = (particles.mass.clone(), particles.inertia.clone());
+        let spin = particles.spin.as_ref().map(|_| Vec::with_capacity(particles.len()));
+        let mut turned = Particles { mass, spin, inertia, ..Particles::default() };
+        for (index, place) in particles.position.iter().enumerate() {
             let (x, y) = (place.x - x, place.y - y);
             let r = x.hypot(y);
             // on the axis itself the outward direction is undefined
             let (cos, sin) = if r > 0.0 { (x / r, y / r) } else { (1.0, 0.0) };
-            let outwards = velocity.x * cos + velocity.y * sin;
-            let around = velocity.y * cos - velocity.x * sin;
+            let cylindrical = |v: &Vector3<f64>| Vector3::new(v.y * cos - v.x * sin, v.x * cos + v.y * sin, v.z);
             turned.position.push(Vector3::new(0.0, (r / pipe.radius()).powi(2), 0.0));
-            turned.velocity.push(Vector3::new(around, outwards, velocity.z));
+            turned.velocity.push(cylindrical(&particles.velocity[index]));
+            if let Some(spins) = &mut turned.spin {
+                spins.push(cylindrical(&particles.spin_of(index)));
+            }
         }
         profiles.sample(simulation.time, simulation.sample().with(&turned));
     }

@@ -12,7 +12,7 @@ use crate::outcome::Outcome;
 use crate::particles::Particles;
 use crate::record::{Histogram, Impacts};
 use crate::scene::Scene;
-use crate::statistics::{SLICE_COLUMNS, SliceRow};
+use crate::statistics::{SliceColumn, SliceRow, slice_columns};
 use ::csv::Writer;
 
 /// Contents of `profiles.csv`, with one row per variant and slice. Lengths are in m, velocities in m/s, moments in
@@ -22,10 +22,10 @@ use ::csv::Writer;
 /// [`OutputError::Csv`] if a row cannot be encoded.
 pub fn profiles(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
     let mut table = CsvTable::new();
-    table.head(&format!("variant,{}", slice_head()))?;
+    table.head(&format!("variant,{}", slice_head(outcomes)))?;
     for outcome in outcomes {
         for (index, row) in outcome.profiles.slices.iter().enumerate() {
-            table.row(std::iter::once(outcome.experiment.name.clone()).chain(slice(index, row)))?;
+            table.row(std::iter::once(outcome.experiment.name.clone()).chain(slice(index, row, rotating(outcomes))))?;
         }
     }
     table.bytes()
@@ -38,12 +38,12 @@ pub fn profiles(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
 /// [`OutputError::Csv`] if a row cannot be encoded.
 pub fn species(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
     let mut table = CsvTable::new();
-    table.head(&format!("variant,species,{}", slice_head()))?;
+    table.head(&format!("variant,species,{}", slice_head(outcomes)))?;
     for outcome in outcomes {
         for of in &outcome.kinds.species {
             for (index, row) in of.profiles.slices.iter().enumerate() {
                 let names = [outcome.experiment.name.clone(), of.name.clone()];
-                table.row(names.into_iter().chain(slice(index, row)))?;
+                table.row(names.into_iter().chain(slice(index, row, rotating(outcomes))))?;
             }
         }
     }
@@ -58,30 +58,38 @@ pub fn species(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
 /// [`OutputError::Csv`] if a row cannot be encoded.
 pub fn rings(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
     let mut table = CsvTable::new();
-    let head = slice_head().replace("slice,y_m,", "ring,r_m,");
+    let head = slice_head(outcomes).replace("slice,y_m,", "ring,r_m,");
     table.head(&format!("variant,r_inner_m,r_outer_m,gas_U,{head}"))?;
     for outcome in outcomes {
         let rows = outcome.rings.rings.iter().zip(&outcome.rings.profiles.slices);
         for (index, (ring, row)) in rows.enumerate() {
             let known = [outcome.experiment.name.clone()].into_iter();
             let own = [ring.inner, ring.outer, ring.gas].map(|value| number(Some(value)));
-            table.row(known.chain(own).chain(slice(index, row)))?;
+            table.row(known.chain(own).chain(slice(index, row, rotating(outcomes))))?;
         }
     }
     table.bytes()
 }
 
+/// True if spheres rotate in one of the variants. Files then have the columns of spins.
+fn rotating(outcomes: &[Outcome]) -> bool {
+    outcomes.iter().any(|outcome| outcome.experiment.scene.rotation.is_some())
+}
+
 /// Header of the columns of a slice.
-fn slice_head() -> String {
-    let values: String = SLICE_COLUMNS.iter().map(|column| format!("{},", column.name)).collect();
-    let errors: String = SLICE_COLUMNS.iter().map(|column| format!("{}_se,", column.name)).collect();
+fn slice_head(outcomes: &[Outcome]) -> String {
+    let columns = slice_columns(rotating(outcomes));
+    let values: String = columns.iter().map(|column| format!("{},", column.name)).collect();
+    let errors: String = columns.iter().map(|column| format!("{}_se,", column.name)).collect();
     format!("slice,y_m,{values}{errors}samples")
 }
 
 /// Cells of the row of a slice.
-fn slice(index: usize, row: &SliceRow) -> impl Iterator<Item = String> {
-    let values = row.estimates.into_iter().map(|found| number(found.map(|found| found.value)));
-    let errors = row.estimates.into_iter().map(|found| number(found.and_then(|found| found.error)));
+fn slice(index: usize, row: &SliceRow, rotating: bool) -> impl Iterator<Item = String> {
+    let found = |column: &SliceColumn| row.of(*column);
+    let columns = slice_columns(rotating).iter();
+    let values = columns.clone().map(move |column| number(found(column).map(|found| found.value)));
+    let errors = columns.map(move |column| number(found(column).and_then(|found| found.error)));
     [index.to_string(), number(row.y)].into_iter().chain(values).chain(errors).chain([row.samples.to_string()])
 }
 

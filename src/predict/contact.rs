@@ -358,8 +358,9 @@ pub struct StepScales {
     pub fluid_cell: Option<f64>,
 }
 
-/// All limits on the soft time step, the shortest first. The first one determines the time step.
-pub fn step_limits(contacts: &[ContactPrediction], motion: &StepScales) -> Vec<StepLimit> {
+/// All limits on the soft time step, the shortest first. The first one determines the time step. `springs` holds the
+/// limits of the tangential, rolling and twisting springs.
+pub fn step_limits(contacts: &[ContactPrediction], springs: Vec<StepLimit>, motion: &StepScales) -> Vec<StepLimit> {
     let mut limits = Vec::new();
     for row in contacts {
         limits.push(StepLimit {
@@ -378,6 +379,7 @@ pub fn step_limits(contacts: &[ContactPrediction], motion: &StepScales) -> Vec<S
         let longest = CFL_PARTICLE * cell / motion.speed;
         limits.push(StepLimit { name: format!("particle over gas cell, {CFL_PARTICLE} dx/u_p"), longest });
     }
+    limits.extend(springs);
     limits.push(StepLimit { name: "fluid step, the window h".into(), longest: motion.window });
     limits.sort_by(|a, b| a.longest.total_cmp(&b.longest));
     limits
@@ -434,10 +436,10 @@ mod tests {
         let scheme = Scheme::of(crate::experiment::Integrator::VelocityVerlet, crate::experiment::SoftStepping::Local);
         let rows = [pair().predict(&ContactLaw::linear(3000.0), 1e-7, scheme)];
         let motion = StepScales { steps_per_contact: 20.0, speed: 15.0, window: 1e-4, fluid_cell: Some(1e-5) };
-        let limits = step_limits(&rows, &motion);
+        let limits = step_limits(&rows, Vec::new(), &motion);
         assert_eq!(limits.len(), 4);
         assert!(limits[0].name.contains("T_c/N_c") && (limits[0].longest / 3.8675e-7 - 1.0).abs() < 1e-4);
-        let still = step_limits(&rows, &StepScales { fluid_cell: None, window: 1e-9, ..motion });
+        let still = step_limits(&rows, Vec::new(), &StepScales { fluid_cell: None, window: 1e-9, ..motion });
         assert_eq!(still.len(), 3);
         assert!(still[0].name.contains("window"));
     }

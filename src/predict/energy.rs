@@ -2,6 +2,7 @@
 
 use super::contact::fastest_impact;
 use super::integrator::{Method, Scheme, realised_restitution, stability_limit};
+use super::springs::side_springs;
 use crate::contact_law::{Bodies, ContactLaw, Spring};
 use crate::encounter::{Couple, FrameTime};
 use crate::engine::Failure;
@@ -10,7 +11,6 @@ use crate::experiment::{Experiment, Integrator, SoftStepping};
 use crate::neighbours::overlapping;
 use crate::particles::{Particles, Sample};
 use crate::record::Record;
-use crate::rotation::{RollingBodies, SpringDashpotSlider};
 use crate::scene::{Scene, Species};
 use rustc_hash::FxHashMap;
 use serde::{Deserialize, Serialize};
@@ -88,27 +88,8 @@ pub fn too_long(experiment: &Experiment, particles: usize, step: f64) -> Option<
 /// Frequency times time step [-] of the fastest spring with a slider (sliding, rolling or twisting), and its damping
 /// ratio [-]. `None` if there is no such spring.
 fn sliders(experiment: &Experiment, law: &ContactLaw, bodies: &Bodies, step: f64) -> Option<(f64, f64)> {
-    let scene = &experiment.scene;
-    let rotation = scene.rotation.as_ref()?;
-    let inertia = scene.species.iter().map(|species| species.inertia_factor).reduce(f64::min)?;
-    let Bodies { effective_mass, effective_radius, .. } = *bodies;
-    let spring = law.between(bodies);
-    let normal = law.normal_spring(bodies, &spring);
-    let elastic = Spring { restitution: 1.0, dashpot: 0.0, ..spring };
-    let deepest = law.greatest_overlap(&elastic, fastest_impact(experiment));
-    let tangential = rotation.tangential.between(|| normal, effective_mass * inertia / (1.0 + inertia));
-    // two equal spheres, or one at a wall, rotate under a couple like one sphere with the effective mass and radius
-    let moment = inertia * effective_mass * effective_radius * effective_radius;
-    let rolls = RollingBodies::of(std::iter::once((effective_mass, effective_radius, moment)));
-    let rolling = rotation.rolling.map(|rolling| rolling.between(&normal, &rolls).spring);
-    let twisting = rotation.twisting.map(|twisting| twisting.between(&tangential, 1.0, deepest, &rolls).spring);
-    let springs = [Some(tangential), rolling, twisting].into_iter().flatten().filter(|spring| spring.stiffness > 0.0);
-    let of = |spring: SpringDashpotSlider| {
-        let SpringDashpotSlider { mass, stiffness, dashpot, .. } = spring.at(deepest);
-        let frequency = (stiffness / mass).sqrt();
-        (frequency * step, 0.5 * dashpot / (mass * frequency))
-    };
-    springs.map(of).max_by(|a, b| a.0.total_cmp(&b.0))
+    let springs = side_springs(experiment, law, bodies).into_iter();
+    springs.map(|spring| (spring.frequency * step, spring.damping_ratio)).max_by(|a, b| a.0.total_cmp(&b.0))
 }
 
 /// Returns an error if a contact law of the calling program violates a contract between two bodies of the scene;

@@ -16,6 +16,7 @@ pub mod obstacles;
 pub mod overlaps;
 pub mod recommendation;
 pub mod rest;
+pub mod springs;
 pub mod transient;
 
 pub use obstacles::Obstacles;

@@ -8,6 +8,7 @@ use super::effects::FROZEN;
 use super::gas::{FREEZING, stiffening_for};
 use super::integrator::{Method, Scheme, realised_restitution};
 use super::obstacles::{against_soft, named};
+use super::springs::fastest_spring;
 use crate::contact_law::ContactLaw;
 use crate::experiment::Experiment;
 use serde::Serialize;
@@ -153,6 +154,7 @@ pub fn recommend(
         }
     };
     let steps_per_contact = steps(plan, contacts, &law.unwrap_or(UNNAMED), scheme, &mut reasons);
+    let steps_per_contact = for_springs(experiment, contacts, law, steps_per_contact, &mut reasons);
     let time_step = shortest(contacts, law).map(|time| time / steps_per_contact);
     let doubts = doubts(plan);
     let loading: f64 = plan.flow.iter().map(|flow| flow.mass_loading).sum();
@@ -312,6 +314,33 @@ fn steps(
         ));
     }
     chosen
+}
+
+/// Number of steps per contact that also resolves half a period of the fastest tangential, rolling or twisting spring by
+/// `steps` steps.
+fn for_springs(
+    experiment: &Experiment,
+    contacts: &[ContactKind],
+    law: Option<ContactLaw>,
+    steps: f64,
+    reasons: &mut Vec<String>,
+) -> f64 {
+    /// [-] part of a step that is rounding, or not worth a step.
+    const SMALL: f64 = 0.01;
+    let (Some(law), Some(shortest)) = (law, shortest(contacts, law)) else { return steps };
+    let Some((spring, contact)) = fastest_spring(experiment, &law, contacts) else { return steps };
+    let share = spring.half_period() / shortest;
+    let needed = (steps / share - SMALL).ceil();
+    if needed <= steps {
+        return steps;
+    }
+    reasons.push(format!(
+        "{needed} steps per contact, as the {} spring ({}) limits the time step: half its period is {} of a contact and gets {steps} steps.",
+        spring.name,
+        contact.name,
+        plain(share, 2)
+    ));
+    needed
 }
 
 /// Assumptions of the predictions that are doubtful for this scene.

@@ -11,6 +11,7 @@ mod modes;
 mod profile_table;
 mod profiles;
 mod slice_columns;
+mod spin_sums;
 mod steady;
 mod temperature;
 mod work_precision;
@@ -23,7 +24,8 @@ pub use modes::Parity;
 pub use profile_table::{ProfileTable, SliceRow};
 pub use profiles::Accumulator;
 pub use slice_columns::{
-    NUMBER_DENSITY, SLICE_COLUMNS, SLICE_QUANTITIES, SliceColumn, U, UU, UV, VV, WW, slice_column,
+    MEAN_SPIN_X, NUMBER_DENSITY, ROTATIONAL_TEMPERATURE, SLICE_COLUMNS, SLICE_QUANTITIES, SliceColumn, U, UU, UV, VV,
+    WW, second_moments, slice_column, slice_columns, spin_components,
 };
 pub use steady::{LARGEST_DRIFT, Steadiness, SteadySeries, judge};
 pub use temperature::VelocitySpread;

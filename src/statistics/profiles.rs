@@ -5,14 +5,16 @@
 use super::batches::Batches;
 use super::errors::{Estimate, FEWEST_BLOCKS, Removed, block_size, standard_error};
 use super::profile_table::{ProfileTable, SliceRow};
-use super::slice_columns::SLICE_QUANTITIES;
+use super::slice_columns::{SLICE_QUANTITIES, VELOCITY_QUANTITIES};
+use super::spin_sums::{self, SPIN_QUANTITIES, SPIN_SUMS};
 use crate::particles::Sample;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Number of sums per slice: the number of particles, then products of one, two and three velocity components.
-const SUMS: usize = SLICE_QUANTITIES;
-/// Indices of the velocity components in each second moment.
+/// Number of sums per slice over velocities: the count, then the products of one, two and three velocity components.
+/// Where spheres rotate, the [`SPIN_SUMS`] over spins follow.
+const SUMS: usize = VELOCITY_QUANTITIES;
+/// Components of each second moment.
 const PAIRS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)];
 /// Index in [`PAIRS`] of each pair of components.
 const PAIR_OF: [[usize; 3]; 3] = [[0, 3, 4], [3, 1, 5], [4, 5, 2]];
@@ -32,7 +34,7 @@ struct SampleBlock {
     end: f64,
     /// Number of samples in the block.
     samples: usize,
-    /// Sums with [`SUMS`] numbers per slice; velocities are relative to the reference velocity.
+    /// Sums, one row per slice; velocities are relative to the reference.
     sums: Vec<f64>,
 }
 
@@ -59,6 +61,8 @@ pub struct Accumulator {
     /// [m/s] velocity (u, v, w) that is subtracted from velocities before they are multiplied. Without the subtraction,
     /// moments would be differences of large numbers.
     reference: Option<Vector3<f64>>,
+    /// Number of sums per slice.
+    width: usize,
     /// Number of samples in a full block; only the last block may have fewer.
     block_samples: usize,
     blocks: Vec<SampleBlock>,
@@ -67,7 +71,7 @@ pub struct Accumulator {
 impl Accumulator {
     /// Creates empty sums for `slices` slices (at least one) of a domain with the height `height` [m] along y.
     pub fn new(slices: usize, height: f64) -> Self {
-        Self { slices: slices.max(1), height, reference: None, block_samples: 1, blocks: Vec::new() }
+        Self { slices: slices.max(1), height, reference: None, width: SUMS, block_samples: 1, blocks: Vec::new() }
     }
 
     /// Adds one sample of all particles at simulated `time` [s]. Samples must be equally spaced in time.
@@ -78,6 +82,7 @@ impl Accumulator {
         let sample = sample.into();
         let reference = *self.reference.get_or_insert_with(|| reference(sample));
         let sums = self.sum(sample, reference);
+        self.width = sums.len() / self.slices;
         match self.blocks.last_mut() {
             Some(block) if block.samples < self.block_samples => {
                 block.merge(&SampleBlock { start: time, end: time, samples: 1, sums });
@@ -109,9 +114,9 @@ impl Accumulator {
     fn sum(&self, sample: Sample, reference: Vector3<f64>) -> Vec<f64> {
         let particles = sample.particles;
         let scale = self.slices as f64 / self.height;
+        // the cast sends negative numbers to 0
+        let slice_of = |place: usize| ((particles.position[place].y * scale) as usize).min(self.slices - 1);
         let sums = sample.sums_in_groups(self.slices, |place| {
-            // the cast turns negative numbers into 0
-            let slice = ((particles.position[place].y * scale) as usize).min(self.slices - 1);
             let u = components(&particles.velocity[place]) - reference;
             let mut row = [1.0; SUMS];
             row[1..4].copy_from_slice(u.as_slice());
@@ -121,9 +126,12 @@ impl Accumulator {
             for (k, [i, j, l]) in TRIPLES.into_iter().enumerate() {
                 row[10 + k] = row[4 + PAIR_OF[i][j]] * u[l];
             }
-            (slice, row)
+            (slice_of(place), row)
         });
-        sums.into_flattened()
+        match spin_sums::sums(sample, self.slices, slice_of) {
+            None => sums.into_flattened(),
+            Some(spins) => sums.iter().zip(&spins).flat_map(|(row, spins)| [&row[..], &spins[..]].concat()).collect(),
+        }
     }
 
     /// Averages over the samples at `from` [s] and later; only whole blocks of time are used.
@@ -141,18 +149,18 @@ impl Accumulator {
         let groups: Vec<Vec<f64>> = used
             .chunks_exact(size)
             .map(|blocks| {
-                let mut sums = vec![0.0; self.slices * SUMS];
+                let mut sums = vec![0.0; self.slices * self.width];
                 for block in blocks {
                     add(&mut sums, &block.sums);
                 }
                 sums
             })
             .collect();
-        let mut total = vec![0.0; self.slices * SUMS];
+        let mut total = vec![0.0; self.slices * self.width];
         for group in &groups {
             add(&mut total, group);
         }
-        let counted = |sums: Vec<f64>| Counted { samples: sums.iter().step_by(SUMS).sum(), sums };
+        let counted = |sums: Vec<f64>| Counted { samples: sums.iter().step_by(self.width).sum(), sums };
         let groups: Vec<Counted> = groups.into_iter().map(counted).collect();
         let total = counted(total);
         let from = used.first().map_or(from, |b| b.start);
@@ -180,12 +188,12 @@ impl Accumulator {
         groups: &[Counted],
         frame: &Batches,
     ) -> (SliceRow, Vec<Option<Batches>>) {
-        let here = slice * SUMS..(slice + 1) * SUMS;
+        let here = slice * self.width..(slice + 1) * self.width;
         let reference = self.reference.unwrap_or_default();
         let (sums, all) = (&total.sums[here.clone()], total.samples);
         let values = derive(sums, all / self.slices as f64, reference);
         let count = groups.len() as f64;
-        let without: Vec<[Option<f64>; SUMS]> = if groups.len() < FEWEST_BLOCKS {
+        let without: Vec<[Option<f64>; SLICE_QUANTITIES]> = if groups.len() < FEWEST_BLOCKS {
             Vec::new()
         } else {
             groups
@@ -203,7 +211,7 @@ impl Accumulator {
             let blocks = blocks.collect::<Option<Vec<f64>>>().filter(|blocks| !blocks.is_empty())?;
             Some(Batches { values: vec![value], blocks: vec![blocks], ..frame.clone() })
         };
-        let batches: Vec<Option<Batches>> = (0..SUMS).map(pseudo).collect();
+        let batches: Vec<Option<Batches>> = (0..SLICE_QUANTITIES).map(pseudo).collect();
         let estimate = |k: usize| {
             let error = batches[k].as_ref().and_then(|batches| standard_error(&batches.blocks[0], Removed::Mean));
             Some(Estimate { value: values[k]?, error })
@@ -232,12 +240,12 @@ fn add(total: &mut [f64], sums: &[f64]) {
     }
 }
 
-/// Averages in the order of the sums: density ratio, mean velocities, central second and third moments. `average` is
-/// the mean number of particles per slice. The density is `None` if no particle was counted in any slice. Moments are
-/// `None` if no particle was counted in this slice.
-fn derive(sums: &[f64], average: f64, reference: Vector3<f64>) -> [Option<f64>; SUMS] {
+/// Averages of a slice: density ratio, means, central second and third moments, and those of spins. `average` is the mean
+/// count of all slices. The density is `None` if no particle was counted in any slice, and moments are `None` if none
+/// was counted in this slice.
+fn derive(sums: &[f64], average: f64, reference: Vector3<f64>) -> [Option<f64>; SLICE_QUANTITIES] {
     let count = sums[0];
-    let mut values = [None; SUMS];
+    let mut values = [None; SLICE_QUANTITIES];
     if average > 0.0 {
         values[0] = Some(count / average);
     }
@@ -258,13 +266,16 @@ fn derive(sums: &[f64], average: f64, reference: Vector3<f64>) -> [Option<f64>; 
                 + 2.0 * mean[i] * mean[j] * mean[l],
         );
     }
+    let spins = (sums.len() == SUMS + SPIN_SUMS).then(|| spin_sums::derive(&sums[SUMS..])).flatten();
+    let spins: [Option<f64>; SPIN_QUANTITIES] = spins.map_or([None; SPIN_QUANTITIES], |spins| spins.map(Some));
+    values[SUMS..].copy_from_slice(&spins);
     values
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::statistics::{NUMBER_DENSITY, SLICE_COLUMNS, SliceColumn, U, UU};
+    use crate::statistics::{NUMBER_DENSITY, ROTATIONAL_TEMPERATURE, SLICE_COLUMNS, SliceColumn, U, UU, slice_columns};
 
     const UUU: SliceColumn = SLICE_COLUMNS[10];
     use crate::particles::Particles;
@@ -331,6 +342,43 @@ mod tests {
             }
         }
         assert!((table.slices[1].y - 0.15).abs() < 1e-15);
+    }
+
+    #[test]
+    fn spins_of_unequal_spheres_have_the_moments_of_the_definition() {
+        let mut random = random(5);
+        let mut accumulator = Accumulator::new(2, 1.0);
+        let mut all: [Vec<(f64, f64, Vector3<f64>)>; 2] = Default::default();
+        for step in 0..8 {
+            let mut particles = cloud(50, 1.0, 0.0, &mut random);
+            for k in 0..particles.len() {
+                particles.mass[k] *= 1.0 + random.random::<f64>();
+            }
+            particles.let_rotate(&[0.4]);
+            for k in 0..particles.len() {
+                let spin = Vector3::from_fn(|_, _| 100.0 + 30.0 * random.random::<f64>());
+                particles.spin.as_mut().unwrap()[k] = spin;
+                let own = (particles.mass[k], particles.inertia.as_ref().unwrap()[k], spin);
+                all[usize::from(particles.position[k].y >= 0.5)].push(own);
+            }
+            accumulator.sample(f64::from(step), &particles);
+        }
+        for (row, spheres) in accumulator.table(0.0).slices.iter().zip(&all) {
+            let mass: f64 = spheres.iter().map(|one| one.0).sum();
+            let inertia: f64 = spheres.iter().map(|one| one.1).sum();
+            let spin = spheres.iter().map(|one| one.2 * one.1).sum::<Vector3<f64>>() / inertia;
+            let part = |axis: usize| spheres.iter().map(|one| one.1 * (one.2 - spin)[axis].powi(2)).sum::<f64>() / mass;
+            let parts = [part(0), part(1), part(2)];
+            let exact = [spin.x, spin.y, spin.z, parts.iter().sum::<f64>() / 3.0, parts[0], parts[1], parts[2]];
+            for (column, exact) in slice_columns(true)[SUMS..].iter().zip(exact) {
+                let found = row.of(*column).unwrap();
+                assert!((found.value / exact - 1.0).abs() < 1e-12, "{}: {found:?} {exact}", column.name);
+                assert!(found.error.unwrap() > 0.0);
+            }
+        }
+        let mut smooth = Accumulator::new(2, 1.0);
+        smooth.sample(0.0, &cloud(50, 1.0, 0.0, &mut random));
+        assert!(smooth.table(0.0).slices[0].of(ROTATIONAL_TEMPERATURE).is_none());
     }
 
     #[test]

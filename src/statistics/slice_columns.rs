@@ -1,9 +1,12 @@
 //! Quantities averaged in slices. Files, verdicts and pictures all use the table in this file.
 
 use super::modes::Parity;
+use super::spin_sums::SPIN_QUANTITIES;
 
+/// Number of quantities of a slice that are averages over places and velocities. They come first.
+pub const VELOCITY_QUANTITIES: usize = 20;
 /// Number of quantities averaged in each slice.
-pub const SLICE_QUANTITIES: usize = 20;
+pub const SLICE_QUANTITIES: usize = VELOCITY_QUANTITIES + SPIN_QUANTITIES;
 
 /// Quantity averaged in each slice, which is a column of `profiles.csv`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,7 +36,28 @@ pub const WW: SliceColumn = SLICE_COLUMNS[6];
 /// Shear stress <u''v''>.
 pub const UV: SliceColumn = SLICE_COLUMNS[7];
 
-/// All columns of a slice in their order: density ratio, mean velocities, second and third central moments.
+/// Mean spin along x, across stream and wall normal: the spin that a sheared stream causes.
+pub const MEAN_SPIN_X: SliceColumn = SLICE_COLUMNS[20];
+/// Rotational temperature T_r.
+pub const ROTATIONAL_TEMPERATURE: SliceColumn = SLICE_COLUMNS[23];
+
+/// Columns of scenes whose spheres rotate, or of others.
+pub fn slice_columns(rotating: bool) -> &'static [SliceColumn] {
+    if rotating { &SLICE_COLUMNS } else { &SLICE_COLUMNS[..VELOCITY_QUANTITIES] }
+}
+
+/// The six second central moments of the velocities.
+pub fn second_moments() -> &'static [SliceColumn] {
+    &SLICE_COLUMNS[UU.index..UU.index + 6]
+}
+
+/// Mean spins, and the parts of the rotational temperature.
+pub fn spin_components() -> impl Iterator<Item = SliceColumn> {
+    SLICE_COLUMNS[VELOCITY_QUANTITIES..].iter().copied().filter(|column| *column != ROTATIONAL_TEMPERATURE)
+}
+
+/// All columns of a slice in their order: density ratio, mean velocities, second and third central moments; mean spins,
+/// rotational temperature and its parts. A spin is an axial vector: a mirror turns its parts along the mirror.
 pub const SLICE_COLUMNS: [SliceColumn; SLICE_QUANTITIES] = {
     use Parity::{Even, Odd};
     let columns = [
@@ -57,6 +81,13 @@ pub const SLICE_COLUMNS: [SliceColumn; SLICE_QUANTITIES] = {
         ("vvw", "⟨v″v″w″⟩", "m³/s³", Even),
         ("vww", "⟨v″w″w″⟩", "m³/s³", Odd),
         ("www", "⟨w″w″w″⟩", "m³/s³", Even),
+        ("mean_spin_x", "Ω_x", "rad/s", Odd),
+        ("mean_spin_y", "Ω_y", "rad/s", Even),
+        ("mean_spin_z", "Ω_z", "rad/s", Odd),
+        ("rotational_temperature", "T_r", "m²/s²", Even),
+        ("Rxx", "T_r along x", "m²/s²", Even),
+        ("Ryy", "T_r along y", "m²/s²", Even),
+        ("Rzz", "T_r along z", "m²/s²", Even),
     ];
     let mut table = [SliceColumn { name: "", symbol: "", unit: "", parity: Even, index: 0 }; SLICE_QUANTITIES];
     let mut index = 0;

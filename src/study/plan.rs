@@ -16,6 +16,7 @@ use crate::predict::gas::{AgitationSpread, Component, gas, largest_island, softn
 use crate::predict::integrator::{Method, Scheme};
 use crate::predict::obstacles::{Obstacles, bodies};
 use crate::predict::recommendation::{rounded_up, softest};
+use crate::predict::springs::spring_limits;
 use crate::predict::transient::{transient, variance_at_start};
 use crate::predict::{
     Agitation, Averaging, EngineChoice, PredictedCost, Recommendation, RunPrediction, recommend, shortest_side,
@@ -213,7 +214,8 @@ fn with_contacts(
         window: plan.window,
         fluid_cell,
     };
-    plan.step_limits = step_limits(&plan.contacts, &motion);
+    let springs = spring_limits(experiment, law, kinds, steps_per_contact);
+    plan.step_limits = step_limits(&plan.contacts, springs, &motion);
     let longest = |wall: bool| {
         plan.contacts.iter().filter(|row| row.contact.wall == wall).map(|row| row.contact_time).fold(0.0, f64::max)
     };

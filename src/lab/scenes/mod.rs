@@ -10,6 +10,8 @@ mod cooling;
 mod cradle;
 mod heating;
 mod impact;
+mod oblique;
+mod rolling;
 mod stepped;
 mod unstable;
 
@@ -94,6 +96,8 @@ pub const SCENES: &[LabScene] = &[
     cooling::SCENE,
     channel::SCENE,
     column::SCENE,
+    oblique::SCENE,
+    rolling::SCENE,
     heating::SCENE,
     unstable::SCENE,
     stepped::SCENE,

@@ -117,7 +117,7 @@ fn body(study: &Study, over_time: usize, figures: &[Figure]) -> Vec<Block> {
     if !outcomes.iter().any(|outcome| outcome.steadiness.steady) {
         body.push(Block::note("No variant is steady: these averages are of what changes meanwhile."));
     }
-    body.extend(pictures(figures, &["number-density", "streamwise-velocity", "second-moments"]));
+    body.extend(pictures(figures, &["number-density", "streamwise-velocity", "second-moments", "spins"]));
     body.extend(averaging(outcomes));
     body.push(Block::heading("Impacts and overlaps"));
     body.extend(impacts(outcomes));

@@ -29,7 +29,7 @@ pub use impacts::{first_overlap, impact_speed, mean_overlap, overlap};
 pub use limits::limits;
 pub use over_time::over_time;
 pub(super) use overview::{COST, IN_PER_CENT, in_per_cent, quantities, symbol};
-pub use profiles::{differences, number_density, second_moments, streamwise_velocity};
+pub use profiles::{differences, number_density, second_moments, spins, streamwise_velocity};
 pub use sensitivity::sensitivity;
 pub use sweep::sweep;
 pub use work_precision::{WITHIN, work_precision};
@@ -67,13 +67,11 @@ pub fn study(outcomes: &[Outcome]) -> Vec<Figure> {
             svg,
         )
     }));
-    figures.extend(second_moments(outcomes).into_iter().map(|(title, svg)| {
-        let caption = "Second moments of the velocity fluctuations: u streamwise, v wall-normal, w spanwise.";
-        if title.is_empty() {
-            return Figure::new("second-moments", caption, svg);
-        }
-        Figure::new(format!("second-moments-{}", file_name(&title)), format!("{title}. {caption}"), svg)
-    }));
+    let caption = "Second moments of the velocity fluctuations: u streamwise, v wall-normal, w spanwise.";
+    figures.extend(of_groups("second-moments", caption, second_moments(outcomes)));
+    let caption =
+        "Mean spins Ω, and the parts of the rotational temperature T_r: x spanwise, y wall-normal, z streamwise.";
+    figures.extend(of_groups("spins", caption, spins(outcomes)));
     if references(outcomes).into_iter().enumerate().any(|(place, reference)| place != reference) {
         figures.push(Figure::new(
             "differences",
@@ -89,6 +87,20 @@ pub fn study(outcomes: &[Outcome]) -> Vec<Figure> {
     ));
     figures.extend(overlaps(outcomes));
     figures
+}
+
+/// One figure for each group of variants, from its title and its picture.
+fn of_groups(
+    name: &'static str,
+    caption: &'static str,
+    pictures: Vec<(String, String)>,
+) -> impl Iterator<Item = Figure> {
+    pictures.into_iter().map(move |(title, svg)| {
+        if title.is_empty() {
+            return Figure::new(name, caption, svg);
+        }
+        Figure::new(format!("{name}-{}", file_name(&title)), format!("{title}. {caption}"), svg)
+    })
 }
 
 /// Pictures of overlaps; none without overlaps.

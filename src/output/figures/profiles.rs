@@ -6,7 +6,9 @@ use crate::outcome::Outcome;
 use crate::output::groups::{PanelGroup, TOLD_APART, groups, references};
 use crate::output::numbers::Prefix;
 use crate::output::panel::{Panel, PanelSeries, SeriesPoint, SeriesStyle};
-use crate::statistics::{Estimate, NUMBER_DENSITY, SLICE_COLUMNS, SliceColumn, SliceRow, U, UU, UV, VV, WW};
+use crate::statistics::{
+    self, Estimate, MEAN_SPIN_X, NUMBER_DENSITY, ROTATIONAL_TEMPERATURE, SliceColumn, SliceRow, U, UU, UV, VV, WW,
+};
 use crate::walls::WallGeometry;
 
 /// Number of points of the gas profile.
@@ -113,23 +115,37 @@ pub(super) fn gas_velocity(profile: &Profile, length: f64) -> Panel {
 /// Pictures of the six second moments, with a panel per moment. There is one picture per group of variants; each
 /// element contains a caption and a picture.
 pub fn second_moments(outcomes: &[Outcome]) -> Vec<(String, String)> {
-    let height = Height::of(outcomes);
+    panels(&groups(outcomes), &Height::of(outcomes), statistics::second_moments())
+}
+
+/// Pictures of mean spins and of the parts of the rotational temperature, with a panel each. Each group of variants in
+/// which spheres rotate has one picture, which follows its caption.
+pub fn spins(outcomes: &[Outcome]) -> Vec<(String, String)> {
+    let mut groups = groups(outcomes);
+    groups.retain(|group| group.members.iter().any(|(_, outcome)| outcome.experiment.scene.rotation.is_some()));
+    panels(&groups, &Height::of(outcomes), &statistics::spin_components().collect::<Vec<_>>())
+}
+
+/// A picture per group with a panel per column, which follows the title of the group.
+fn panels(groups: &[PanelGroup], height: &Height, columns: &[SliceColumn]) -> Vec<(String, String)> {
     let picture = |group: &PanelGroup| {
         let panel = |column: &SliceColumn| {
-            height.panel(&format!("{}  [{}]", column.symbol, column.unit), lines(group, &height, *column))
+            height.panel(&format!("{}  [{}]", column.symbol, column.unit), lines(group, height, *column))
         };
-        let second = SLICE_COLUMNS.iter().filter(|column| column.unit == UU.unit);
-        (group.title.clone(), chart::grid(&second.map(panel).collect::<Vec<_>>()))
+        (group.title.clone(), chart::grid(&columns.iter().map(panel).collect::<Vec<_>>()))
     };
-    groups(outcomes).iter().map(picture).collect()
+    groups.iter().map(picture).collect()
 }
 
 /// Picture of the differences between each variant and its reference, in standard errors of the difference. Each
 /// quantity has a panel. Slices are compared one by one; variants with another number of slices are left out.
 pub fn differences(outcomes: &[Outcome]) -> String {
     let height = Height::of(outcomes);
+    let rotating = outcomes.iter().all(|outcome| outcome.experiment.scene.rotation.is_some());
+    let of_spins = rotating.then_some([MEAN_SPIN_X, ROTATIONAL_TEMPERATURE]);
     let panels: Vec<Panel> = [NUMBER_DENSITY, U, UU, VV, WW, UV]
         .into_iter()
+        .chain(of_spins.into_iter().flatten())
         .map(|column| {
             let mut panel = height.panel("Δ / SE  [–]", scores(outcomes, &height, column));
             panel.title = column.symbol.into();

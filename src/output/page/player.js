@@ -18,13 +18,15 @@
     const [frames, count] = [variant.times.length, variant.radius.length];
     const part = (Kind, offset, length) => new Kind(data, offset, length);
     const each = frames * count;
+    const [overlaps, spins] = [variant.deepest, variant.swiftest].map((most) => (most > 0 ? 2 * each : 0));
     return {
       ...variant,
       count,
       position: part(Uint16Array, 0, 3 * each),
       velocity: part(Int16Array, 6 * each, 3 * each),
-      overlap: variant.deepest > 0 ? part(Uint16Array, 12 * each, each) : null,
-      solver: part(Uint8Array, 12 * each + (variant.deepest > 0 ? 2 * each : 0), each),
+      overlap: overlaps ? part(Uint16Array, 12 * each, each) : null,
+      spin: spins ? part(Uint16Array, 12 * each + overlaps, each) : null,
+      solver: part(Uint8Array, 12 * each + overlaps + spins, each),
       last: variant.times[frames - 1],
     };
   }
@@ -89,10 +91,9 @@
     for (let particle = 0; particle < variant.count; particle++) {
       fly(scene, variant, k, particle, Math.min(time, variant.last), out);
       const [a, b] = [k * variant.count + particle, next * variant.count + particle];
-      if (variant.overlap) {
-        const mixed = variant.overlap[a] + (variant.overlap[b] - variant.overlap[a]) * share;
-        out.overlap[particle] = (mixed * variant.deepest) / 65535;
-      }
+      const mixed = (of, most) => ((of[a] + (of[b] - of[a]) * share) * most) / 65535;
+      if (variant.overlap) out.overlap[particle] = mixed(variant.overlap, variant.deepest);
+      if (variant.spin) out.spin[particle] = mixed(variant.spin, variant.swiftest);
       out.solver[particle] = variant.solver[share < 0.5 ? a : b];
     }
     return out;
@@ -102,6 +103,7 @@
     position: new Float32Array(3 * variant.count),
     velocity: new Float32Array(3 * variant.count),
     overlap: new Float32Array(variant.count),
+    spin: new Float32Array(variant.count),
     solver: new Uint8Array(variant.count),
   });
 
@@ -193,6 +195,7 @@
     const legend = make("div", {});
     const colours = [["speed", "speed"]];
     if (variants.some((variant) => variant.overlap)) colours.push(["overlap", "overlap"]);
+    if (variants.some((variant) => variant.spin)) colours.push(["spin", "spin"]);
     if (variants.some((variant) => variant.solver.some((solver) => solver !== variant.solver[0]) || variant.solver[0] !== variants[0].solver[0])) colours.push(["solver", "solver"]);
     if (Math.max(...variants[0].species) > 0) colours.push(["species", "species"]);
     const views = [["zy", "z to the right, y up"], ["xy", "x to the right, y up"], ["xz", "x to the right, z up"], ["3d", "in three dimensions"]];

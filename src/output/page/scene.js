@@ -14,10 +14,11 @@
 //   position   three numbers [m] per particle
 //   velocity   three numbers [m/s] per particle; may be absent
 //   overlap    one per particle [m], 0 without contact; may be absent
+//   spin       magnitude of the spin [rad/s], one per particle; may be absent
 //   solver     one per particle: 0 flew straight, 1 in an island, 2 moved together with all others; may be absent
 // options  all may be absent
 //   view       from diptych.view(): "xy", "zy", … two axes, or "3d"; default "xy"
-//   colour     "speed", "overlap", "solver", "species" or "plain"; default "plain"
+//   colour     "speed", "overlap", "spin", "solver", "species" or "plain"; default "plain"
 //   range      [lowest, highest] of the colour scale, from diptych.range(); give panels that stand side by side the same one
 //   focus      { centre: [x, y, z] [m], width [m] }: show this part only; default: the whole box
 //   mark       place of a particle that gets a ring around it
@@ -163,12 +164,13 @@ var diptych = diptych || {};
       return Math.hypot(frame.velocity[3 * k], frame.velocity[3 * k + 1], frame.velocity[3 * k + 2]);
     }
     if (colour === "overlap" && frame.overlap) return frame.overlap[k] > 0 ? frame.overlap[k] / (2 * scene.radius[k]) : null;
+    if (colour === "spin" && frame.spin) return frame.spin[k];
     if (colour === "solver" && frame.solver) return frame.solver[k];
     if (colour === "species" && scene.species) return scene.species[k];
     return null;
   }
 
-  const isScale = (colour) => colour === "speed" || colour === "overlap";
+  const isScale = (colour) => colour === "speed" || colour === "overlap" || colour === "spin";
 
   // Colours are numbered: 0 … 40 the scale, then what has nothing to show, then the series.
   const NOTHING = 41;
@@ -330,8 +332,9 @@ var diptych = diptych || {};
   diptych.legend = (scene, colour, range) => {
     const legend = element("p", "scene-legend");
     if (isScale(colour)) {
-      const words = colour === "speed" ? "speed" : "overlap over diameter";
-      const show = (number) => (colour === "speed" ? diptych.si(number, "m/s") : `${(100 * number).toPrecision(2)} %`);
+      const words = colour === "overlap" ? "overlap over diameter" : colour;
+      const unit = colour === "speed" ? "m/s" : "rad/s";
+      const show = (number) => (colour === "overlap" ? `${(100 * number).toPrecision(2)} %` : diptych.si(number, unit));
       const bar = element("span", "scene-scale");
       bar.style.background = `linear-gradient(to right, ${SCALE.map(css).join(", ")})`;
       legend.append(`${words}: ${show(range[0])} `, bar, ` ${show(range[1])}`);

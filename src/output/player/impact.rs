@@ -86,6 +86,7 @@ fn record<'a>(
             position: positions.iter().map(|x| x.map(|x| x as f32)).collect(),
             velocity: velocities.iter().map(|v| v.map(|v| v as f32)).collect(),
             overlap: vec![(-gap).max(0.0) as f32; 2],
+            spin: Vec::new(),
             solver: vec![0; 2],
         })
     };

@@ -1,9 +1,9 @@
 //! Animations of several variants next to each other on a page: data for player.js, and still pictures for print and
 //! for readers without scripts.
 //!
-//! The page contains the recording as JSON. Positions are 16-bit fractions of the box; velocities and overlaps are
-//! 16-bit fractions of their largest value. This resolution is finer than that of a screen. All positions come first,
-//! then all velocities, overlaps (if any) and solvers; each block is ordered by frame and then by particle.
+//! The page contains the recording as JSON. Positions are 16-bit fractions of the box; velocities, overlaps and spins
+//! are 16-bit fractions of their largest value. This resolution is finer than that of a screen. All positions come
+//! first, then all velocities, overlaps (if any), spins (if any) and solvers; each block is ordered by frame and then by particle.
 
 mod impact;
 mod outlines;
@@ -190,7 +190,10 @@ impl RecordedVariant<'_> {
     fn record(&self, stage: &RecordingFrame) -> Value {
         let Frames { radius, species, frames, .. } = self.frames;
         let fastest = frames.iter().flat_map(|frame| &frame.velocity).fold(0.0_f32, |most, v| most.max(v.amax()));
-        let deepest = frames.iter().flat_map(|frame| &frame.overlap).fold(0.0_f32, |most, overlap| most.max(*overlap));
+        let largest =
+            |of: fn(&Frame) -> &Vec<f32>| frames.iter().flat_map(of).fold(0.0_f32, |most, one| most.max(*one));
+        let magnitudes: [fn(&Frame) -> &Vec<f32>; 2] = [|frame| &frame.overlap, |frame| &frame.spin];
+        let [deepest, swiftest] = magnitudes.map(largest);
         let unit = f64::from(fastest).max(f64::MIN_POSITIVE) / f64::from(i16::MAX);
         let mut bytes: Vec<u8> = Vec::new();
         let each = |put: &mut dyn FnMut(&Frame)| frames.iter().for_each(put);
@@ -204,10 +207,10 @@ impl RecordedVariant<'_> {
                 bytes.extend(((part / unit).round() as i16).to_le_bytes());
             }
         });
-        if deepest > 0.0 {
+        for (of, most) in magnitudes.into_iter().zip([deepest, swiftest]).filter(|(_, most)| *most > 0.0) {
             each(&mut |frame| {
-                for overlap in &frame.overlap {
-                    bytes.extend(((f64::from(*overlap / deepest) * FULL).round() as u16).to_le_bytes());
+                for one in of(frame) {
+                    bytes.extend(((f64::from(*one / most) * FULL).round() as u16).to_le_bytes());
                 }
             });
         }
@@ -220,6 +223,7 @@ impl RecordedVariant<'_> {
             "times": frames.iter().map(|frame| frame.time).collect::<Vec<_>>(),
             "unit": unit,
             "deepest": deepest,
+            "swiftest": swiftest,
             "data": BASE64_STANDARD.encode(bytes),
         })
     }

@@ -5,7 +5,10 @@ use crate::fluid::Profile;
 use crate::observe::SpeciesAverages;
 use crate::outcome::Outcome;
 use crate::scene::Scene;
-use crate::statistics::{Batches, NUMBER_DENSITY, Observable, Parity, ProfileTable, SliceColumn, U, UU, UV, VV, WW};
+use crate::statistics::{
+    Batches, MEAN_SPIN_X, NUMBER_DENSITY, Observable, Parity, ProfileTable, ROTATIONAL_TEMPERATURE, SliceColumn, U, UU,
+    UV, VV, WW,
+};
 use crate::walls::Wall;
 use nalgebra::Vector3;
 use std::borrow::Cow;
@@ -22,7 +25,8 @@ const POINTS: usize = 20;
 ///
 /// V, W, uw and vw are left out: V vanishes since mass is conserved, the others by symmetry. U is left out if there is
 /// neither gas nor gravity along the stream, since momentum is then conserved. n and uv are left out if no wall makes
-/// one position different from another.
+/// one position different from another. Where the spheres of both rotate, T_r is compared too, and the mean spin that a
+/// sheared stream causes; the other mean spins vanish by symmetry.
 pub fn observables(variant: &Outcome, reference: &Outcome) -> [Vec<Observable>; 2] {
     let scene = &reference.experiment.scene;
     let walls = !scene.walls.is_empty();
@@ -34,6 +38,10 @@ pub fn observables(variant: &Outcome, reference: &Outcome) -> [Vec<Observable>; 
     columns.extend(driven.then_some(U));
     columns.extend([UU, VV, WW]);
     columns.extend((across && driven && walls).then_some(UV));
+    if [variant, reference].iter().all(|one| one.experiment.scene.rotation.is_some()) {
+        columns.push(ROTATIONAL_TEMPERATURE);
+        columns.extend((across && driven && walls).then_some(MEAN_SPIN_X));
+    }
     let scales: Vec<Option<Scale>> = columns.iter().map(|column| scale(column, reference)).collect();
     let until = variant.profiles.until.min(reference.profiles.until);
     let of = |outcome: &Outcome| -> Vec<Observable> {
@@ -132,10 +140,10 @@ fn number(name: Cow<'static, str>, unit: &'static str, (scale, scale_is): Scale,
 /// Scale of differences, and its name in words.
 type Scale = (f64, &'static str);
 
-/// Scale of differences in a column, in the unit of the column. For the density and for a normal stress it is the mean.
-/// For the shear stress it is the largest magnitude. For U it is the mean slip between gas and particles or, without
-/// gas, the mean velocity relative to the walls; or the agitation if that is larger. None of these depends on the frame
-/// of reference. `None` without samples, or if nothing moves.
+/// Scale of differences in a column, in the unit of the column. For the density, a normal stress and T_r it is their
+/// mean. For the shear stress and the mean spin it is the largest magnitude. For U it is the mean slip between gas and particles or,
+/// without gas, the mean velocity past walls; or the agitation if that is larger. These do not depend on the frame of
+/// reference. `None` without samples, or if nothing moves.
 fn scale(column: &SliceColumn, reference: &Outcome) -> Option<Scale> {
     let table = &reference.profiles;
     let known: Vec<(f64, f64)> = (0..table.slices.len())
@@ -154,13 +162,16 @@ fn scale(column: &SliceColumn, reference: &Outcome) -> Option<Scale> {
             let agitation = reference.temperature.map_or(0.0, |temperature| temperature.value.max(0.0)).sqrt();
             if relative.0 > agitation { relative } else { (agitation, "the agitation √T") }
         }
-        "uv" => (known.iter().fold(0.0, |most: f64, (_, value)| most.max(value.abs())), "its largest magnitude"),
+        "uv" | "mean_spin_x" => {
+            (known.iter().fold(0.0, |most: f64, (_, value)| most.max(value.abs())), "its largest magnitude")
+        }
         _ => (mean(&|(_, value)| *value), "its mean"),
     };
     // particles at rest have no velocity that could be compared
     let rest = match column.name {
         "number_density_ratio" => 0.0,
         "U" => scene.rest_speed(),
+        "mean_spin_x" => 2.0 * scene.rest_speed() / scene.smallest_diameter(),
         _ => scene.rest_speed().powi(2),
     };
     (scale.0 > rest && !known.is_empty()).then_some(scale)

@@ -18,6 +18,7 @@ mod stability;
 mod stepped;
 mod sweep;
 mod tunnelling;
+mod walton;
 
 use crate::case::Case;
 use crate::cli::Limits;
@@ -44,7 +45,7 @@ macro_rules! map {
 }
 
 /// All sweeps, in the order of the page.
-const SWEEPS: [MapRun; 18] = [
+const SWEEPS: [MapRun; 20] = [
     (&[map!("stability-verlet", "reduced_step,restitution,growth,limit")], stability::stability),
     (&[map!("stability-heun", "reduced_step,restitution,growth,limit")], stability::stability),
     (
@@ -90,6 +91,8 @@ const SWEEPS: [MapRun; 18] = [
     ),
     (&[map!("splitting", "window_s,place_error_m,velocity_error_m_s")], splitting::splitting),
     (&[map!("simultaneous", "late,middle_soft_m_s,middle_hard_m_s")], cradle::simultaneous),
+    (&[map!("walton-spring", "reduced_slip,tangential_restitution,rebound,walton,error")], walton::walton),
+    (&[map!("walton-undamped", "reduced_slip,tangential_restitution,rebound,walton,error")], walton::walton),
 ];
 
 /// Runs one sweep; returns its maps in their order.

@@ -4,11 +4,11 @@
 //! factor changes it by the uncertainty of measurements. A factor that makes no sense for a scene returns the reason.
 
 use super::plan::{PlannedFactor, SensitivityPlan};
+use super::rotating::{rolling, rotation, tangential_restitution, tangential_stiffness};
 use crate::contact_law::ContactLaw;
 use crate::experiment::{Amount, Experiment, HardStepping, Integrator, Model, TimeStep};
 use crate::fluid::Profile;
 use crate::output::numbers::quantity;
-use crate::rotation::{ImpactRule, LinearTangential, TangentialLaw};
 use crate::scene::{Kind, Surface};
 
 /// [-] restitution of the paper's inelastic walls (section 4), which is set if a case is elastic.
@@ -18,9 +18,6 @@ const PAPER_RESTITUTION: f64 = 0.94;
 const RESTITUTION_ERROR: f64 = 0.02;
 /// [-] friction of glass on glass (Foerster et al. 1994), which is set if particles have no friction.
 const GLASS_FRICTION: f64 = 0.092;
-/// [-] tangential restitution of glass on glass, and its standard error (Foerster et al. 1994).
-const GLASS_TANGENTIAL: f64 = 0.44;
-const TANGENTIAL_ERROR: f64 = 0.07;
 /// [-] friction of the paper's rough walls (section 4), which is set if walls have no friction.
 const PAPER_WALL_FRICTION: f64 = 0.325;
 /// [-] standard error of a measured friction: cellulose acetate 0.25 ± 0.02 (Foerster et al. 1994).
@@ -51,7 +48,7 @@ pub struct Known {
 }
 
 /// All built-in factors, in the order of the help text.
-pub const KNOWN: [Known; 14] = [
+pub const KNOWN: [Known; 16] = [
     Known { name: "model", title: "the contact model", make: model },
     Known { name: "stiffness", title: "the stiffness", make: stiffness },
     Known { name: "integrator", title: "the integrator of soft contacts", make: integrator },
@@ -62,6 +59,8 @@ pub const KNOWN: [Known; 14] = [
     Known { name: "wall-friction", title: "the friction at walls", make: wall_friction },
     Known { name: "rotation", title: "the rotation of particles", make: rotation },
     Known { name: "tangential-restitution", title: "the tangential restitution", make: tangential_restitution },
+    Known { name: "tangential-stiffness", title: "the tangential stiffness", make: tangential_stiffness },
+    Known { name: "rolling", title: "the rolling resistance", make: rolling },
     Known { name: "gas", title: "the gas profile", make: gas },
     Known { name: "drag", title: "the drag law", make: drag },
     Known { name: "box", title: "the length of the box", make: shorter_box },
@@ -69,24 +68,24 @@ pub const KNOWN: [Known; 14] = [
 ];
 
 /// Size as typed, checked to be within `from ..= to`, or the usual size.
-fn sized(size: Option<&str>, usual: f64, from: f64, to: f64) -> Result<f64, String> {
+pub(super) fn sized(size: Option<&str>, usual: f64, from: f64, to: f64) -> Result<f64, String> {
     let Some(text) = size else { return Ok(usual) };
     let number = text.trim().parse().ok().filter(|number| (from..=to).contains(number));
     number.ok_or_else(|| format!("its size `{text}` is no number from {from} to {to}"))
 }
 
 /// Reason for the value of a size: typed by the user, or the usual one.
-fn why(size: Option<&str>, usual: impl Into<String>) -> String {
+pub(super) fn why(size: Option<&str>, usual: impl Into<String>) -> String {
     if size.is_some() { "as asked for".into() } else { usual.into() }
 }
 
 /// Returns an error if a size was typed for a factor that has none.
-fn no_size(size: Option<&str>) -> Result<(), String> {
+pub(super) fn no_size(size: Option<&str>) -> Result<(), String> {
     size.map_or(Ok(()), |text| Err(format!("it has no size, and `{text}` is given")))
 }
 
 /// A number as a user would type it, rounded to a millionth.
-fn plain(number: f64) -> f64 {
+pub(super) fn plain(number: f64) -> f64 {
     (1e6 * number).round() / 1e6
 }
 
@@ -230,45 +229,6 @@ fn wall_friction(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<Plann
     let ideal = all.iter().all(|(_, own, _)| *own == 0.0);
     let source = if ideal { "the paper's rough walls" } else { FRICTION_IS_KNOWN };
     surface(plan, &all, ("friction", "wall μ"), why(size, source))
-}
-
-fn rotation(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<PlannedFactor, String> {
-    no_size(size)?;
-    let first = plan.first();
-    let scene = &plan.run(first).scene;
-    if scene.rotation.is_some() {
-        let run = plan.add("no rotation", &["contact.rotation=false".into()], None, None)?;
-        return Ok(PlannedFactor::against(first, run, "rotation → none", "the paper's spheres do not rotate"));
-    }
-    let rough = |surface: &Surface| surface.friction > 0.0;
-    if !scene.surfaces(plan.reference().count()).iter().any(rough) {
-        return Err("there is no friction that could turn a particle".into());
-    }
-    let rule = format!("hard.friction.walton.tangential_restitution={GLASS_TANGENTIAL}");
-    let run = plan.add("rotation", &["contact.rotation=true".into(), rule], None, None)?;
-    let change = format!("no rotation → rotation, β_0 = {GLASS_TANGENTIAL}");
-    Ok(PlannedFactor::against(first, run, change, "glass, Foerster et al. 1994"))
-}
-
-fn tangential_restitution(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<PlannedFactor, String> {
-    let first = plan.first();
-    let Some(rotation) = plan.run(first).scene.rotation.clone() else { return Err("spheres do not rotate".into()) };
-    let of_rule = match rotation.impact {
-        ImpactRule::Walton { tangential_restitution } => Some(tangential_restitution),
-        ImpactRule::OfSpring(_) => None,
-    };
-    let of_spring = match rotation.tangential {
-        TangentialLaw::Linear(LinearTangential::Restitution(restitution)) => Some(restitution),
-        _ => None,
-    };
-    let Some(own) = of_rule.or(of_spring) else { return Err("the case gives a stiffness ratio in its place".into()) };
-    // away from the reversal at 1, the largest possible value
-    let usual = plain(if own + TANGENTIAL_ERROR <= 1.0 { own + TANGENTIAL_ERROR } else { own - TANGENTIAL_ERROR });
-    let to = sized(size, usual, -1.0, 1.0)?;
-    let key = if of_rule.is_some() { "hard.friction.walton" } else { "soft.tangential.linear" };
-    let run = plan.add(&format!("β_0 = {to}"), &[format!("{key}.tangential_restitution={to}")], None, None)?;
-    let usual = "a measured tangential restitution is known to ± 0.07, Foerster et al. 1994";
-    Ok(PlannedFactor::against(first, run, format!("β_0 {} → {to}", plain(own)), why(size, usual)))
 }
 
 /// Reason for the size of the change in friction.

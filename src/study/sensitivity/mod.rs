@@ -6,6 +6,7 @@
 mod factors;
 mod outlook;
 mod plan;
+mod rotating;
 mod weigh;
 mod words;
 

@@ -1,0 +1,81 @@
+//! Springs beside the normal one in a contact of spheres that rotate: how fast they swing.
+
+use super::contact::{ContactKind, StepLimit, fastest_impact};
+use crate::contact_law::{Bodies, ContactLaw, Spring};
+use crate::experiment::Experiment;
+use crate::rotation::{RollingBodies, SpringDashpotSlider};
+use std::f64::consts::PI;
+
+/// A tangential, rolling or twisting spring between two bodies, at the largest overlap of the fastest impacts.
+#[derive(Clone, Copy, Debug)]
+pub struct SideSpring {
+    /// Name of the spring in a sentence.
+    pub name: &'static str,
+    /// [1/s] angular frequency without damping.
+    pub frequency: f64,
+    /// [-] damping ratio.
+    pub damping_ratio: f64,
+}
+
+impl SideSpring {
+    /// [s] half of the period, in which the spring swings out and back; of an overdamped spring that without damping.
+    pub fn half_period(&self) -> f64 {
+        let swing = (1.0 - self.damping_ratio * self.damping_ratio).max(0.0).sqrt();
+        PI / (self.frequency * if swing > 0.0 { swing } else { 1.0 })
+    }
+}
+
+/// All springs of a contact between two bodies except the normal one. Springs without stiffness are left out.
+pub fn side_springs(experiment: &Experiment, law: &ContactLaw, bodies: &Bodies) -> Vec<SideSpring> {
+    let scene = &experiment.scene;
+    let inertia = scene.species.iter().map(|species| species.inertia_factor).reduce(f64::min);
+    let (Some(rotation), Some(inertia)) = (&scene.rotation, inertia) else { return Vec::new() };
+    let Bodies { effective_mass, effective_radius, .. } = *bodies;
+    let spring = law.between(bodies);
+    let normal = law.normal_spring(bodies, &spring);
+    let elastic = Spring { restitution: 1.0, dashpot: 0.0, ..spring };
+    let deepest = law.greatest_overlap(&elastic, fastest_impact(experiment));
+    let tangential = rotation.tangential.between(|| normal, effective_mass * inertia / (1.0 + inertia));
+    // a couple turns two equal spheres, or one at a wall, as it turns one of the effective mass and radius
+    let moment = inertia * effective_mass * effective_radius * effective_radius;
+    let rolls = RollingBodies::of(std::iter::once((effective_mass, effective_radius, moment)));
+    let rolling = rotation.rolling.map(|rolling| rolling.between(&normal, &rolls).spring);
+    let twisting = rotation.twisting.map(|twisting| twisting.between(&tangential, 1.0, deepest, &rolls).spring);
+    let named = [("tangential", Some(tangential)), ("rolling", rolling), ("twisting", twisting)];
+    let springs = named.into_iter().filter_map(|(name, spring)| Some((name, spring?)));
+    let of = |(name, spring): (&'static str, SpringDashpotSlider)| {
+        let at = spring.at(deepest);
+        let frequency = (at.stiffness / at.mass).sqrt();
+        SideSpring { name, frequency, damping_ratio: 0.5 * at.dashpot / (at.mass * frequency) }
+    };
+    springs.filter(|(_, spring)| spring.stiffness > 0.0).map(of).collect()
+}
+
+/// Limits on the time step that resolve half a period of each spring by `steps` steps, as many as a contact gets.
+pub fn spring_limits(
+    experiment: &Experiment,
+    law: &ContactLaw,
+    contacts: &[ContactKind],
+    steps: f64,
+) -> Vec<StepLimit> {
+    let of = |contact: &ContactKind| {
+        let limit = |spring: SideSpring| StepLimit {
+            name: format!("{} spring, half its period/N_c: {}", spring.name, contact.name),
+            longest: spring.half_period() / steps,
+        };
+        side_springs(experiment, law, &contact.bodies).into_iter().map(limit).collect::<Vec<_>>()
+    };
+    contacts.iter().flat_map(of).collect()
+}
+
+/// The spring that swings fastest, and the contact in which it does; `None` without such springs.
+pub fn fastest_spring<'a>(
+    experiment: &Experiment,
+    law: &ContactLaw,
+    contacts: &'a [ContactKind],
+) -> Option<(SideSpring, &'a ContactKind)> {
+    let of = |contact: &'a ContactKind| {
+        side_springs(experiment, law, &contact.bodies).into_iter().map(move |spring| (spring, contact))
+    };
+    contacts.iter().flat_map(of).min_by(|a, b| a.0.half_period().total_cmp(&b.0.half_period()))
+}

@@ -1,0 +1,113 @@
+//! Factors of spheres that rotate: rotation itself, the tangential law, rolling resistance.
+
+use super::factors::{no_size, plain, sized, why};
+use super::plan::{PlannedFactor, SensitivityPlan};
+use crate::experiment::Model;
+use crate::rotation::{ImpactRule, LinearTangential, TangentialLaw};
+use crate::scene::Surface;
+
+/// [-] tangential restitution of glass on glass, and its standard error (Foerster et al. 1994).
+const GLASS_TANGENTIAL: f64 = 0.44;
+const TANGENTIAL_ERROR: f64 = 0.07;
+/// [-] κ = k_t/k_n of elastic spheres: 2(1-ν)/(2-ν) for ν = 0.3 (Mindlin 1949).
+const ELASTIC_RATIO: f64 = 0.8235;
+/// [-] κ at which both springs of solid spheres swing alike, the choice of many soft-sphere codes (Schäfer, Dippel and
+/// Wolf 1996, J. Phys. I 6, 5).
+const EQUAL_PERIODS: f64 = 0.2857;
+/// [-] rolling friction whose torque is nothing but rounding.
+const NO_TORQUE: f64 = 1e-15;
+
+/// Plans the run without rotation or, of spheres that do not rotate, with it.
+pub fn rotation(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<PlannedFactor, String> {
+    no_size(size)?;
+    let first = plan.first();
+    let scene = &plan.run(first).scene;
+    if scene.rotation.is_some() {
+        let run = plan.add("no rotation", &["contact.rotation=false".into()], None, None)?;
+        return Ok(PlannedFactor::against(first, run, "rotation → none", "the paper's spheres do not rotate"));
+    }
+    let rough = |surface: &Surface| surface.friction > 0.0;
+    if !scene.surfaces(plan.reference().count()).iter().any(rough) {
+        return Err("there is no friction that could turn a particle".into());
+    }
+    let rule = format!("hard.friction.walton.tangential_restitution={GLASS_TANGENTIAL}");
+    let run = plan.add("rotation", &["contact.rotation=true".into(), rule], None, None)?;
+    let change = format!("no rotation → rotation, β_0 = {GLASS_TANGENTIAL}");
+    Ok(PlannedFactor::against(first, run, change, "glass, Foerster et al. 1994"))
+}
+
+/// Plans the run with another β_0 of the impact rule or, without one, of the tangential spring.
+pub fn tangential_restitution(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<PlannedFactor, String> {
+    let first = plan.first();
+    let Some(rotation) = plan.run(first).scene.rotation.clone() else { return Err("spheres do not rotate".into()) };
+    let of_rule = match rotation.impact {
+        ImpactRule::Walton { tangential_restitution } => Some(tangential_restitution),
+        ImpactRule::OfSpring(_) => None,
+    };
+    let of_spring = match rotation.tangential {
+        TangentialLaw::Linear(LinearTangential::Restitution(restitution)) => Some(restitution),
+        _ => None,
+    };
+    let Some(own) = of_rule.or(of_spring) else { return Err("the case gives a stiffness ratio in its place".into()) };
+    // away from the reversal at 1, the largest possible value
+    let usual = plain(if own + TANGENTIAL_ERROR <= 1.0 { own + TANGENTIAL_ERROR } else { own - TANGENTIAL_ERROR });
+    let to = sized(size, usual, -1.0, 1.0)?;
+    let key = if of_rule.is_some() { "hard.friction.walton" } else { "soft.tangential.linear" };
+    let run = plan.add(&format!("β_0 = {to}"), &[format!("{key}.tangential_restitution={to}")], None, None)?;
+    let usual = "a measured tangential restitution is known to ± 0.07, Foerster et al. 1994";
+    Ok(PlannedFactor::against(first, run, format!("β_0 {} → {to}", plain(own)), why(size, usual)))
+}
+
+/// Plans the run with another stiffness ratio of the linear tangential law.
+pub fn tangential_stiffness(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<PlannedFactor, String> {
+    let first = plan.first();
+    let Some(rotation) = plan.run(first).scene.rotation.clone() else { return Err("spheres do not rotate".into()) };
+    let own = match rotation.tangential {
+        TangentialLaw::Linear(LinearTangential::Ratios { stiffness, .. }) => stiffness,
+        TangentialLaw::Linear(LinearTangential::Restitution(_)) => {
+            return Err("the case gives a tangential restitution in its place".into());
+        }
+        TangentialLaw::Mindlin { .. } => return Err("Mindlin's law has the stiffness of the material".into()),
+        TangentialLaw::Coulomb => return Err("there is no tangential spring".into()),
+    };
+    let elastic = (own - ELASTIC_RATIO).abs() > 0.5 * (ELASTIC_RATIO - EQUAL_PERIODS);
+    let to = sized(size, if elastic { ELASTIC_RATIO } else { EQUAL_PERIODS }, 1e-6, 10.0)?;
+    let key = "soft.tangential.linear.stiffness_ratio";
+    let run = plan.add(&format!("k_t/k_n = {to}"), &[format!("{key}={to}")], None, None)?;
+    let usual = if elastic {
+        "that of elastic spheres with Poisson's ratio 0.3, Mindlin 1949"
+    } else {
+        "both springs swing alike, Schäfer et al. 1996"
+    };
+    Ok(PlannedFactor::against(first, run, format!("k_t/k_n {} → {}", plain(own), plain(to)), why(size, usual)))
+}
+
+/// Plans the run without rolling resistance. A size is the rolling friction μ_r of the run; a case without rolling
+/// resistance needs one, since no value is usual.
+pub fn rolling(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<PlannedFactor, String> {
+    let first = plan.first();
+    let reference = plan.run(first);
+    let Some(rotation) = reference.scene.rotation.clone() else { return Err("spheres do not rotate".into()) };
+    if reference.model() == Model::Hard {
+        return Err("impacts leave rolling resistance out, and hard spheres have nothing else".into());
+    }
+    let own = rotation.rolling.map(|law| law.to_string());
+    if own.is_none() && size.is_none() {
+        return Err("there is no rolling resistance, and no value is usual: try one, as in rolling=0.05".into());
+    }
+    let to = sized(size, 0.0, 0.0, 10.0)?;
+    let set = match to {
+        // a change cannot take a table away, but leave nothing of its torque
+        0.0 => format!("soft.rolling.constant.friction={NO_TORQUE}"),
+        _ => format!("soft.rolling.spring.friction={to}"),
+    };
+    let name = if to > 0.0 { format!("μ_r = {to}") } else { "no rolling resistance".to_owned() };
+    let run = plan.add(&name, &[set], None, None)?;
+    let change = format!("{} → {name}", own.unwrap_or("none".into()));
+    Ok(PlannedFactor::against(
+        first,
+        run,
+        change,
+        why(size, "spheres that are round and do not deform do not resist rolling"),
+    ))
+}
