@@ -180,7 +180,7 @@ fn a_ball_bounces_between_plates() {
 /// RE: a ball that falls between vertical plates ends at a steady speed; its spin turns over at every bounce.
 #[test]
 fn a_ball_falls_between_vertical_plates_at_a_limit_speed() {
-    for (beta, limit) in [(0.0, 1.25), (0.4, 0.25), (0.8, -0.30555555555555556)] {
+    for (beta, limit) in [(0.0, 1.25), (0.4, 0.25), (0.8, -11.0 / 36.0)] {
         let mut plates = BetweenPlates::new(beta, 9.81, [0.0, 0.0]);
         // G = g T; half a flight after a bounce the ball is faster by G/2
         let gain = 9.81 * plates.flight;

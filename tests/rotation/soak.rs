@@ -191,7 +191,7 @@ fn soak(seeds: std::ops::Range<u64>) -> Vec<String> {
             let impacts = (simulation.record.pairs.count + simulation.record.walls.count) as f64;
             let shares =
                 [books.energy / books.energy_allowed, books.momentum / books.momentum_allowed, turned, impacts];
-            if shares[..3].iter().any(|share| !(*share <= 1.0)) {
+            if shares[..3].iter().any(|share| share.is_nan() || *share > 1.0) {
                 faults.push(format!("{name}, {}: {shares:.3?}", rough.crowd.words));
             }
             let all = worst.entry(name).or_default();
