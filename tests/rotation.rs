@@ -1,5 +1,6 @@
 //! Spheres that rotate: reference values computed independently (oracle, RA to RE), balances, and the same bits everywhere.
 
+mod losses;
 mod mindlin;
 mod pairs;
 mod rolling;

@@ -134,6 +134,7 @@ impl Collision {
         let slip_square = |u: &Vector3<f64>, n: f64| (u - normal * n).norm_squared();
         let restitution_loss = 0.5 * effective_mass * (before_n * before_n - after_n * after_n);
         let friction_loss = if let Some(rough) = &rough {
+            log.ledger.friction.tangential_restitution += rough.tangential_restitution_loss;
             rough.friction_loss
         } else if surface.friction > 0.0 {
             0.5 * effective_mass * (slip_square(&velocity, before_n) - slip_square(&after, after_n))

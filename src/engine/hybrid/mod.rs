@@ -126,6 +126,10 @@ impl Solve for HybridIslands {
         self.few.energy(contact)
     }
 
+    fn spring_energies(&self, contact: &Contact) -> [f64; 3] {
+        self.few.spring_energies(contact)
+    }
+
     fn touching(&self, contact: &Contact) -> Option<Couple> {
         self.few.touching(contact)
     }

@@ -114,8 +114,8 @@ pub struct ResistanceMemory {
     pub roll: Vector3<f64>,
     /// [m] shear of the twisting spring along the normal.
     pub twist: f64,
-    /// [J] energy of both springs.
-    pub energy: f64,
+    /// [J] energies of the rolling and the twisting spring.
+    pub energies: [f64; 2],
     /// [s] simulated time from which the contact resists: one contact time after it began.
     pub acts_from: f64,
 }

@@ -82,7 +82,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
             let touch = self.scratch.contacts[k].touch;
             let met = touch.couple.meet(self.particles, self.scene, FrameTime::in_free_fall(time));
             let force = if self.rotates() {
-                self.force_at_stage(k, &touch, &met, dt)
+                self.force_at_stage(k, &touch, &met, (dt, weight))
             } else {
                 touch.force(&self.engine.law, &met, self.scene, [dt, 0.0])
             };
