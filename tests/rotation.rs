@@ -4,6 +4,7 @@ mod losses;
 mod mindlin;
 mod pairs;
 mod rolling;
+mod turning;
 
 use crate::support::*;
 use diptych::contact_law::{Bodies, ContactLaw, damping_ratio};

@@ -202,7 +202,7 @@ fn rolling_and_twisting_balls_lose_to_their_own_resistance() {
                 (ledger.friction.twisting, twisting, ledger.friction.rolling)
             };
             assert!(
-                own > 0.05 * before && (damping > 0.0 || stored > 0.0),
+                own > 5e-3 * before && (damping > 0.0 || stored > 0.0),
                 "{stepping:?} {own:.1e} {stored:.1e} of {before:.1e}"
             );
             is_near("motion", own + stored, lost, 2e-2 * lost);

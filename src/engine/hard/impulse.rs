@@ -1,6 +1,6 @@
 //! Impulse of a collision: the instantaneous change of momentum.
 
-use crate::encounter::{Couple, Encounter};
+use crate::encounter::{Couple, Encounter, WallMotion};
 use crate::particles::Particles;
 use crate::record::{Between, Impact, Log};
 use crate::scene::{Kind, Scene, Surface};
@@ -39,6 +39,8 @@ pub struct Collision {
     pub elastic: bool,
     /// Species of particle `i` and kind of the other body.
     pub kinds: (u16, Kind),
+    /// Motion of the wall's surface; `None` between particles.
+    pub wall: Option<WallMotion>,
 }
 
 /// Properties of two bodies, other than their motion, on which their collision depends.
@@ -165,7 +167,7 @@ impl Collision {
             None => {
                 ledger.wall_restitution_loss += restitution_loss;
                 ledger.wall_friction_loss += friction_loss;
-                ledger.wall_work += self.couple.driven(&impulse, scene);
+                ledger.wall_work += self.wall.map_or(0.0, |wall| wall.power(&impulse, None));
                 ledger.wall_impulse += impulse;
                 ledger.wall_normal_impulse += impulse.dot(&normal);
                 // for the rest of the window, gravity does work on the momentum that the wall gave

@@ -295,7 +295,7 @@ impl ContactBlock {
                 for (met, TouchingSlot { slot, record }) in met.iter_mut().zip(some) {
                     let (couple, constants) = (view.list.couple(*slot as usize), records.get(*record).0);
                     met.0 = meet(&couple, constants, view);
-                    met.1 = SurfaceMotion::of(&couple, constants.reach, &met.0, view.particles);
+                    met.1 = SurfaceMotion::of(&couple, constants.reach, &met.0, (view.particles, view.scene));
                 }
                 for (met, TouchingSlot { slot, record }) in met.iter().zip(some) {
                     let couple = view.list.couple(*slot as usize);
@@ -460,7 +460,8 @@ fn look(
     course.note(met);
     // contacts begin at any phase of a step, so on average the sum is the integral
     course.overlap_time += met.overlap() * at.dt;
-    let force = constants.force(couple, law, met, scene, [at.dt, at.to_middle]);
+    let moment = FrameTime::fallen(at.fall);
+    let force = constants.force(couple, law, met, (particles, scene), moment, [at.dt, at.to_middle]);
     if !at.travel_is_exact {
         sums.elastic_energy += law.stored_energy(&constants.spring, met.overlap());
     }

@@ -51,7 +51,7 @@ impl RollingMotion {
             (particles.mass[place], particles.radius[place], inertia[place])
         };
         let bodies = RollingBodies::of(couple.places().into_iter().flatten().map(body));
-        let spins = couple.relative_spin(particles) * bodies.radius;
+        let spins = couple.relative_spin(particles, scene) * bodies.radius;
         let against_rolling = rotation.rolling.map(|rolling| {
             let normal = law.normal_spring(&couple.bodies(particles, scene), &constants.spring);
             rolling.between(&normal, &bodies)

@@ -6,7 +6,7 @@ use super::force_buffer::ContactTorque;
 use super::rolling::{ResistedStep, RollingMotion};
 use crate::contact_law::ContactLaw;
 use crate::contact_law::friction::{Slip, coulomb};
-use crate::encounter::{Couple, Encounter};
+use crate::encounter::{Couple, Encounter, FrameTime};
 use crate::particles::Particles;
 use crate::record::FrictionLosses;
 use crate::rotation::{SpringDashpotSlider, slip, turned};
@@ -27,9 +27,13 @@ pub struct SurfaceMotion {
 impl SurfaceMotion {
     /// Motion of the surfaces of two bodies with a known [`reach`](Couple::reach) [m].
     #[inline(always)]
-    pub fn of(couple: &Couple, reach: f64, met: &Encounter, particles: &Particles) -> Self {
+    pub fn of(couple: &Couple, reach: f64, met: &Encounter, (particles, scene): (&Particles, &Scene)) -> Self {
         let (surface, arm) = couple.surface_velocity(particles, reach, met.gap);
-        Self { slip: slip(&met.velocity, &met.normal, &surface), arm, twist: couple.twist(particles, &met.normal) }
+        Self {
+            slip: slip(&met.velocity, &met.normal, &surface),
+            arm,
+            twist: couple.twist(particles, scene, &met.normal),
+        }
     }
 }
 
@@ -121,7 +125,9 @@ impl ContactConstants {
             normal,
             restitution_power: -viscous * (met.normal_velocity + at.to_middle * normal / self.spring.effective_mass),
             friction_power: tangential.dot(&in_the_middle) - kept + resisted.as_ref().map_or(0.0, |some| some.power),
-            wall_power: couple.driven(&on_i, scene),
+            wall_power: couple
+                .wall_motion(met, (particles, scene), FrameTime::fallen(at.fall))
+                .map_or(0.0, |wall| wall.power(&on_i, resisted.as_ref().map(|some| &some.couple))),
             arm: met.normal * (self.reach + met.gap),
         };
         let torque = ContactTorque {

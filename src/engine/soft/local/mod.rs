@@ -35,6 +35,8 @@ pub struct ReachedTouch<'a> {
     pub met: Encounter,
     /// Walls, surfaces and gravity.
     pub scene: &'a Scene,
+    /// Moment of the touch.
+    pub moment: FrameTime,
     /// [s] time left in the window.
     pub remaining: f64,
 }

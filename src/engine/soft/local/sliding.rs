@@ -10,7 +10,7 @@
 use super::springs::{ContactMotion, SpringKind, SpringMotion, carried};
 use super::{InstantaneousRule, IslandRun, Rates, TRIALS};
 use crate::contact_law::friction::{Slip, coulomb};
-use crate::encounter::Encounter;
+use crate::encounter::{Encounter, FrameTime};
 use crate::engine::soft::contact::{Contact, ContactConstants, ContactForce, ContactState, TouchingPair};
 use crate::record::FrictionLosses;
 use nalgebra::Vector3;
@@ -257,14 +257,14 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         }
     }
 
-    /// Force of a contact at a stage, with a weight [-], of a step of `dt` [s]. Torques go to the turning of its
+    /// Force of a contact at a stage, with its moment and weight [-], of a step of `dt` [s]. Torques go to the turning of its
     /// particles, and the rates of its springs are kept.
     pub(super) fn force_at_stage(
         &mut self,
         k: usize,
         touch: &TouchingPair,
         met: &Encounter,
-        (dt, weight): (f64, f64),
+        (moment, dt, weight): (FrameTime, f64, f64),
     ) -> ContactForce {
         let springs = self.springs_of(k);
         let motion = ContactMotion::of(self, touch, met, self.resists(k));
@@ -305,7 +305,10 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
             normal,
             restitution_power: -motion.viscous * met.normal_velocity,
             friction_power,
-            wall_power: touch.couple.driven(&on_i, self.scene),
+            wall_power: touch
+                .couple
+                .wall_motion(met, (self.particles, self.scene), moment)
+                .map_or(0.0, |wall| wall.power(&on_i, Some(&couple))),
             arm: met.normal * (touch.reach + met.gap),
         }
     }
@@ -324,7 +327,9 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         let sliding = &mut self.scratch.sliding[index];
         let SpringState { normal: start, .. } = sliding.start;
         let vector = carried(kind, &sliding.now.vector, &start, &met.normal);
-        let spun = |vector: &Vector3<f64>| met.normal.cross(vector) * touch.couple.twist(self.particles, &met.normal);
+        let spun = |vector: &Vector3<f64>| {
+            met.normal.cross(vector) * touch.couple.twist(self.particles, self.scene, &met.normal)
+        };
         let (force, rate) = match sliding.phase {
             Phase::Waiting | Phase::Free => (Vector3::zeros(), Vector3::zeros()),
             Phase::Memoryless => {
