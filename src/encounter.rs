@@ -121,6 +121,23 @@ impl FrameTime {
     }
 }
 
+/// Motion of the surface of a wall at a contact.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct WallMotion {
+    /// [m/s] velocity at the contact point.
+    pub velocity: Vector3<f64>,
+    /// [rad/s] angular velocity.
+    pub spin: Vector3<f64>,
+}
+
+impl WallMotion {
+    /// [W] power of a force [N] on the particle and of a couple [N m].
+    #[inline(always)]
+    pub fn power(&self, force: &Vector3<f64>, couple: Option<&Vector3<f64>>) -> f64 {
+        force.dot(&self.velocity) + couple.map_or(0.0, |couple| couple.dot(&self.spin))
+    }
+}
+
 /// Relative position and velocity of two bodies.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Encounter {
@@ -231,13 +248,32 @@ impl Couple {
         (particles.species[self.i as usize], other)
     }
 
-    /// [W] power that a wall with a moving surface gives to the particle by a force [N] on the particle; 0 for other
-    /// bodies. For an impulse [N s] instead of a force, the result is an energy [J].
-    #[inline]
-    pub fn driven(&self, force: &Vector3<f64>, scene: &Scene) -> f64 {
+    /// Motion of the wall's surface at the contact; `None` between particles. The power of a force [N] on the particle,
+    /// or the energy of an impulse [N s], that the wall gives is force times velocity.
+    #[inline(always)]
+    pub fn wall_motion(
+        &self,
+        met: &Encounter,
+        (particles, scene): (&Particles, &Scene),
+        moment: FrameTime,
+    ) -> Option<WallMotion> {
+        let Other::Wall(at) = self.other else { return None };
+        let wall = &scene.walls[at.wall as usize];
+        let Some(turning) = &wall.turning else {
+            return Some(WallMotion { velocity: wall.velocity, spin: Vector3::zeros() });
+        };
+        let i = self.i as usize;
+        let position = moment.flight(particles, scene, i).position;
+        let at_contact = position - met.normal * (particles.radius[i] + met.gap);
+        Some(WallMotion { velocity: wall.surface_velocity(&at_contact), spin: turning.spin })
+    }
+
+    /// [rad/s] angular velocity of the wall's surface; 0 for particles and for walls that do not turn.
+    #[inline(always)]
+    pub fn wall_spin(&self, scene: &Scene) -> Vector3<f64> {
         match self.other {
-            Other::Particle(_) => 0.0,
-            Other::Wall(at) => force.dot(&scene.walls[at.wall as usize].velocity),
+            Other::Particle(_) => Vector3::zeros(),
+            Other::Wall(at) => scene.walls[at.wall as usize].spin(),
         }
     }
 
@@ -286,23 +322,29 @@ impl Couple {
 
     /// [rad/s] component along the normal of the mean spin of the two bodies; the spin of a wall is zero.
     #[inline(always)]
-    pub fn twist(&self, particles: &Particles, normal: &Vector3<f64>) -> f64 {
+    pub fn twist(&self, particles: &Particles, scene: &Scene, normal: &Vector3<f64>) -> f64 {
         let spins = particles.spins();
         match self.other {
             _ if spins.is_empty() => 0.0,
             Other::Particle(j) => 0.5 * (spins[self.i as usize] + spins[j as usize]).dot(normal),
-            Other::Wall(_) => 0.5 * spins[self.i as usize].dot(normal),
+            Other::Wall(at) => match &scene.walls[at.wall as usize].turning {
+                None => 0.5 * spins[self.i as usize].dot(normal),
+                Some(turning) => 0.5 * (spins[self.i as usize] + turning.spin).dot(normal),
+            },
         }
     }
 
     /// [rad/s] spin of particle i relative to the other body; the spin of a wall is zero.
     #[inline(always)]
-    pub fn relative_spin(&self, particles: &Particles) -> Vector3<f64> {
+    pub fn relative_spin(&self, particles: &Particles, scene: &Scene) -> Vector3<f64> {
         let spins = particles.spins();
         match self.other {
             _ if spins.is_empty() => Vector3::zeros(),
             Other::Particle(j) => spins[self.i as usize] - spins[j as usize],
-            Other::Wall(_) => spins[self.i as usize],
+            Other::Wall(at) => match &scene.walls[at.wall as usize].turning {
+                None => spins[self.i as usize],
+                Some(turning) => spins[self.i as usize] - turning.spin,
+            },
         }
     }
 
@@ -329,7 +371,8 @@ impl Couple {
         let (flight, radius) = (moment.flight(particles, scene, i), particles.radius[i]);
         let wall = &scene.walls[at.wall as usize];
         let nearest = wall.geometry.struck(at.which, place, &flight.position, radius);
-        let (normal, velocity) = (nearest.normal, flight.velocity - wall.velocity);
+        let surface = wall.surface_velocity(&(flight.position - nearest.normal * nearest.distance));
+        let (normal, velocity) = (nearest.normal, flight.velocity - surface);
         Encounter { normal, gap: nearest.distance - radius, velocity, normal_velocity: velocity.dot(&normal) }
     }
 
@@ -362,7 +405,8 @@ impl Couple {
                 let flight = moment.flight(particles, scene, i);
                 let wall = &scene.walls[at.wall as usize];
                 let nearest = wall.geometry.contact(at.which, &flight.position, reach);
-                (nearest.normal, nearest.distance - reach, flight.velocity - wall.velocity)
+                let surface = wall.surface_velocity(&(flight.position - nearest.normal * nearest.distance));
+                (nearest.normal, nearest.distance - reach, flight.velocity - surface)
             }
         };
         Encounter { normal, gap, velocity, normal_velocity: velocity.dot(&normal) }

@@ -100,6 +100,7 @@ fn a_gas_around_a_body_stays_outside_and_keeps_its_energy() {
         surface: surface(1.0, 0.0),
         elasticity: None,
         velocity: Vector3::zeros(),
+        turning: None,
     }];
     let start = random(&scene, 80, 1.0, 12);
     let energy = start.kinetic_energy();

@@ -22,6 +22,7 @@ use diptych::schedule::Schedule;
 use diptych::simulation::Simulation;
 use diptych::statistics::Accumulator;
 use diptych::stored::Stored;
+use diptych::walls::{Obstacle, Turning, Wall, WallGeometry};
 use diptych::{Drag, SchillerNaumann};
 use nalgebra::Vector3;
 use rand::SeedableRng;
@@ -55,6 +56,25 @@ fn rough((mut scene, mut particles): (Scene, Particles)) -> (Scene, Particles) {
     // spins of about 1000 rad/s along the velocities of other particles
     let other: Vec<_> = particles.velocity.iter().rev().map(|velocity| velocity * 2000.0).collect();
     particles.spin = Some(other);
+    (scene, particles)
+}
+
+/// Adds a ball that turns in its place, in the largest gap between the particles on a grid.
+fn with_turning_ball((mut scene, particles): (Scene, Particles)) -> (Scene, Particles) {
+    let size = scene.domain.size;
+    let place = |k: usize| {
+        let share = |part: usize| (part as f64 + 0.5) / 12.0;
+        Vector3::new(share(k % 12), share(k / 12 % 12), share(k / 144)).component_mul(&size)
+    };
+    let room = |center: &Vector3<f64>| {
+        let gap = |(x, r): (&Vector3<f64>, &f64)| scene.domain.separation(x, center).norm() - r;
+        let nearest = particles.position.iter().zip(&particles.radius).map(gap).fold(f64::INFINITY, f64::min);
+        nearest.min(center.y).min(size.y - center.y)
+    };
+    let best = (0..1728).map(place).max_by(|a, b| room(a).total_cmp(&room(b))).unwrap();
+    let geometry = WallGeometry::Obstacle(Obstacle::sphere(best, 0.9 * room(&best)));
+    let turning = Some(Turning { center: best, spin: Vector3::new(300.0, 2000.0, -900.0) });
+    scene.walls.push(Wall { turning, ..Wall::new(geometry, surface(0.9, 0.4)) });
     (scene, particles)
 }
 
@@ -413,7 +433,7 @@ fn rough_spheres_have_the_same_bits_in_any_order_of_the_store_and_on_any_number_
     let local = || local(3000.0, 2e-7, Integrator::VelocityVerlet);
     let hybrid = || -> Box<dyn Distributed> { Box::new(Hybrid::new(law, Integrator::VelocityVerlet, 2e-7, 1.0)) };
     let uniform = || support_soft(Integrator::VelocityVerlet);
-    let crowded = rough(scene(3000, 0.06));
+    let crowded = with_turning_ball(rough(scene(3000, 0.06)));
     same_bits("hard", &crowded, &|| Box::new(Hard::with_islands()), true);
     same_bits("soft", &crowded, &local, true);
     same_bits("hybrid", &crowded, &hybrid, true);

@@ -26,6 +26,7 @@ fn scene() -> Scene {
         surface,
         elasticity: None,
         velocity: Vector3::zeros(),
+        turning: None,
     };
     Scene {
         domain: Domain::new(Vector3::new(0.12, 0.04, 0.064), [true, false, true]),

@@ -2,11 +2,13 @@
 
 mod closed_forms;
 mod gases;
+mod losses;
 mod mindlin;
 mod pairs;
 mod profiles;
 mod rolling;
 mod soak;
+mod turning;
 
 use crate::support::*;
 use diptych::contact_law::{Bodies, ContactLaw, damping_ratio};

@@ -55,6 +55,7 @@ pub fn plane(point: [f64; 3], normal: [f64; 3], surface: Surface) -> Wall {
         surface,
         elasticity: None,
         velocity: Vector3::zeros(),
+        turning: None,
     }
 }
 

@@ -191,6 +191,7 @@ fn walls_are_surfaces_within_the_box() {
         surface: surface(0.9, 0.0),
         elasticity: None,
         velocity: Vector3::zeros(),
+        turning: None,
     });
     crowd.start[0].amount = Amount::Count(0);
     crowd.run.duration = 0.0;

@@ -194,6 +194,14 @@ impl<S: DistributedSolver> Driver<S> {
         self.lasting.iter().copied().for_each(&mut *visit);
         self.solver.for_each_kept(visit);
     }
+
+    /// Exact sum [J] of an energy over all carried state, of all processes.
+    fn sum_of_lasting(&self, energy: impl Fn(&Lasting<S>) -> f64) -> f64 {
+        let mut sum = ExactSum::default();
+        self.for_each_lasting(&mut |carried| sum.add(energy(&carried)));
+        self.islands.processes.add_energy(&mut sum, energy);
+        sum.value()
+    }
 }
 
 impl<S: DistributedSolver> Engine for Driver<S> {
@@ -234,13 +242,12 @@ impl<S: DistributedSolver> Engine for Driver<S> {
 
     fn elastic_energy(&self) -> f64 {
         let known = if self.is_cut() { None } else { self.solver.elastic_energy() };
-        known.unwrap_or_else(|| {
-            let mut sum = ExactSum::default();
-            let energy = |carried: &Lasting<S>| self.solver.islands().energy(carried);
-            self.for_each_lasting(&mut |carried| sum.add(energy(&carried)));
-            self.islands.processes.add_energy(&mut sum, energy);
-            sum.value()
-        })
+        known.unwrap_or_else(|| self.sum_of_lasting(|carried| self.solver.islands().energy(carried)))
+    }
+
+    fn spring_energies(&self) -> [f64; 3] {
+        let islands = self.solver.islands();
+        std::array::from_fn(|kind| self.sum_of_lasting(|carried| islands.spring_energies(carried)[kind]))
     }
 
     fn for_each_touching(&self, visit: &mut dyn FnMut(Couple)) {

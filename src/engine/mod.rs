@@ -82,6 +82,11 @@ pub trait Engine {
     /// Energy [J] that is now stored in contacts (for soft spheres: in springs); 0 if contacts are instantaneous.
     fn elastic_energy(&self) -> f64;
 
+    /// Parts [J] of [`elastic_energy`](Self::elastic_energy) in tangential, rolling and twisting springs.
+    fn spring_energies(&self) -> [f64; 3] {
+        [0.0; 3]
+    }
+
     /// Calls `visit` with the pairs that are now in contact, by index in the particle store. For soft spheres, these
     /// are the contacts that were in progress at the last check. If contacts are instantaneous, `visit` is not called.
     fn for_each_touching(&self, visit: &mut dyn FnMut(Couple));

@@ -3,6 +3,7 @@
 use super::{Needs, Observer, plain_data};
 use crate::experiment::Experiment;
 use crate::particles::Sample;
+use crate::record::FrictionLosses;
 use crate::schedule::Schedule;
 use crate::simulation::Simulation;
 use crate::statistics::VelocitySpread;
@@ -34,6 +35,8 @@ pub struct Row {
     pub elastic_energy: f64,
     /// Rotation of the particles; `None` if spheres do not rotate.
     pub rotation: Option<RotationSums>,
+    /// Friction of the contacts since the start; `None` where spheres do not rotate.
+    pub friction: Option<FrictionSums>,
     /// [kg m/s] momentum of all particles.
     pub momentum: Vector3<f64>,
     /// Number of impacts between particles that have ended since the start.
@@ -48,6 +51,26 @@ pub struct Row {
     /// [m] centre of mass along x, y and z. `None` without particles, and along a periodic axis, where a centre of mass
     /// is not defined.
     pub centre: [Option<f64>; 3],
+}
+
+/// Energy that friction has taken since the start, and energy that the springs of contacts hold.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FrictionSums {
+    /// [J] lost to sliding.
+    pub sliding: f64,
+    /// [J] other losses by friction.
+    pub losses: FrictionLosses,
+    /// [J] energies of tangential, rolling and twisting springs.
+    pub springs: [f64; 3],
+}
+
+impl FrictionSums {
+    fn of(simulation: &Simulation) -> Option<Self> {
+        simulation.scene().rotation.as_ref()?;
+        let springs = simulation.spring_energies();
+        let ledger = &simulation.record.ledger;
+        Some(Self { sliding: ledger.sliding_loss(), losses: ledger.friction, springs })
+    }
 }
 
 /// Rotation of all particles at one instant.
@@ -104,6 +127,7 @@ impl Row {
             kinetic_energy: sums.kinetic_energy,
             elastic_energy: simulation.elastic_energy(),
             rotation: RotationSums::of(simulation.sample(), sums.mass),
+            friction: FrictionSums::of(simulation),
             momentum: sums.momentum,
             pair_impacts: simulation.record.pairs.count,
             wall_impacts: simulation.record.walls.count,

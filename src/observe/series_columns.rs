@@ -1,6 +1,6 @@
 //! Columns of the averages over time. `series.csv`, verdicts and pictures all use the table in this file.
 
-use super::series::Row;
+use super::series::{FrictionSums, Row};
 use nalgebra::Vector3;
 
 /// Quantity of all particles over time, which is a column of `series.csv`.
@@ -50,7 +50,7 @@ const fn sum(key: &'static str, name: &'static str, unit: &'static str, of: fn(&
     SeriesColumn { key, name, unit, is_sum: true, scale: None, of }
 }
 
-/// All columns in the order of the file, after the time.
+/// Columns in the order of the file, after the time.
 pub const SERIES_COLUMNS: [SeriesColumn; 28] = [
     mean("granular_temperature_m2_s2", "granular temperature", "m²/s²", Row::granular_temperature)
         .compared(CurveScale::LargestValue),
@@ -86,4 +86,24 @@ pub const SERIES_COLUMNS: [SeriesColumn; 28] = [
     mean("mean_spin_y_rad_s", "mean spin along y", "rad/s", |row| part(row.rotation.map(|rotation| rotation.spin), 1)),
     mean("mean_spin_z_rad_s", "mean spin along z", "rad/s", |row| part(row.rotation.map(|rotation| rotation.spin), 2)),
     sum("energy_J", "energy", "J", |row| Some(row.energy())).compared(CurveScale::LargestValue),
+];
+
+/// An energy of the friction of a scene whose spheres rotate.
+fn friction(row: &Row, energy: impl FnOnce(FrictionSums) -> f64) -> Option<f64> {
+    row.friction.map(energy)
+}
+
+/// Further columns of scenes whose spheres rotate: losses by friction since the start, and energies of springs.
+pub const FRICTION_COLUMNS: [SeriesColumn; 9] = [
+    sum("sliding_loss_J", "loss by sliding", "J", |row| friction(row, |of| of.sliding)),
+    sum("tangential_restitution_loss_J", "loss by tangential restitution", "J", |row| {
+        friction(row, |of| of.losses.tangential_restitution)
+    }),
+    sum("separation_loss_J", "loss of springs at separation", "J", |row| friction(row, |of| of.losses.separation)),
+    sum("rescaling_loss_J", "loss by rescaled springs", "J", |row| friction(row, |of| of.losses.rescaling)),
+    sum("rolling_loss_J", "loss by rolling resistance", "J", |row| friction(row, |of| of.losses.rolling)),
+    sum("twisting_loss_J", "loss by twisting resistance", "J", |row| friction(row, |of| of.losses.twisting)),
+    sum("tangential_spring_energy_J", "energy of tangential springs", "J", |row| friction(row, |of| of.springs[0])),
+    sum("rolling_spring_energy_J", "energy of rolling springs", "J", |row| friction(row, |of| of.springs[1])),
+    sum("twisting_spring_energy_J", "energy of twisting springs", "J", |row| friction(row, |of| of.springs[2])),
 ];

@@ -2,20 +2,23 @@
 
 use super::OutputError;
 use super::csv::{CsvTable, number};
-use crate::observe::{PathSample, SERIES_COLUMNS};
+use crate::observe::{FRICTION_COLUMNS, PathSample, SERIES_COLUMNS, SeriesColumn};
 use crate::outcome::Outcome;
 
-/// Contents of `series.csv`: averages over all particles, with one row per variant and instant. Impacts are counted
-/// from the start.
+/// Contents of `series.csv`: averages over all particles, with one row per variant and instant. Impacts and losses are
+/// counted from the start. The columns of friction exist only where spheres rotate.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
 pub fn series(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
     let mut table = CsvTable::new();
-    let names: String = SERIES_COLUMNS.iter().map(|column| format!(",{}", column.key)).collect();
+    let rotates = rows(outcomes, |outcome| &outcome.series.rows).any(|(_, row)| row.friction.is_some());
+    let of_friction = if rotates { &FRICTION_COLUMNS[..] } else { &[] };
+    let columns: Vec<&SeriesColumn> = SERIES_COLUMNS.iter().chain(of_friction).collect();
+    let names: String = columns.iter().map(|column| format!(",{}", column.key)).collect();
     table.head(&format!("variant,t_s{names}"))?;
     for (outcome, row) in rows(outcomes, |outcome| &outcome.series.rows) {
-        let cells = SERIES_COLUMNS.iter().map(|column| number((column.of)(row)));
+        let cells = columns.iter().map(|column| number((column.of)(row)));
         table.row([outcome.experiment.name.clone(), number(row.time)].into_iter().chain(cells))?;
     }
     table.bytes()

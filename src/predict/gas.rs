@@ -288,6 +288,7 @@ mod tests {
             surface: smooth,
             elasticity: None,
             velocity: Vector3::zeros(),
+            turning: None,
         };
         Scene {
             domain: Domain::new(Vector3::new(edge, edge, edge), [true, !walls, true]),

@@ -5,20 +5,22 @@ use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::sync::OnceLock;
 
-/// Number of entries of a ledger. The last is always 0 and makes the number a multiple of four, for vector
-/// instructions.
-pub const ENTRIES: usize = 28;
+/// Number of entries of a ledger: a multiple of four, for vector instructions.
+pub const ENTRIES: usize = 32;
 
 /// Number of entries that a contact adds to.
 pub const SOME: usize = 12;
 
-/// Entries that a contact of two particles adds to. These are the three columns of the virial, the loss by restitution
-/// after the first and that by friction after the second column, and the entry that is always 0.
+/// Entries that a contact of two particles adds to. These are the three columns of the virial. The loss by restitution
+/// comes after the first, that by friction after the second, and that by tangential restitution after the third column.
 pub const OF_PAIRS: [usize; SOME] = [18, 19, 20, 3, 21, 22, 23, 4, 24, 25, 26, 27];
 
 /// Entries that a contact at a wall adds to: impulse and loss by restitution; then work of the wall, impulse along the
-/// normal, work of gravity and loss by friction.
+/// normal, work of gravity, losses by friction and by tangential restitution, and 0 to fill up.
 pub const AT_WALLS: [usize; SOME] = [15, 16, 17, 5, 2, 8, 1, 6, 27, 27, 27, 27];
+
+/// Entries that only few contacts add to: the losses of [`FrictionLosses`] other than that by tangential restitution.
+pub const OF_SPRINGS: [usize; 4] = [28, 29, 30, 31];
 
 /// Index of the first entry of the impulse that walls give to particles.
 const BY_WALLS: usize = 15;
@@ -61,9 +63,69 @@ pub struct Ledger {
     /// particle to that of the other, and f is the force on that other; at a collision, the impulse replaces the
     /// integral of f. Rows belong to r, columns to f.
     pub pair_virial: Matrix3<f64>,
+    /// Parts of the two losses by friction, where spheres rotate; else 0.
+    pub friction: FrictionLosses,
+}
+
+/// Parts of the losses by friction of spheres that rotate [J], or of the power of these losses [W]. What remains of the
+/// losses is sliding friction ([`Ledger::sliding_loss`]).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct FrictionLosses {
+    /// Lost to the tangential dashpot while the surfaces stick; of hard spheres, lost in impacts that stick by Walton's
+    /// rule.
+    pub tangential_restitution: f64,
+    /// Energy that the tangential, rolling and twisting springs of contacts still had when these contacts ended.
+    pub separation: f64,
+    /// Lost by Mindlin's tangential spring while the overlap changes its stiffness. The rescaled history never gains
+    /// energy, so its loss is >= 0.
+    pub rescaling: f64,
+    /// Lost to rolling resistance, by its limit and its dashpot.
+    pub rolling: f64,
+    /// Lost to twisting resistance, by its limit and its dashpot.
+    pub twisting: f64,
+}
+
+impl FrictionLosses {
+    /// Losses to springs, in the order of [`OF_SPRINGS`].
+    pub fn of_springs(&self) -> [f64; 4] {
+        [self.separation, self.rescaling, self.rolling, self.twisting]
+    }
+
+    /// Losses to tangential restitution and to springs, the latter in the order of [`OF_SPRINGS`].
+    pub fn new(tangential_restitution: f64, [separation, rescaling, rolling, twisting]: [f64; 4]) -> Self {
+        Self { tangential_restitution, separation, rescaling, rolling, twisting }
+    }
+
+    /// Sum of all parts.
+    pub fn sum(&self) -> f64 {
+        self.tangential_restitution + self.of_springs().iter().sum::<f64>()
+    }
+}
+
+impl std::ops::Mul<f64> for FrictionLosses {
+    type Output = Self;
+
+    fn mul(self, factor: f64) -> Self {
+        Self::new(self.tangential_restitution * factor, self.of_springs().map(|loss| loss * factor))
+    }
+}
+
+impl std::ops::AddAssign for FrictionLosses {
+    fn add_assign(&mut self, other: Self) {
+        self.tangential_restitution += other.tangential_restitution;
+        self.separation += other.separation;
+        self.rescaling += other.rescaling;
+        self.rolling += other.rolling;
+        self.twisting += other.twisting;
+    }
 }
 
 impl Ledger {
+    /// [J] lost to sliding friction: the losses by friction less the other parts of [`FrictionLosses`].
+    pub fn sliding_loss(&self) -> f64 {
+        self.pair_friction_loss + self.wall_friction_loss - self.friction.sum()
+    }
+
     /// [J] energy that impacts took from the particles.
     pub fn dissipated(&self) -> f64 {
         self.pair_restitution_loss + self.pair_friction_loss + self.wall_restitution_loss + self.wall_friction_loss
@@ -86,6 +148,7 @@ impl Ledger {
     pub fn to_array(&self) -> [f64; ENTRIES] {
         let (drag, weight, walls) = (&self.drag_impulse, &self.gravity_impulse, &self.wall_impulse);
         let [[xx, yx, zx], [xy, yy, zy], [xz, yz, zz]] = self.pair_virial.data.0;
+        let FrictionLosses { tangential_restitution, separation, rescaling, rolling, twisting } = self.friction;
         [
             self.drag_work,
             self.gravity_work,
@@ -114,12 +177,16 @@ impl Ledger {
             xz,
             yz,
             zz,
-            0.0,
+            tangential_restitution,
+            separation,
+            rescaling,
+            rolling,
+            twisting,
         ]
     }
 
     /// Adds amounts to the entries with the given indices.
-    pub(crate) fn add_to(&mut self, entries: &[usize; SOME], amounts: [f64; SOME]) {
+    pub(crate) fn add_to<const K: usize>(&mut self, entries: &[usize; K], amounts: [f64; K]) {
         let mut all = self.to_array();
         entries.iter().zip(amounts).for_each(|(&entry, amount)| all[entry] += amount);
         *self = Self::from_array(all);
@@ -142,6 +209,7 @@ impl Ledger {
             gravity_impulse: vector(12),
             wall_impulse: vector(BY_WALLS),
             pair_virial: Matrix3::from_column_slice(&all[18..27]),
+            friction: FrictionLosses::new(all[27], OF_SPRINGS.map(|entry| all[entry])),
         }
     }
 }
@@ -224,7 +292,7 @@ mod tests {
 
     #[test]
     fn every_number_of_a_ledger_comes_back() {
-        let numbers: [f64; ENTRIES] = std::array::from_fn(|k| if k < 27 { 1.5 + k as f64 } else { 0.0 });
+        let numbers: [f64; ENTRIES] = std::array::from_fn(|k| 1.5 + k as f64);
         let ledger = Ledger::from_array(numbers);
         assert_eq!(ledger.to_array(), numbers);
         assert_eq!(ledger.wall_impulse.as_slice(), &numbers[15..18]);

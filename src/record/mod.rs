@@ -10,7 +10,7 @@ mod ledger;
 pub use histogram::Histogram;
 pub use impacts::{Impact, Impacts, InstantaneousContacts, LeftOut, Summary};
 pub use kinds::{Between, ByKinds, MeetingTotals, Meetings};
-pub use ledger::{AT_WALLS, Books, ENTRIES, Ledger, OF_PAIRS, SOME};
+pub use ledger::{AT_WALLS, Books, ENTRIES, FrictionLosses, Ledger, OF_PAIRS, OF_SPRINGS, SOME};
 
 use crate::work_sharing;
 use serde::{Deserialize, Serialize};

@@ -30,6 +30,12 @@ impl Simulation {
         self.unseen.unwrap_or_else(|| self.engine.elastic_energy())
     }
 
+    /// [J] parts of the elastic energy in tangential, rolling and twisting springs, of all particles. It is a sum of the
+    /// [`sample`](Self::sample).
+    pub fn spring_energies(&self) -> [f64; 3] {
+        self.engine.spring_energies()
+    }
+
     /// Pairs of overlapping bodies, given by their indices in the store, with their overlap [m] (soft engine).
     pub fn contacts(&self) -> Vec<(Couple, f64)> {
         let mut contacts = Vec::new();

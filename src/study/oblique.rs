@@ -105,7 +105,10 @@ fn thrown(
             let wall = &experiment.scene.walls[wall as usize];
             let nearest = wall.geometry.law().nearest(&particles.position[0]);
             particles.position[0] -= nearest.normal * (nearest.distance - particles.radius[0] - gap);
-            (nearest.normal, wall.velocity)
+            (
+                nearest.normal,
+                wall.surface_velocity(&(particles.position[0] - nearest.normal * (particles.radius[0] + gap))),
+            )
         }
         Partner::Particle(_) => {
             experiment.scene.walls.clear();

@@ -4,7 +4,7 @@
 
 use super::drawing::turned;
 use super::round::{Bowl, Frustum, OppositeBowl, OppositeTube, RoundAxis, Tube};
-use super::{Drawing, Flight, Geometry, Nearest, Obstacle, Plane, Touch};
+use super::{Drawing, Flight, Geometry, Nearest, Obstacle, Plane, Touch, Turning};
 use nalgebra::{Vector2, Vector3};
 use serde::Serialize;
 use std::f64::consts::PI;
@@ -171,6 +171,16 @@ impl Geometry for Hollow {
         match &self.room {
             Cavity::Pipe { axle, .. } => (0..3).all(|k| k == axle.axis || velocity[k] == 0.0),
             Cavity::Box { .. } | Cavity::Sphere { .. } | Cavity::ClosedCylinder(_) => false,
+        }
+    }
+
+    fn turns(&self, turning: &Turning) -> bool {
+        match &self.room {
+            Cavity::Pipe { axle, .. } | Cavity::ClosedCylinder(Frustum { axle, .. }) => {
+                turning.is_axis(&axle.center, axle.axis)
+            }
+            Cavity::Sphere { center, .. } => turning.is_through(center),
+            Cavity::Box { .. } => false,
         }
     }
 

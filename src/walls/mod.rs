@@ -20,6 +20,7 @@ mod repeated;
 mod round;
 mod shape;
 mod shell;
+mod turning;
 
 pub use drawing::Drawing;
 pub use hollow::{Cavity, Hollow};
@@ -29,6 +30,7 @@ pub use plane::Plane;
 pub use repeated::Repeated;
 pub use round::{Frustum, RoundAxis};
 pub use shape::Obstacle;
+pub use turning::Turning;
 
 use crate::scene::{Elasticity, Surface};
 use nalgebra::Vector3;
@@ -155,6 +157,12 @@ pub trait Geometry: std::fmt::Debug + Send + Sync {
     /// must be perpendicular to all normals.
     fn slides(&self, velocity: &Vector3<f64>) -> bool {
         let _ = velocity;
+        false
+    }
+
+    /// True if the surface can turn while the shape stays in position: the shape is round about that axis.
+    fn turns(&self, turning: &Turning) -> bool {
+        let _ = turning;
         false
     }
 
@@ -376,12 +384,15 @@ pub struct Wall {
     /// [m/s] velocity of the surface along itself, as of a conveyor belt; the shape does not move.
     #[serde(skip_serializing_if = "is_still")]
     pub velocity: Vector3<f64>,
+    /// Rotation of the surface along itself, as of a drum or a turntable: the shape stays in position.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub turning: Option<Turning>,
 }
 
 impl Wall {
     /// Makes a wall whose surface does not move.
     pub fn new(geometry: WallGeometry, surface: Surface) -> Self {
-        Self { geometry, surface, elasticity: None, velocity: Vector3::zeros() }
+        Self { geometry, surface, elasticity: None, velocity: Vector3::zeros(), turning: None }
     }
 }
 

@@ -1,6 +1,6 @@
 //! A wall that is a half-space.
 
-use super::{Flight, Geometry, Nearest};
+use super::{Flight, Geometry, Nearest, Turning};
 use nalgebra::Vector3;
 use serde::Serialize;
 
@@ -45,6 +45,10 @@ impl Geometry for Plane {
 
     fn slides(&self, velocity: &Vector3<f64>) -> bool {
         is_along(velocity, &self.normal)
+    }
+
+    fn turns(&self, turning: &Turning) -> bool {
+        turning.is_about(&self.normal)
     }
 
     fn room_corners(&self) -> Option<[Vector3<f64>; 2]> {

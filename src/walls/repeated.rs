@@ -1,6 +1,6 @@
 //! A body and its images across periodic sides.
 
-use super::{Drawing, Flight, Geometry, Nearest, Touch, Wall, WallGeometry};
+use super::{Drawing, Flight, Geometry, Nearest, Touch, Turning, Wall, WallGeometry};
 use crate::domain::Domain;
 use nalgebra::Vector3;
 use serde::Serialize;
@@ -189,6 +189,10 @@ impl Geometry for Repeated {
 
     fn slides(&self, velocity: &Vector3<f64>) -> bool {
         self.shape.law().slides(velocity)
+    }
+
+    fn turns(&self, turning: &Turning) -> bool {
+        self.shape.law().turns(turning)
     }
 
     fn bounds(&self) -> Option<[Vector3<f64>; 2]> {

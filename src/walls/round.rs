@@ -2,7 +2,7 @@
 //! pipes and cones.
 
 use super::drawing::turned;
-use super::{Drawing, Flight, Geometry, Nearest, Touch, convex, polynomial, shell};
+use super::{Drawing, Flight, Geometry, Nearest, Touch, Turning, convex, polynomial, shell};
 use nalgebra::{Vector2, Vector3};
 use serde::Serialize;
 
@@ -298,6 +298,10 @@ impl Geometry for Frustum {
     /// Tests the near side for both contacts, since above the rim the opposite side may come within reach anywhere.
     fn may_touch(&self, _which: u32, point: &Vector3<f64>, radius: f64, skin: f64) -> bool {
         self.nearest(point).distance - radius < skin
+    }
+
+    fn turns(&self, turning: &Turning) -> bool {
+        turning.is_axis(&self.axle.center, self.axle.axis)
     }
 
     fn is_thin(&self) -> bool {

@@ -4,7 +4,7 @@
 //! computes them with absolute tolerances that are too large for particles. The double-precision build of parry is
 //! used, since overlaps of 1e-6 radii would be lost in single precision.
 
-use super::{Drawing, Flight, Geometry, Nearest, convex};
+use super::{Drawing, Flight, Geometry, Nearest, Turning, convex};
 use nalgebra::Vector3;
 use parry3d_f64::math::Vector as ParryVector;
 use parry3d_f64::query::PointQuery;
@@ -112,6 +112,14 @@ impl Geometry for Obstacle {
 
     fn touch_time(&self, flight: &Flight, radius: f64, until: f64) -> Option<f64> {
         convex::touch_time(|x| self.nearest(x), flight, radius, until)
+    }
+
+    fn turns(&self, turning: &Turning) -> bool {
+        match &self.shape {
+            RoundBody::Sphere(_) => turning.is_through(&self.center),
+            RoundBody::Cylinder { .. } => turning.is_axis(&self.center, self.axis),
+            RoundBody::Cuboid(_) => false,
+        }
     }
 
     fn bounds(&self) -> Option<[Vector3<f64>; 2]> {

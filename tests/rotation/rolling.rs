@@ -6,13 +6,13 @@ use diptych::rotation::{RollingLaw, TwistingLaw};
 const STEPPINGS: [SoftStepping; 2] = [SoftStepping::Local, SoftStepping::Uniform];
 
 /// A ball of 1 mm radius at rest on a floor, in gravity that is inclined by an angle [°].
-struct OnFloor {
-    stiffness: f64,
+pub(super) struct OnFloor {
+    pub(super) stiffness: f64,
     friction: f64,
     /// [-] k_t/k_n and c_t/c_n.
     tangential: (f64, f64),
     rolling: Option<RollingLaw>,
-    twisting: Option<TwistingLaw>,
+    pub(super) twisting: Option<TwistingLaw>,
     angle: f64,
     stepping: SoftStepping,
 }
@@ -20,17 +20,27 @@ struct OnFloor {
 const SPRING: RollingLaw = RollingLaw::Spring { friction: 0.05, stiffness: None, damping: 0.0 };
 
 impl OnFloor {
-    fn new(rolling: RollingLaw, stepping: SoftStepping) -> Self {
+    pub(super) fn new(rolling: RollingLaw, stepping: SoftStepping) -> Self {
         let (friction, tangential) = (0.3, (2.0 / 7.0, 0.5));
         Self { stiffness: 1e4, friction, tangential, rolling: Some(rolling), twisting: None, angle: 0.0, stepping }
     }
 
     /// The ball with a speed [m/s] and a spin [rad/s], at its static overlap.
-    fn simulation(&self, speed: f64, spin: Vector3<f64>, steps: f64) -> Simulation {
+    pub(super) fn simulation(&self, speed: f64, spin: Vector3<f64>, steps: f64) -> Simulation {
+        self.on(None, (speed, spin), steps)
+    }
+
+    fn on(
+        &self,
+        turning: Option<diptych::walls::Turning>,
+        (speed, spin): (f64, Vector3<f64>),
+        steps: f64,
+    ) -> Simulation {
         let of = surface(0.5, self.friction);
         let species = Species { diameter: 2e-3, density: 2500.0, ..small() };
         let mut scene = empty([0.5; 3], [true, false, true], species.clone(), of);
         scene.walls = vec![plane([0.0; 3], [0.0, 1.0, 0.0], of)];
+        scene.walls[0].turning = turning;
         let (sin, cos) = self.angle.to_radians().sin_cos();
         scene.gravity = Vector3::new(9.81 * sin, -9.81 * cos, 0.0);
         let (stiffness, dashpot) = self.tangential;
@@ -48,6 +58,11 @@ impl OnFloor {
             particles,
             Box::new(Soft::new(law, Integrator::VelocityVerlet, step, self.stepping)),
         )
+    }
+
+    /// The ball at rest on a floor that turns.
+    pub(super) fn turned(&self, turning: Option<diptych::walls::Turning>, steps: f64) -> Simulation {
+        self.on(turning, (0.0, Vector3::zeros()), steps)
     }
 
     /// The ball that rolls at a speed [m/s].

@@ -2,7 +2,7 @@
 
 use super::{Axis, ElasticityFile, Three};
 use crate::case::de::Located;
-use crate::case::quantity::{Length, Ratio, Speed};
+use crate::case::quantity::{Length, Ratio, Speed, Spin};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
@@ -48,8 +48,24 @@ pub struct WallFile {
     #[schemars(extend("examples" = [["0 m/s", "0 m/s", "0.5 m/s"]], "default" = [0, 0, 0]))]
     #[schemars(extend("x-range" = "-1e5 ..= 1e5 m/s"))]
     pub velocity: Option<Three<Speed>>,
+    /// Rotation of the surface along itself, as of a drum or a turntable; the shape stays at rest. Allowed for planes,
+    /// spheres, cylinders and cones.
+    pub rotation: Option<Located<WallRotationFile>>,
     /// Elasticity of this wall, if it differs from `[soft.hertz]`.
     pub elasticity: Option<Located<ElasticityFile>>,
+}
+
+/// Rotation of the surface of a wall.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct WallRotationFile {
+    /// Angular velocity, counter-clockwise if the axis points towards the viewer.
+    #[schemars(example = &"10 rad/s", extend("x-required" = "always", "x-range" = "-1e7 ..= 1e7 rad/s"))]
+    pub rate: Option<Located<Spin>>,
+    /// Direction of the axis: a vector of any length. A plane turns about its normal through its `point`; a cylinder or
+    /// cone turns about its own axis; a sphere turns about any axis through its centre.
+    #[schemars(extend("examples" = [[0, 0, 1]], "x-default" = "that of the shape; a sphere has none"))]
+    pub axis: Option<Three<Ratio>>,
 }
 
 /// Flat wall in front of a solid half-space.

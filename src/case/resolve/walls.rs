@@ -3,11 +3,11 @@
 use super::{Resolver, vector};
 use crate::case::de::Located;
 use crate::case::diagnostic::Diagnostic;
-use crate::case::file::{CaseFile, ConeFile, CylinderFile, PlaneFile, Three, WallFile};
+use crate::case::file::{Axis, CaseFile, ConeFile, CylinderFile, PlaneFile, Three, WallFile};
 use crate::case::quantity::Length;
 use crate::domain::Domain;
 use crate::scene::Species;
-use crate::walls::{Cavity, Frustum, Geometry, Hollow, Obstacle, Plane, RoundAxis, Wall, WallGeometry};
+use crate::walls::{Cavity, Frustum, Geometry, Hollow, Obstacle, Plane, RoundAxis, Turning, Wall, WallGeometry};
 use nalgebra::Vector3;
 use std::sync::Arc;
 
@@ -73,7 +73,8 @@ impl Resolver {
             let surface = self.surface(&wall.value.restitution, &wall.value.friction)?;
             let elasticity = self.own_elasticity(file, &wall.value.elasticity)?;
             let velocity = self.wall_velocity(&wall.value, &geometry)?;
-            walls.push(Wall { geometry, surface, elasticity, velocity });
+            let turning = self.wall_turning(&wall.value, &geometry, domain)?;
+            walls.push(Wall { geometry, surface, elasticity, velocity, turning });
         }
         Ok(walls)
     }
@@ -91,6 +92,52 @@ impl Resolver {
             ));
         }
         Ok(velocity)
+    }
+
+    /// Rotation of a wall's surface, which must leave the shape in its place.
+    fn wall_turning(
+        &self,
+        wall: &WallFile,
+        geometry: &WallGeometry,
+        domain: &Domain,
+    ) -> Result<Option<Turning>, Diagnostic> {
+        let Some(rotation) = &wall.rotation else { return Ok(None) };
+        let rate = self.need(&rotation.value.rate, "rotation.rate")?;
+        let rate = self.in_range(rate, "the angular velocity of a wall's surface")?;
+        let round = |center: &Option<Three<Length>>, axis: &Option<Located<Axis>>| {
+            let along = axis.as_ref().map(|axis| Vector3::ith(axis.value.index(), 1.0));
+            (center.as_ref().map(vector), along)
+        };
+        let (center, own) = if let Some(plane) = &wall.plane {
+            (plane.value.point.as_ref().map(vector), plane.value.normal.as_ref().map(vector))
+        } else if let Some(cylinder) = &wall.cylinder {
+            round(&cylinder.value.center, &cylinder.value.axis)
+        } else if let Some(cone) = &wall.cone {
+            round(&cone.value.center, &cone.value.axis)
+        } else {
+            (wall.sphere.as_ref().and_then(|sphere| sphere.value.center.as_ref().map(vector)), None)
+        };
+        let change = |what: &str| {
+            self.refuse(rotation, what).help(
+                "a wall turns along itself only: a plane about its normal, a cylinder or cone about its axis, a sphere",
+            )
+        };
+        let axis = rotation.value.axis.as_ref().map(vector).or(own);
+        let Some(center) = center else { return Err(change("would move the surface from its place")) };
+        let Some(axis) = axis.and_then(|axis| axis.try_normalize(0.0)) else {
+            return Err(change("has no `axis`"));
+        };
+        let turning = Turning { center, spin: axis * rate };
+        if !geometry.law().turns(&turning) {
+            return Err(change("would move the surface from its place"));
+        }
+        let across = |k: usize| domain.periodic[k] && axis[k].abs() < 1.0 - ALIGNED;
+        if geometry.is_flat() && (0..3).any(across) {
+            return Err(self
+                .refuse(rotation, "turns a plane that is periodic across the axis: its surface would jump there")
+                .help("make the domain not periodic along the plane"));
+        }
+        Ok(Some(turning))
     }
 
     fn shape(&mut self, wall: &Located<WallFile>, domain: &Domain, largest: f64) -> Result<WallGeometry, Diagnostic> {

@@ -129,9 +129,11 @@ impl EventLoop {
         self.predict_all(particles, scene, end);
         while let Some((slot, now)) = self.calendar.pop() {
             let couple = self.list.couple(slot as usize);
-            let met = couple.strike(particles, scene, FrameTime::ahead(now), self.place(slot as usize));
+            let moment = FrameTime::ahead(now);
+            let met = couple.strike(particles, scene, moment, self.place(slot as usize));
+            let wall = couple.wall_motion(&met, (particles, scene), moment);
             let elastic = self.in_contact(&couple, window.start + now);
-            let collision = Collision { couple, met, elastic, kinds: couple.kinds(particles) };
+            let collision = Collision { couple, met, elastic, kinds: couple.kinds(particles), wall };
             let (change_i, change_j) = match rests(&collision, scene, self.contact_time) {
                 Some(speed) => {
                     let mass = particles.mass[couple.i as usize];

@@ -2,7 +2,7 @@
 
 use super::impulse::Collision;
 use crate::particles::Particles;
-use crate::rotation::{ObliqueApproach, Rotation, slip, tangential_mass};
+use crate::rotation::{ImpactRule, ObliqueApproach, Rotation, slip, tangential_mass};
 use crate::scene::Surface;
 use nalgebra::Vector3;
 
@@ -13,6 +13,8 @@ pub struct RoughImpulse {
     pub impulse: Vector3<f64>,
     /// [J] kinetic energy of the two bodies that is lost by friction.
     pub friction_loss: f64,
+    /// [J] part of that loss by tangential restitution, in an impact that sticks.
+    pub tangential_restitution_loss: f64,
 }
 
 impl Collision {
@@ -31,7 +33,7 @@ impl Collision {
         let (surface_velocity, arm) = couple.surface_velocity(particles, reach, met.gap);
         let slip = slip(&met.velocity, &met.normal, &surface_velocity);
         let speed = slip.norm();
-        let none = RoughImpulse { impulse: along, friction_loss: 0.0 };
+        let none = RoughImpulse { impulse: along, friction_loss: 0.0, tangential_restitution_loss: 0.0 };
         let (Some(spins), Some(inertia)) = (&mut particles.spin, &particles.inertia) else { return none };
         if speed == 0.0 || surface.friction == 0.0 {
             return none;
@@ -52,6 +54,10 @@ impl Collision {
         let torque = met.normal.cross(&against);
         places().for_each(|place| spins[place] += torque * (arm_of(place) / inertia[place]));
         let friction_loss = tangential * (speed - 0.5 * tangential / mass);
-        RoughImpulse { impulse: along - against, friction_loss }
+        // the rule of the spring does not tell its parts
+        let sticks =
+            matches!(rotation.impact, ImpactRule::Walton { .. }) && tangential < surface.friction * normal_impulse;
+        let tangential_restitution_loss = if sticks { friction_loss } else { 0.0 };
+        RoughImpulse { impulse: along - against, friction_loss, tangential_restitution_loss }
     }
 }

@@ -1,6 +1,6 @@
 //! Impulse of a collision: the instantaneous change of momentum.
 
-use crate::encounter::{Couple, Encounter};
+use crate::encounter::{Couple, Encounter, WallMotion};
 use crate::particles::Particles;
 use crate::record::{Between, Impact, Log};
 use crate::scene::{Kind, Scene, Surface};
@@ -39,6 +39,8 @@ pub struct Collision {
     pub elastic: bool,
     /// Species of particle `i`, and kind (species or wall) of the other body.
     pub kinds: (u16, Kind),
+    /// Motion of the wall's surface; `None` between particles.
+    pub wall: Option<WallMotion>,
 }
 
 /// Masses and lengths of two bodies that are required for their collision.
@@ -135,6 +137,7 @@ impl Collision {
         let slip_square = |u: &Vector3<f64>, n: f64| (u - normal * n).norm_squared();
         let restitution_loss = 0.5 * effective_mass * (before_n * before_n - after_n * after_n);
         let friction_loss = if let Some(rough) = &rough {
+            log.ledger.friction.tangential_restitution += rough.tangential_restitution_loss;
             rough.friction_loss
         } else if surface.friction > 0.0 {
             0.5 * effective_mass * (slip_square(&velocity, before_n) - slip_square(&after, after_n))
@@ -165,7 +168,7 @@ impl Collision {
             None => {
                 ledger.wall_restitution_loss += restitution_loss;
                 ledger.wall_friction_loss += friction_loss;
-                ledger.wall_work += self.couple.driven(&impulse, scene);
+                ledger.wall_work += self.wall.map_or(0.0, |wall| wall.power(&impulse, None));
                 ledger.wall_impulse += impulse;
                 ledger.wall_normal_impulse += impulse.dot(&normal);
                 // gravity does work on the momentum from the wall during the rest of the window

@@ -72,9 +72,11 @@ impl SteppedHard {
         self.list.overlapping(particles, scene, &mut self.slots);
         for &slot in &self.slots {
             let couple = self.list.couple(slot as usize);
-            let met = couple.meet(particles, scene, FrameTime::fallen(elapsed));
+            let moment = FrameTime::fallen(elapsed);
+            let met = couple.meet(particles, scene, moment);
             if met.normal_velocity < 0.0 {
-                let collision = Collision { couple, met, elastic: false, kinds: couple.kinds(particles) };
+                let wall = couple.wall_motion(&met, (particles, scene), moment);
+                let collision = Collision { couple, met, elastic: false, kinds: couple.kinds(particles), wall };
                 collision.resolve(particles, scene, remaining, log);
                 self.counters.events += 1;
             }

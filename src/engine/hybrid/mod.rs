@@ -96,9 +96,10 @@ impl InstantaneousRule for Impulses {
     }
 
     fn strike(&self, meeting: &ReachedTouch, particles: &mut Particles, log: &mut Log) {
-        let ReachedTouch { touch, met, scene, remaining } = meeting;
-        let kinds = touch.couple.kinds(particles);
-        let collision = Collision { couple: touch.couple, met: *met, elastic: false, kinds };
+        let ReachedTouch { touch, met, scene, moment, remaining } = meeting;
+        let (couple, kinds) = (touch.couple, touch.couple.kinds(particles));
+        let wall = couple.wall_motion(met, (particles, scene), *moment);
+        let collision = Collision { couple, met: *met, elastic: false, kinds, wall };
         collision.resolve(particles, scene, *remaining, log);
         let approach = -met.normal_velocity;
         let duration = self.law.contact_time(&touch.spring, approach);
@@ -124,6 +125,10 @@ impl Solve for HybridIslands {
 
     fn energy(&self, contact: &Contact) -> f64 {
         self.few.energy(contact)
+    }
+
+    fn spring_energies(&self, contact: &Contact) -> [f64; 3] {
+        self.few.spring_energies(contact)
     }
 
     fn touching(&self, contact: &Contact) -> Option<Couple> {

@@ -77,6 +77,11 @@ pub trait Solve: Sync {
     /// Energy [J] that an item of carried state (such as contacts) may give back to its particles.
     fn energy(&self, carried: &Self::Carried) -> f64;
 
+    /// Parts [J] of [`energy`](Self::energy) in tangential, rolling and twisting springs.
+    fn spring_energies(&self, _carried: &Self::Carried) -> [f64; 3] {
+        [0.0; 3]
+    }
+
     /// The two bodies in contact, if the item of carried state is a contact.
     fn touching(&self, carried: &Self::Carried) -> Option<Couple>;
 

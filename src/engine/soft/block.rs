@@ -9,12 +9,12 @@ use super::contact_sums::ContactRows;
 use super::contacts::ContactSearch;
 use super::force_buffer::{ForceBuffer, ForceIncrement, StoreIndex};
 use super::packed_contacts::{PackedContacts, RotatingRecord};
-use super::rotating::{BeforeStep, SurfaceMotion};
+use super::rotating::{BeforeStep, RotatingForce, SurfaceMotion};
 use crate::contact_law::ContactLaw;
 use crate::encounter::{Couple, Encounter, FrameTime, Partner};
 use crate::engine::Failure;
 use crate::neighbours::NeighbourList;
-use crate::record::{Between, Impact};
+use crate::record::{Between, FrictionLosses, Impact};
 use nalgebra::Vector3;
 use std::ops::Range;
 
@@ -295,7 +295,7 @@ impl ContactBlock {
                 for (met, TouchingSlot { slot, record }) in met.iter_mut().zip(some) {
                     let (couple, constants) = (view.list.couple(*slot as usize), records.get(*record).0);
                     met.0 = meet(&couple, constants, view);
-                    met.1 = SurfaceMotion::of(&couple, constants.reach, &met.0, view.particles);
+                    met.1 = SurfaceMotion::of(&couple, constants.reach, &met.0, (view.particles, view.scene));
                 }
                 for (met, TouchingSlot { slot, record }) in met.iter().zip(some) {
                     let couple = view.list.couple(*slot as usize);
@@ -369,12 +369,14 @@ impl ContactBlock {
         let couple = list.couple(slot as usize);
         let (&constants, course) = self.records.whole(record);
         let counts = view.counts(&couple);
-        let resisted = course.resistance.map_or(0.0, |memory| memory.energy);
+        let resisted: f64 = course.resistance.map_or(0.0, |memory| memory.energies.iter().sum());
         if counts && (course.shear != Vector3::zeros() || resisted > 0.0) {
             // friction takes what the springs still hold
             let sheared = constants.tangential.at(course.overlap).energy(&course.shear);
-            let lost = ContactForce::lost((sheared + resisted) / at.dt);
-            rows.add(&couple, &lost, (view.scene, at.remaining), &mut self.sums.rows);
+            let lost = (sheared + resisted) / at.dt;
+            let losses = FrictionLosses { separation: lost, ..FrictionLosses::default() };
+            let force = (&ContactForce::lost(lost), &losses);
+            rows.add_rotating(&couple, force, (view.scene, at.remaining), &mut self.sums.rows);
         }
         self.records.forget(record);
         // a contact first seen while it opens (a start with overlap) is no impact
@@ -427,7 +429,7 @@ fn look_rotating(
     }
     let shear = kept_shear.as_deref().map_or_else(Vector3::zeros, |shear| *shear);
     let before = BeforeStep { begins: course.normal.is_none(), overlap: course.overlap, shear, resistance };
-    let (force, torque, shear) =
+    let RotatingForce { force, torque, shear, losses } =
         constants.rotating_force(couple, law, (met, surfaces), (particles, scene), before, &at);
     if let Some(kept_shear) = kept_shear {
         *kept_shear = shear;
@@ -436,7 +438,7 @@ fn look_rotating(
     course.overlap_time += met.overlap() * at.dt;
     kept.update(&course);
     if view.counts(couple) {
-        rows.add(couple, &force, (scene, at.remaining), &mut sums.rows);
+        rows.add_rotating(couple, (&force, &losses), (scene, at.remaining), &mut sums.rows);
     }
     let increment = ForceIncrement { i: couple.i, j: couple.j().map(StoreIndex::of), force: force.on_i };
     pushes.add_rotating(increment, torque);
@@ -458,7 +460,8 @@ fn look(
     course.note(met);
     // contacts begin at any phase of a step, so on average the sum is the integral
     course.overlap_time += met.overlap() * at.dt;
-    let force = constants.force(couple, law, met, scene, [at.dt, at.to_middle]);
+    let moment = FrameTime::fallen(at.fall);
+    let force = constants.force(couple, law, met, (particles, scene), moment, [at.dt, at.to_middle]);
     if !at.travel_is_exact {
         sums.elastic_energy += law.stored_energy(&constants.spring, met.overlap());
     }

@@ -2,7 +2,7 @@
 
 use crate::contact_law::friction::{Slip, coulomb};
 use crate::contact_law::{ContactLaw, Spring};
-use crate::encounter::{Couple, Encounter, Other, Partner};
+use crate::encounter::{Couple, Encounter, FrameTime, Other, Partner};
 use crate::engine::Failure;
 use crate::particles::Particles;
 use crate::record::{Impact, Log};
@@ -114,8 +114,8 @@ pub struct ResistanceMemory {
     pub roll: Vector3<f64>,
     /// [m] shear of the twisting spring along the normal.
     pub twist: f64,
-    /// [J] energy of both springs.
-    pub energy: f64,
+    /// [J] energies of the rolling and the twisting spring.
+    pub energies: [f64; 2],
     /// [s] simulated time from which the contact resists: one contact time after it began.
     pub acts_from: f64,
 }
@@ -216,7 +216,7 @@ impl ContactState {
             // between the two evaluations the centres of a pair have passed each other
             return Err(refused(*couple, particles, time, (met.overlap().max(self.overlap) / diameter, limit)));
         };
-        let way = (met.velocity + scene.walls[at.wall as usize].velocity).norm() * dt;
+        let way = (met.velocity + scene.walls[at.wall as usize].surface_velocity(&particles.position[i])).norm() * dt;
         let distances = (reach - self.overlap) + (reach - met.overlap());
         if distances > FASTER * way {
             return Ok(());
@@ -328,8 +328,15 @@ impl TouchingPair {
 
     /// [`ContactConstants::force`] of these two bodies.
     #[inline(always)]
-    pub fn force(&self, law: &ContactLaw, met: &Encounter, scene: &Scene, times: [f64; 2]) -> ContactForce {
-        self.constants.force(&self.couple, law, met, scene, times)
+    pub fn force(
+        &self,
+        law: &ContactLaw,
+        met: &Encounter,
+        scenery: (&Particles, &Scene),
+        moment: FrameTime,
+        times: [f64; 2],
+    ) -> ContactForce {
+        self.constants.force(&self.couple, law, met, scenery, moment, times)
     }
 }
 
@@ -352,7 +359,7 @@ impl ContactConstants {
         if couple.is_wall() { scene.gravity - met.normal * scene.gravity.dot(&met.normal) } else { Vector3::zeros() }
     }
 
-    /// Force of the contact of two bodies. Friction acts for a time step [s], the first of the times. Powers are taken
+    /// Force of the contact of two bodies, which meet at a `moment`. Friction acts for a time step [s], the first of the times. Powers are taken
     /// the second of them [s], `to_middle`, after the time of these velocities.
     #[inline(always)]
     pub fn force(
@@ -360,7 +367,8 @@ impl ContactConstants {
         couple: &Couple,
         law: &ContactLaw,
         met: &Encounter,
-        scene: &Scene,
+        (particles, scene): (&Particles, &Scene),
+        moment: FrameTime,
         [time_step, to_middle]: [f64; 2],
     ) -> ContactForce {
         let m = self.spring.effective_mass;
@@ -376,7 +384,8 @@ impl ContactConstants {
             }
         }
         let restitution_power = -viscous * (met.normal_velocity + to_middle * normal / m);
-        let wall_power = couple.driven(&on_i, scene);
+        let wall = couple.wall_motion(met, (particles, scene), moment);
+        let wall_power = wall.map_or(0.0, |wall| wall.power(&on_i, None));
         let arm = met.normal * (self.reach + met.gap);
         ContactForce { on_i, normal, restitution_power, friction_power, wall_power, arm }
     }

@@ -4,7 +4,7 @@
 use super::contact::{ContactForce, Rates};
 use crate::encounter::Couple;
 use crate::exact::{ExactSum, add_rows, condense, none, values};
-use crate::record::{AT_WALLS, Ledger, OF_PAIRS, SOME};
+use crate::record::{AT_WALLS, FrictionLosses, Ledger, OF_PAIRS, OF_SPRINGS, SOME};
 use crate::scene::Scene;
 use nalgebra::{Matrix3, Vector3};
 
@@ -15,23 +15,59 @@ const BATCH: usize = 32;
 /// Powers [W] and forces [N] of one contact, in the order of [`OF_PAIRS`] or [`AT_WALLS`].
 type SumRow = [f64; SOME];
 
-/// Rows of contacts, one for each: those of pairs and those of walls.
+/// Powers [W] that the springs of one contact lose, in the order of [`OF_SPRINGS`].
+type SpringRow = [f64; 4];
+
+/// Rows of contacts, one for each: those of pairs and those of walls. Contacts whose springs lose energy have a second
+/// row.
 #[derive(Default)]
 pub struct ContactRows {
     of_pairs: Vec<SumRow>,
     at_walls: Vec<SumRow>,
+    of_springs: Vec<SpringRow>,
 }
 
 impl ContactRows {
     /// Adds the row of a force, `remaining` [s] before the end of the window. Full batches are condensed into `few`.
     #[inline(always)]
-    pub fn add(&mut self, couple: &Couple, force: &ContactForce, (scene, remaining): (&Scene, f64), few: &mut Self) {
+    pub fn add(&mut self, couple: &Couple, force: &ContactForce, at: (&Scene, f64), few: &mut Self) {
+        self.add_row(couple, force, 0.0, at, few);
+    }
+
+    /// Adds the rows of a contact between bodies that rotate, of which friction takes the `losses` [W].
+    #[inline(always)]
+    pub fn add_rotating(
+        &mut self,
+        couple: &Couple,
+        (force, losses): (&ContactForce, &FrictionLosses),
+        at: (&Scene, f64),
+        few: &mut Self,
+    ) {
+        self.add_row(couple, force, losses.tangential_restitution, at, few);
+        let of_springs = losses.of_springs();
+        if of_springs != [0.0; 4] {
+            self.of_springs.push(of_springs);
+            if self.of_springs.len() == BATCH {
+                condense(&mut self.of_springs, &mut few.of_springs);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn add_row(
+        &mut self,
+        couple: &Couple,
+        force: &ContactForce,
+        damped: f64,
+        (scene, remaining): (&Scene, f64),
+        few: &mut Self,
+    ) {
         let ContactForce { on_i: f, normal, restitution_power, friction_power, wall_power, arm } = *force;
         if couple.is_wall() {
             // for the rest of the window gravity does work on the momentum that walls add
             let late = scene.gravity.dot(&f) * remaining;
             let given =
-                [f.x, f.y, f.z, restitution_power, wall_power, normal, late, friction_power, 0.0, 0.0, 0.0, 0.0];
+                [f.x, f.y, f.z, restitution_power, wall_power, normal, late, friction_power, damped, 0.0, 0.0, 0.0];
             self.at_walls.push(given);
             if self.at_walls.len() == BATCH {
                 condense(&mut self.at_walls, &mut few.at_walls);
@@ -39,7 +75,7 @@ impl ContactRows {
         } else {
             let [x, y, z] = [f.x, f.y, f.z].map(|f| [arm.x * f, arm.y * f, arm.z * f]);
             let (first, second) = (restitution_power, friction_power);
-            let virial = [x[0], x[1], x[2], first, y[0], y[1], y[2], second, z[0], z[1], z[2], 0.0];
+            let virial = [x[0], x[1], x[2], first, y[0], y[1], y[2], second, z[0], z[1], z[2], damped];
             self.of_pairs.push(virial);
             if self.of_pairs.len() == BATCH {
                 condense(&mut self.of_pairs, &mut few.of_pairs);
@@ -51,12 +87,27 @@ impl ContactRows {
     pub fn leave(&mut self, few: &mut Self) {
         condense(&mut self.of_pairs, &mut few.of_pairs);
         condense(&mut self.at_walls, &mut few.at_walls);
+        condense(&mut self.of_springs, &mut few.of_springs);
     }
 
     /// Removes all rows.
     pub fn clear(&mut self) {
         self.of_pairs.clear();
         self.at_walls.clear();
+        self.of_springs.clear();
+    }
+}
+
+/// Adds rows with a weight [-] to exact sums.
+fn add_weighted<const K: usize>(sums: &mut [ExactSum; K], rows: &[[f64; K]], weight: f64) {
+    if rows.is_empty() || weight == 0.0 {
+        return;
+    }
+    if weight == 1.0 {
+        add_rows(sums.each_mut(), rows);
+    } else {
+        let weighted: Vec<[f64; K]> = rows.iter().map(|row| row.map(|number| weight * number)).collect();
+        add_rows(sums.each_mut(), &weighted);
     }
 }
 
@@ -64,36 +115,30 @@ impl ContactRows {
 pub struct ContactSums {
     of_pairs: [ExactSum; SOME],
     at_walls: [ExactSum; SOME],
+    of_springs: [ExactSum; 4],
     is_empty: bool,
 }
 
 impl Default for ContactSums {
     fn default() -> Self {
-        Self { of_pairs: none(), at_walls: none(), is_empty: true }
+        Self { of_pairs: none(), at_walls: none(), of_springs: none(), is_empty: true }
     }
 }
 
 impl ContactSums {
     /// Adds rows with a weight [-]. The weight is a power of two, or 0, so nothing is rounded.
     pub fn add(&mut self, rows: &ContactRows, weight: f64) {
-        for (sums, rows) in [(&mut self.of_pairs, &rows.of_pairs), (&mut self.at_walls, &rows.at_walls)] {
-            if rows.is_empty() || weight == 0.0 {
-                continue;
-            }
-            self.is_empty = false;
-            if weight == 1.0 {
-                add_rows(sums.each_mut(), rows);
-            } else {
-                let weighted: Vec<SumRow> = rows.iter().map(|row| row.map(|number| weight * number)).collect();
-                add_rows(sums.each_mut(), &weighted);
-            }
-        }
+        self.is_empty &= weight == 0.0 || (rows.of_pairs.is_empty() && rows.at_walls.is_empty());
+        add_weighted(&mut self.of_pairs, &rows.of_pairs, weight);
+        add_weighted(&mut self.at_walls, &rows.at_walls, weight);
+        add_weighted(&mut self.of_springs, &rows.of_springs, weight);
     }
 
     /// Adds up the sums of all processes by `total`.
     pub fn gather(&mut self, total: impl Fn(&mut [&mut ExactSum])) {
         total(&mut self.of_pairs.each_mut());
         total(&mut self.at_walls.each_mut());
+        total(&mut self.of_springs.each_mut());
         self.is_empty = false;
     }
 
@@ -117,11 +162,21 @@ impl ContactSums {
         }
     }
 
+    /// Powers [W] of the parts of friction.
+    pub fn friction_losses(&self) -> FrictionLosses {
+        if self.is_empty {
+            return FrictionLosses::default();
+        }
+        let damped = self.of_pairs[11].value() + self.at_walls[8].value();
+        FrictionLosses::new(damped, values(&self.of_springs))
+    }
+
     /// Books the sums as acting for `time` [s].
     pub fn book(&self, time: f64, ledger: &mut Ledger) {
         if !self.is_empty {
             ledger.add_to(&OF_PAIRS, values(&self.of_pairs).map(|number| number * time));
             ledger.add_to(&AT_WALLS, values(&self.at_walls).map(|number| number * time));
+            ledger.add_to(&OF_SPRINGS, values(&self.of_springs).map(|number| number * time));
         }
     }
 }

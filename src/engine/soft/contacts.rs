@@ -10,7 +10,7 @@ use crate::engine::Failure;
 use crate::engine::distributed::GhostExchange;
 use crate::neighbours::{NeighbourList, Pair};
 use crate::particles::{CHUNK, Particles};
-use crate::record::{Between, Impact, Log, Record};
+use crate::record::{Between, FrictionLosses, Impact, Log, Record};
 use crate::scene::{Kind, Scene};
 use crate::work_sharing;
 use serde::{Deserialize, Serialize};
@@ -116,6 +116,8 @@ pub struct Contacts {
     elastic_energy: f64,
     /// Powers and wall forces of the kick of which half is still to be booked.
     rates: Rates,
+    /// [W] parts of the friction of that kick.
+    losses: FrictionLosses,
     /// Sums over all steps of the window so far.
     total: ContactSums,
     /// Working memory of an evaluation with a single block.
@@ -132,6 +134,8 @@ pub struct Due {
     elastic_energy: f64,
     /// Powers and wall forces of the kick of which half is still to be booked.
     rates: Rates,
+    /// [W] parts of the friction of that kick.
+    losses: FrictionLosses,
 }
 
 /// Number of slots per block of a list.
@@ -155,6 +159,7 @@ impl Contacts {
             foreseen: Vec::new(),
             elastic_energy: 0.0,
             rates: Rates::default(),
+            losses: FrictionLosses::default(),
             total: ContactSums::default(),
             scratch: BlockScratch::default(),
         }
@@ -168,12 +173,13 @@ impl Contacts {
     pub fn due(&self) -> Due {
         let mut foreseen = self.foreseen.clone();
         foreseen.extend(self.blocks.iter().flat_map(ContactBlock::foreseen));
-        Due { foreseen, elastic_energy: self.elastic_energy, rates: self.rates }
+        Due { foreseen, elastic_energy: self.elastic_energy, rates: self.rates, losses: self.losses }
     }
 
     /// Continues from the state that an evaluation left.
     pub fn resume(&mut self, due: Due) {
-        Due { foreseen: self.foreseen, elastic_energy: self.elastic_energy, rates: self.rates } = due;
+        (self.foreseen, self.elastic_energy) = (due.foreseen, due.elastic_energy);
+        (self.rates, self.losses) = (due.rates, due.losses);
     }
 
     /// Begins a contact for every overlap at the start, at simulated time `now` [s].
@@ -213,7 +219,7 @@ impl Contacts {
     /// Drops the half of the last kick that is still to be booked, because the contacts have been moved on elsewhere.
     pub fn forget(&mut self) {
         self.elastic_energy = 0.0;
-        self.rates = Rates::default();
+        (self.rates, self.losses) = (Rates::default(), FrictionLosses::default());
     }
 
     /// Takes over contacts in progress, for a list that contains them.
@@ -352,7 +358,7 @@ impl Contacts {
         if at.leaves_half {
             ghosts.gather(&mut due);
         }
-        self.rates = due.rates();
+        (self.rates, self.losses) = (due.rates(), due.friction_losses());
     }
 
     /// Books the sums over steps of `dt` [s] since the last call. With several processes only the lead books.
@@ -368,6 +374,7 @@ impl Contacts {
     /// the whole window.
     pub fn settle(&mut self, time: f64, remaining: f64, scene: &Scene, log: &mut Log) {
         self.rates.add(time, remaining, scene, log);
-        self.rates = Rates::default();
+        log.ledger.friction += self.losses * time;
+        (self.rates, self.losses) = (Rates::default(), FrictionLosses::default());
     }
 }

@@ -32,6 +32,8 @@ pub struct ResistingCouple {
     pub rolling: Vector3<f64>,
     /// [W] taken from the rotation, in the middle of the kick.
     pub power: f64,
+    /// [W] parts of it that rolling and twisting resistance take.
+    pub parts: [f64; 2],
 }
 
 impl RollingMotion {
@@ -49,7 +51,7 @@ impl RollingMotion {
             (particles.mass[place], particles.radius[place], inertia[place])
         };
         let bodies = RollingBodies::of(couple.places().into_iter().flatten().map(body));
-        let spins = couple.relative_spin(particles) * bodies.radius;
+        let spins = couple.relative_spin(particles, scene) * bodies.radius;
         let against_rolling = rotation.rolling.map(|rolling| {
             let normal = law.normal_spring(&couple.bodies(particles, scene), &constants.spring);
             rolling.between(&normal, &bodies)
@@ -137,28 +139,33 @@ impl RollingMotion {
             let start = (turned(&memory.roll, normal, angle), self.rolling);
             (done.rolling, memory.roll) = resistance.resist(start, normal_force, step);
             let in_the_middle = self.rolling + (driven - done.rolling / self.bodies.mass) * step.to_middle;
-            done.power += done.rolling.dot(&in_the_middle);
+            done.parts[0] = done.rolling.dot(&in_the_middle);
         }
         if let Some(resistance) = &self.against_twisting {
             let start = (normal * memory.twist, normal * self.twisting);
             let (force, left) = resistance.resist(start, normal_force, step);
             (twisting, memory.twist) = (force.dot(normal), left.dot(normal));
-            done.power += twisting * (self.twisting - twisting / self.bodies.mass * step.to_middle);
+            done.parts[1] = twisting * (self.twisting - twisting / self.bodies.mass * step.to_middle);
         }
-        let energy = self.energy(memory, step.after);
+        let energies = self.energies(memory, step.after);
+        done.power = done.parts.iter().sum();
         if step.elapsed > 0.0 {
-            done.power -= (energy - memory.energy) / step.dt;
+            let stored = |energies: [f64; 2]| energies[0] + energies[1];
+            done.power -= (stored(energies) - stored(memory.energies)) / step.dt;
+            for (part, (energy, before)) in done.parts.iter_mut().zip(energies.iter().zip(memory.energies)) {
+                *part -= (energy - before) / step.dt;
+            }
         }
-        memory.energy = energy;
+        memory.energies = energies;
         done.couple = self.couple(normal, &done.rolling, twisting);
         done
     }
 
-    /// [J] energy of the springs at overlap δ [m].
-    pub fn energy(&self, memory: &ResistanceMemory, overlap: f64) -> f64 {
+    /// [J] energies of the rolling and the twisting spring at overlap δ [m].
+    pub fn energies(&self, memory: &ResistanceMemory, overlap: f64) -> [f64; 2] {
         let of = |resistance: &Option<Resistance>, square: f64| {
             resistance.map_or(0.0, |resistance| 0.5 * resistance.spring.at(overlap).stiffness * square)
         };
-        of(&self.against_rolling, memory.roll.norm_squared()) + of(&self.against_twisting, memory.twist.powi(2))
+        [of(&self.against_rolling, memory.roll.norm_squared()), of(&self.against_twisting, memory.twist.powi(2))]
     }
 }

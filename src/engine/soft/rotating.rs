@@ -6,8 +6,9 @@ use super::force_buffer::ContactTorque;
 use super::rolling::{ResistedStep, RollingMotion};
 use crate::contact_law::ContactLaw;
 use crate::contact_law::friction::{Slip, coulomb};
-use crate::encounter::{Couple, Encounter};
+use crate::encounter::{Couple, Encounter, FrameTime};
 use crate::particles::Particles;
+use crate::record::FrictionLosses;
 use crate::rotation::{SpringDashpotSlider, slip, turned};
 use crate::scene::Scene;
 use nalgebra::Vector3;
@@ -26,9 +27,13 @@ pub struct SurfaceMotion {
 impl SurfaceMotion {
     /// Motion of the surfaces of two bodies with a known [`reach`](Couple::reach) [m].
     #[inline(always)]
-    pub fn of(couple: &Couple, reach: f64, met: &Encounter, particles: &Particles) -> Self {
+    pub fn of(couple: &Couple, reach: f64, met: &Encounter, (particles, scene): (&Particles, &Scene)) -> Self {
         let (surface, arm) = couple.surface_velocity(particles, reach, met.gap);
-        Self { slip: slip(&met.velocity, &met.normal, &surface), arm, twist: couple.twist(particles, &met.normal) }
+        Self {
+            slip: slip(&met.velocity, &met.normal, &surface),
+            arm,
+            twist: couple.twist(particles, scene, &met.normal),
+        }
     }
 }
 
@@ -44,10 +49,22 @@ pub struct BeforeStep<'a> {
     pub resistance: Option<&'a mut ResistanceMemory>,
 }
 
+/// Force and torques of a contact between bodies that rotate.
+pub struct RotatingForce {
+    /// Force on the centres, with its powers.
+    pub force: ContactForce,
+    /// Torques on both bodies.
+    pub torque: ContactTorque,
+    /// [m] shear ξ that is left in the tangential spring.
+    pub shear: Vector3<f64>,
+    /// [W] parts of the friction power of the force.
+    pub losses: FrictionLosses,
+}
+
 impl ContactConstants {
     /// Force of the contact between bodies that rotate, at the end of a step in which the surfaces have slipped for
     /// `at.shear_time` [s]. The shear is first turned with the normal and with the mean spin about it, and then grows
-    /// by the slip. Gives the force on the centres with its powers, the torques, and the shear ξ [m] that is left.
+    /// by the slip.
     #[inline(always)]
     pub fn rotating_force(
         &self,
@@ -57,7 +74,7 @@ impl ContactConstants {
         (particles, scene): (&Particles, &Scene),
         before: BeforeStep,
         at: &EvaluationTime,
-    ) -> (ContactForce, ContactTorque, Vector3<f64>) {
+    ) -> RotatingForce {
         let (elastic, viscous) = law.force(&self.spring, met.overlap(), met.normal_velocity);
         let normal = elastic + viscous;
         let SurfaceMotion { slip, arm, twist } = *surfaces;
@@ -69,10 +86,20 @@ impl ContactConstants {
         } else {
             at.shear_time
         };
+        let stored = self.tangential.at(before.overlap).energy(&before.shear);
+        let (mut rescaled, mut damped) = (0.0, 0.0);
         let (tangential, shear) = if self.tangential.stiffness > 0.0 {
             let (kept, grown) = self.tangential.growth(before.overlap, met.overlap());
-            let sheared = turned(&before.shear, &met.normal, twist * since) * kept + slip * (since * grown);
-            spring.limited(sheared, &slip, SpringDashpotSlider::limit(self.friction, normal))
+            let carried = turned(&before.shear, &met.normal, twist * since) * kept;
+            if self.tangential.half_powers > 0 {
+                rescaled = stored - spring.energy(&carried);
+            }
+            let sheared = carried + slip * (since * grown);
+            let (force, left) = spring.limited(sheared, &slip, SpringDashpotSlider::limit(self.friction, normal));
+            if left == sheared {
+                damped = spring.dashpot;
+            }
+            (force, left)
         } else {
             let slip = Slip { velocity: slip, acceleration: pull };
             let friction = coulomb(self.friction, normal, &slip, spring.mass, [at.dt, at.to_middle]);
@@ -88,22 +115,26 @@ impl ContactConstants {
         }
         let in_the_middle = slip + slip_change * at.to_middle;
         // the spring keeps a part of the work of the force
-        let stored = self.tangential.at(before.overlap).energy(&before.shear);
         let kept = if at.shear_time > 0.0 { (spring.energy(&shear) - stored) / at.dt } else { 0.0 };
+        let [rolling, twisting] = resisted.as_ref().map_or([0.0; 2], |some| some.parts);
+        let rescaling = if at.shear_time > 0.0 { rescaled / at.dt } else { 0.0 };
+        let losses = FrictionLosses::new(damped * slip.dot(&in_the_middle), [0.0, rescaling, rolling, twisting]);
         let on_i = met.normal * normal - tangential;
         let force = ContactForce {
             on_i,
             normal,
             restitution_power: -viscous * (met.normal_velocity + at.to_middle * normal / self.spring.effective_mass),
             friction_power: tangential.dot(&in_the_middle) - kept + resisted.as_ref().map_or(0.0, |some| some.power),
-            wall_power: couple.driven(&on_i, scene),
+            wall_power: couple
+                .wall_motion(met, (particles, scene), FrameTime::fallen(at.fall))
+                .map_or(0.0, |wall| wall.power(&on_i, resisted.as_ref().map(|some| &some.couple))),
             arm: met.normal * (self.reach + met.gap),
         };
         let torque = ContactTorque {
             over_radius: met.normal.cross(&tangential) * arm,
             couple: resisted.map(|some| some.couple),
         };
-        (force, torque, shear)
+        RotatingForce { force, torque, shear, losses }
     }
 
     /// Resistance to rolling and twisting at the end of a step, apart because few scenes have it.
@@ -126,7 +157,7 @@ impl ContactConstants {
             ResistedStep { before, after: met.overlap(), dt: at.dt, elapsed: turns.elapsed, to_middle: at.to_middle };
         let driven = turns.tangential * passed_on;
         let done = motion.resist(memory, &met.normal, turns.normal, (turns.angle, &driven), &step);
-        Resisted { couple: done.couple, power: done.power, slip_change: done.rolling * passed_on }
+        Resisted { couple: done.couple, power: done.power, parts: done.parts, slip_change: done.rolling * passed_on }
     }
 }
 
@@ -151,6 +182,8 @@ struct Resisted {
     couple: Vector3<f64>,
     /// [W] power taken.
     power: f64,
+    /// [W] parts of it that rolling and twisting resistance take.
+    parts: [f64; 2],
     /// [m/s²] change of the slip.
     slip_change: Vector3<f64>,
 }

@@ -257,6 +257,21 @@ fn energy(outcomes: &[Outcome]) -> Vec<Block> {
         loss("friction between particles", |o| o.record.ledger.pair_friction_loss),
         loss("restitution at walls", |o| o.record.ledger.wall_restitution_loss),
         loss("friction at walls", |o| o.record.ledger.wall_friction_loss),
+    ]);
+    if outcomes.iter().any(|o| o.experiment.scene.rotation.is_some()) {
+        type Part = (&'static str, fn(&Outcome) -> f64);
+        let parts: [Part; 6] = [
+            ("… of this friction: sliding", |o| o.record.ledger.sliding_loss()),
+            ("… tangential restitution (dashpot)", |o| o.record.ledger.friction.tangential_restitution),
+            ("… springs at separation", |o| o.record.ledger.friction.separation),
+            ("… rescaled springs", |o| o.record.ledger.friction.rescaling),
+            ("… rolling resistance", |o| o.record.ledger.friction.rolling),
+            ("… twisting resistance", |o| o.record.ledger.friction.twisting),
+        ];
+        let of_scene = parts.iter().filter(|(_, of)| outcomes.iter().any(|o| of(o) != 0.0));
+        rows.extend(of_scene.map(|(name, of)| loss(name, *of)));
+    }
+    rows.extend([
         plain("at the end", |o| o.energy_at_end),
         (suspect, work("unexplained", |o| o.record.ledger.residual(o.energy_at_start, o.energy_at_end)).1),
     ]);
@@ -349,6 +364,13 @@ fn energies(outcome: &Outcome) -> Value {
     let mut energies = json!({ "at_start": outcome.energy_at_start, "at_end": outcome.energy_at_end });
     if let (Value::Object(energies), Value::Object(ledger)) = (&mut energies, json!(**ledger)) {
         energies.extend(ledger);
+    }
+    if let Value::Object(energies) = &mut energies
+        && outcome.experiment.scene.rotation.is_none()
+    {
+        energies.remove("friction");
+    } else {
+        energies["friction"]["sliding"] = ledger.sliding_loss().into();
     }
     energies["dissipated"] = ledger.dissipated().into();
     energies["residual"] = ledger.residual(outcome.energy_at_start, outcome.energy_at_end).into();

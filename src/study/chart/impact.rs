@@ -280,6 +280,7 @@ impl HeadOn {
             surface: self.surface,
             elasticity: self.contact.elasticity[1],
             velocity: Vector3::zeros(),
+            turning: None,
         };
         let mut scene = Scene {
             domain: Domain::new(size, [false; 3]),

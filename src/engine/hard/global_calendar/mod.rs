@@ -26,7 +26,7 @@ mod walls;
 use super::collapse_detector::{Collapsed, LastCollision, Recent, recent, rests, sliding};
 use super::impulse::{Collision, CollisionMasses};
 use crate::clock::Clock;
-use crate::encounter::{Couple, Encounter, Other, Partner};
+use crate::encounter::{Couple, Encounter, Other, Partner, WallMotion};
 use crate::engine::driver::Work;
 use crate::engine::{Failure, Window};
 use crate::scene::Scene;
@@ -240,10 +240,21 @@ impl GlobalCalendar {
                 let wall = &scene.walls[at.wall as usize];
                 let position = scene.domain.wrap(&flight.position);
                 let nearest = wall.geometry.struck(at.which, struck, &position, radius);
-                (nearest.normal, nearest.distance - radius, flight.velocity - wall.velocity)
+                let surface = wall.surface_velocity(&(position - nearest.normal * nearest.distance));
+                (nearest.normal, nearest.distance - radius, flight.velocity - surface)
             }
         };
         Encounter { normal, gap, velocity, normal_velocity: velocity.dot(&normal) }
+    }
+
+    /// Motion of the wall's surface where a couple meets; `None` between particles.
+    fn wall_motion(&self, couple: &Couple, met: &Encounter, scene: &Scene) -> Option<WallMotion> {
+        let Other::Wall(at) = couple.other else { return None };
+        let (wall, body) = (&scene.walls[at.wall as usize], &self.bodies[couple.i as usize]);
+        let flight = self.frame.flight(&body.position, &body.velocity, self.now);
+        let depth = self.shells.radius(body) + met.gap;
+        let velocity = wall.surface_velocity(&(scene.domain.wrap(&flight.position) - met.normal * depth));
+        Some(WallMotion { velocity, spin: wall.spin() })
     }
 
     fn collide(
@@ -259,7 +270,8 @@ impl GlobalCalendar {
         }
         let met = self.meet(&couple, struck, scene);
         let kinds = couple.kinds(work.particles);
-        let collision = Collision { couple, met, elastic: self.in_contact(&couple, time), kinds };
+        let wall = self.wall_motion(&couple, &met, scene);
+        let collision = Collision { couple, met, elastic: self.in_contact(&couple, time), kinds, wall };
         let weights = self.weights(&couple);
         let left = span.left(self.now);
         let (change_i, change_j) = match rests(&collision, scene, self.contact_time) {

@@ -80,11 +80,12 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         self.island.force_evaluations += self.scratch.contacts.len() as u64;
         for k in 0..self.scratch.contacts.len() {
             let touch = self.scratch.contacts[k].touch;
-            let met = touch.couple.meet(self.particles, self.scene, FrameTime::in_free_fall(time));
+            let moment = FrameTime::in_free_fall(time);
+            let met = touch.couple.meet(self.particles, self.scene, moment);
             let force = if self.rotates() {
-                self.force_at_stage(k, &touch, &met, dt)
+                self.force_at_stage(k, &touch, &met, (moment, dt, weight))
             } else {
-                touch.force(&self.engine.law, &met, self.scene, [dt, 0.0])
+                touch.force(&self.engine.law, &met, (self.particles, self.scene), moment, [dt, 0.0])
             };
             rates.count(&touch.couple, &force, weight);
             let i = touch.couple.i as usize;

@@ -19,12 +19,13 @@ use crate::engine::islands::{BoundedIslands, GivenUp, Island, Solve};
 use crate::engine::{Failure, Window};
 use crate::experiment::Integrator;
 use crate::particles::Particles;
-use crate::record::{Between, Log};
+use crate::record::{Between, FrictionLosses, Log};
 use crate::scene::Scene;
 use alone::{TOUCH, TRIALS};
 use integrate::{FOURTH_ORDER, HEUN, RungeKuttaStage, crossing};
 use nalgebra::Vector3;
 use sliding::SlidingContact;
+use spring_energy::SpringEnergies;
 
 /// A touch that has just been reached.
 pub struct ReachedTouch<'a> {
@@ -34,6 +35,8 @@ pub struct ReachedTouch<'a> {
     pub met: Encounter,
     /// Walls, surfaces and gravity.
     pub scene: &'a Scene,
+    /// Moment of the touch.
+    pub moment: FrameTime,
     /// [s] time left in the window.
     pub remaining: f64,
 }
@@ -119,6 +122,8 @@ pub struct IslandScratch {
     /// [rad/s²] angular acceleration of each particle, averaged over the stages of the step with their Runge-Kutta
     /// weights.
     turned: Vec<Vector3<f64>>,
+    /// [W] parts of the friction power, averaged likewise; those of rolling and twisting include what springs store.
+    losses: FrictionLosses,
 }
 
 impl<I: InstantaneousRule> Solve for SoftIslands<I> {
@@ -136,10 +141,15 @@ impl<I: InstantaneousRule> Solve for SoftIslands<I> {
     }
 
     fn energy(&self, contact: &Contact) -> f64 {
+        let [sheared, rolling, twisting] = self.spring_energies(contact);
+        self.law.available_energy(&contact.touch.spring, contact.course.overlap) + sheared + (rolling + twisting)
+    }
+
+    fn spring_energies(&self, contact: &Contact) -> [f64; 3] {
         let Contact { touch, course, .. } = contact;
         let sheared = touch.tangential.at(course.overlap).energy(&course.shear);
-        let resisted = course.resistance.map_or(0.0, |memory| memory.energy);
-        self.law.available_energy(&touch.spring, course.overlap) + sheared + resisted
+        let [rolling, twisting] = course.resistance.map_or([0.0; 2], |memory| memory.energies);
+        [sheared, rolling, twisting]
     }
 
     fn touching(&self, contact: &Contact) -> Option<Couple> {
@@ -327,7 +337,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         self.scratch.position.clone_from(&self.particles.position);
         self.scratch.velocity.clone_from(&self.particles.velocity);
         let start = self.now;
-        let mut stored = [0.0; 2];
+        let mut stored = SpringEnergies::default();
         if self.rotates() {
             stored = self.spring_energies();
             self.keep_springs();
@@ -367,7 +377,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         }
         self.refuse_to_pass(start)?;
         if self.rotates() {
-            self.keep_in_springs(stored);
+            self.keep_in_springs(&stored, self.now - start);
             self.switch_phases(switch.map(|(_, k, which)| (k, which)));
         }
         self.book(rates, self.now - start)?;

@@ -80,8 +80,10 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
     /// True if the touch of a slot is instantaneous; its impulse has then been applied.
     pub(super) fn strike(&mut self, slot: usize) -> bool {
         let touch = self.scratch.touches[slot];
-        let met = touch.couple.meet(self.particles, self.scene, self.moment());
-        let meeting = ReachedTouch { touch, met, scene: self.scene, remaining: self.window.duration - self.now };
+        let moment = self.moment();
+        let met = touch.couple.meet(self.particles, self.scene, moment);
+        let meeting =
+            ReachedTouch { touch, met, scene: self.scene, moment, remaining: self.window.duration - self.now };
         let Some(clear_for) = self.engine.instants.clear_for(&meeting) else { return false };
         let shares = |couple: &Couple| couple.places().into_iter().flatten().any(|place| is_of(&touch.couple, place));
         let held = self.scratch.contacts.iter().any(|contact| shares(&contact.touch.couple));

@@ -10,13 +10,14 @@
 use super::springs::{ContactMotion, SpringKind, SpringMotion, carried};
 use super::{InstantaneousRule, IslandRun, Rates, TRIALS};
 use crate::contact_law::friction::{Slip, coulomb};
-use crate::encounter::Encounter;
+use crate::encounter::{Encounter, FrameTime};
 use crate::engine::soft::contact::{Contact, ContactConstants, ContactForce, ContactState, TouchingPair};
+use crate::record::FrictionLosses;
 use nalgebra::Vector3;
 
 /// Way in which the surfaces of a contact move on one another.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Phase {
+pub(super) enum Phase {
     /// The contact remembers nothing.
     Memoryless,
     /// The contact is too young to resist.
@@ -41,7 +42,7 @@ struct SpringState {
 /// Spring with a slider of a contact, during a step.
 #[derive(Clone, Copy, Debug)]
 pub struct SlidingContact {
-    phase: Phase,
+    pub(super) phase: Phase,
     /// State at the start of the step.
     start: SpringState,
     /// State now.
@@ -87,17 +88,6 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
     #[inline(always)]
     pub(super) fn rotates(&self) -> bool {
         self.scene.rotation.is_some()
-    }
-
-    /// True if contact `k` is old enough to resist rolling and twisting.
-    pub(super) fn resists(&self, k: usize) -> bool {
-        let springs = self.springs_of(k);
-        springs.len() > 1 && self.scratch.sliding[springs.start + 1].phase != Phase::Waiting
-    }
-
-    pub(super) fn met(&self, k: usize) -> (TouchingPair, Encounter) {
-        let touch = self.scratch.contacts[k].touch;
-        (touch, touch.couple.meet(self.particles, self.scene, self.moment()))
     }
 
     /// Takes the springs of contacts that last from the window before.
@@ -204,6 +194,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
     /// Begins a trial of a step for `count` particles.
     pub(super) fn begin_turning(&mut self, count: usize) {
         let scratch = &mut *self.scratch;
+        scratch.losses = FrictionLosses::default();
         scratch.turning.clear();
         scratch.turning.resize(count, Vector3::zeros());
         scratch.turned.clear();
@@ -266,25 +257,36 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         }
     }
 
-    /// Force of a contact at a stage of a step of `dt` [s]; torques go to the turning of its particles, and the rates of
-    /// its springs are kept.
-    pub(super) fn force_at_stage(&mut self, k: usize, touch: &TouchingPair, met: &Encounter, dt: f64) -> ContactForce {
+    /// Force of a contact at a stage, with its moment and weight [-], of a step of `dt` [s]. Torques go to the turning of its
+    /// particles, and the rates of its springs are kept.
+    pub(super) fn force_at_stage(
+        &mut self,
+        k: usize,
+        touch: &TouchingPair,
+        met: &Encounter,
+        (moment, dt, weight): (FrameTime, f64, f64),
+    ) -> ContactForce {
         let springs = self.springs_of(k);
         let motion = ContactMotion::of(self, touch, met, self.resists(k));
         let normal = motion.elastic + motion.viscous;
         let slides = motion.spring(SpringKind::Slide, touch, met);
         let tangential = self.spring_force(springs.start, (touch, met), (&motion, &slides), dt);
         let mut friction_power = tangential.dot(&slides.velocity);
+        let mut losses = self.tangential_losses(springs.start, &slides, &tangential);
         let mut couple = Vector3::zeros();
         if motion.rolling.is_some() {
             for (index, kind) in springs.skip(1).zip([SpringKind::Roll, SpringKind::Twist]) {
                 let spring = motion.spring(kind, touch, met);
                 let force = self.spring_force(index, (touch, met), (&motion, &spring), dt);
-                friction_power += force.dot(&spring.velocity);
-                let turns = if kind == SpringKind::Roll { met.normal.cross(&force) } else { force };
+                let power = force.dot(&spring.velocity);
+                friction_power += power;
+                let rolls = kind == SpringKind::Roll;
+                *(if rolls { &mut losses.rolling } else { &mut losses.twisting }) = power;
+                let turns = if rolls { met.normal.cross(&force) } else { force };
                 couple -= turns * motion.rolling_radius();
             }
         }
+        self.scratch.losses += losses * weight;
         let torque = met.normal.cross(&tangential) * motion.arm;
         if let Some(inertia) = &self.particles.inertia {
             for place in touch.couple.places().into_iter().flatten().map(|place| place as usize) {
@@ -303,7 +305,10 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
             normal,
             restitution_power: -motion.viscous * met.normal_velocity,
             friction_power,
-            wall_power: touch.couple.driven(&on_i, self.scene),
+            wall_power: touch
+                .couple
+                .wall_motion(met, (self.particles, self.scene), moment)
+                .map_or(0.0, |wall| wall.power(&on_i, Some(&couple))),
             arm: met.normal * (touch.reach + met.gap),
         }
     }
@@ -322,7 +327,9 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         let sliding = &mut self.scratch.sliding[index];
         let SpringState { normal: start, .. } = sliding.start;
         let vector = carried(kind, &sliding.now.vector, &start, &met.normal);
-        let spun = |vector: &Vector3<f64>| met.normal.cross(vector) * touch.couple.twist(self.particles, &met.normal);
+        let spun = |vector: &Vector3<f64>| {
+            met.normal.cross(vector) * touch.couple.twist(self.particles, self.scene, &met.normal)
+        };
         let (force, rate) = match sliding.phase {
             Phase::Waiting | Phase::Free => (Vector3::zeros(), Vector3::zeros()),
             Phase::Memoryless => {

@@ -1,9 +1,24 @@
-//! Springs of an island by contact: their indices, their energy, and their hand-over to the contacts.
+//! Springs of an island by contact: their indices, their energy and losses, and their hand-over to the contacts.
 
-use super::springs::{ContactMotion, SpringKind};
+use super::sliding::Phase;
+use super::springs::{ContactMotion, SpringKind, SpringMotion};
 use super::{InstantaneousRule, IslandRun};
-use crate::engine::soft::contact::Contact;
+use crate::encounter::Encounter;
+use crate::engine::soft::contact::{Contact, TouchingPair};
+use crate::record::FrictionLosses;
+use nalgebra::Vector3;
 use std::ops::Range;
+
+/// Energies of the springs of an island [J].
+#[derive(Clone, Copy, Debug, Default)]
+pub struct SpringEnergies {
+    /// Springs of pairs and of walls, of all kinds.
+    by_partner: [f64; 2],
+    /// Rolling springs.
+    rolling: f64,
+    /// Twisting springs.
+    twisting: f64,
+}
 
 impl<I: InstantaneousRule> IslandRun<'_, I> {
     /// Kinds of springs of each contact.
@@ -19,49 +34,96 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         k * kinds..(k + 1) * kinds
     }
 
-    /// [J] energies of the springs of contact `k`: of the tangential one, and of rolling and twisting.
-    fn energies_of(&self, k: usize) -> [f64; 2] {
+    /// True if contact `k` is old enough to resist rolling and twisting.
+    pub(super) fn resists(&self, k: usize) -> bool {
+        let springs = self.springs_of(k);
+        springs.len() > 1 && self.scratch.sliding[springs.start + 1].phase != Phase::Waiting
+    }
+
+    /// Contact `k`: its bodies, and their encounter now.
+    pub(super) fn met(&self, k: usize) -> (TouchingPair, Encounter) {
+        let touch = self.scratch.contacts[k].touch;
+        (touch, touch.couple.meet(self.particles, self.scene, self.moment()))
+    }
+
+    /// [J] energies of the springs of contact `k`: of the tangential one, of the rolling and of the twisting one.
+    fn energies_of(&self, k: usize) -> [f64; 3] {
         let Contact { touch, course, .. } = &self.scratch.contacts[k];
         let springs = self.springs_of(k);
         let shear = &self.scratch.sliding[springs.start].shear;
         // most springs do not depend on the overlap, which has to be computed
         if touch.tangential.half_powers == 0 && course.resistance.is_none() {
-            return [touch.tangential.energy(shear), 0.0];
+            return [touch.tangential.energy(shear), 0.0, 0.0];
         }
         let (touch, met) = self.met(k);
         let sheared = touch.tangential.at(met.overlap()).energy(shear);
         let motion = ContactMotion::of(self, &touch, &met, self.resists(k));
-        let resisted = springs.zip(self.kinds()).skip(1).map(|(index, &kind)| {
-            motion.spring(kind, &touch, &met).constants.energy(&self.scratch.sliding[index].shear)
-        });
-        [sheared, resisted.sum()]
-    }
-
-    /// [J] energy of the springs of pairs and of walls.
-    pub(super) fn spring_energies(&self) -> [f64; 2] {
-        let mut energies = [0.0; 2];
-        for (k, contact) in self.scratch.contacts.iter().enumerate() {
-            let [sheared, resisted] = self.energies_of(k);
-            energies[usize::from(contact.touch.couple.is_wall())] += sheared + resisted;
+        let mut energies = [sheared, 0.0, 0.0];
+        for (index, &kind) in springs.zip(self.kinds()).skip(1) {
+            energies[kind as usize] =
+                motion.spring(kind, &touch, &met).constants.energy(&self.scratch.sliding[index].shear);
         }
         energies
     }
 
-    /// Takes what springs hold more than the energies [J] that they `stored` before a step from the work that friction
-    /// did in it.
-    pub(super) fn keep_in_springs(&mut self, stored: [f64; 2]) {
+    /// [W] parts of the power of a tangential force [N]: what its dashpot takes while the contact sticks, and what its
+    /// spring loses by a changing stiffness.
+    #[inline(always)]
+    pub(super) fn tangential_losses(
+        &self,
+        index: usize,
+        spring: &SpringMotion,
+        force: &Vector3<f64>,
+    ) -> FrictionLosses {
+        let (constants, velocity) = (&spring.constants, &spring.velocity);
+        let (damped, shear) = match self.scratch.sliding[index].phase {
+            Phase::Stick => (constants.dashpot, force - velocity * constants.dashpot),
+            Phase::Slide => {
+                let along = force.try_normalize(0.0).unwrap_or_else(Vector3::zeros);
+                (0.0, along * (spring.limit - constants.dashpot * velocity.dot(&along)).max(0.0))
+            }
+            Phase::Memoryless | Phase::Waiting | Phase::Free => return FrictionLosses::default(),
+        };
+        let rescaling = if constants.half_powers > 0 && constants.stiffness > 0.0 {
+            (spring.rates.forgotten - spring.rates.force) * 0.5 * shear.norm_squared() / constants.stiffness
+        } else {
+            0.0
+        };
+        FrictionLosses::new(damped * velocity.norm_squared(), [0.0, rescaling, 0.0, 0.0])
+    }
+
+    /// Energies of all springs now.
+    pub(super) fn spring_energies(&self) -> SpringEnergies {
+        let mut energies = SpringEnergies::default();
+        for (k, contact) in self.scratch.contacts.iter().enumerate() {
+            let [sheared, rolling, twisting] = self.energies_of(k);
+            energies.by_partner[usize::from(contact.touch.couple.is_wall())] += sheared + (rolling + twisting);
+            energies.rolling += rolling;
+            energies.twisting += twisting;
+        }
+        energies
+    }
+
+    /// Takes what springs hold more than the energies that they `stored` before a step of `dt` [s] from the work that
+    /// friction did in it. The parts of that work are booked here.
+    pub(super) fn keep_in_springs(&mut self, stored: &SpringEnergies, dt: f64) {
         let kept = self.spring_energies();
         let ledger = &mut self.island.log.ledger;
-        ledger.pair_friction_loss -= kept[0] - stored[0];
-        ledger.wall_friction_loss -= kept[1] - stored[1];
+        ledger.pair_friction_loss -= kept.by_partner[0] - stored.by_partner[0];
+        ledger.wall_friction_loss -= kept.by_partner[1] - stored.by_partner[1];
+        ledger.friction += self.scratch.losses * dt;
+        ledger.friction.rolling -= kept.rolling - stored.rolling;
+        ledger.friction.twisting -= kept.twisting - stored.twisting;
     }
 
     /// Removes the springs of contact `k`, which has ended: friction takes the energy that they still hold.
     pub(super) fn drop_springs(&mut self, k: usize) {
-        let left: f64 = self.energies_of(k).iter().sum();
+        let [sheared, rolling, twisting] = self.energies_of(k);
+        let left = sheared + (rolling + twisting);
         let (springs, is_wall) = (self.springs_of(k), self.scratch.contacts[k].touch.couple.is_wall());
         self.scratch.sliding.drain(springs);
         let ledger = &mut self.island.log.ledger;
+        ledger.friction.separation += left;
         match is_wall {
             true => ledger.wall_friction_loss += left,
             false => ledger.pair_friction_loss += left,
@@ -76,10 +138,10 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
             let slid = shear(SpringKind::Slide);
             if self.scratch.contacts[k].course.resistance.is_some() {
                 let (_, met) = self.met(k);
-                let [_, energy] = self.energies_of(k);
+                let [_, energies @ ..] = self.energies_of(k);
                 let (roll, twist) = (shear(SpringKind::Roll), shear(SpringKind::Twist).dot(&met.normal));
                 if let Some(memory) = &mut self.scratch.contacts[k].course.resistance {
-                    (memory.roll, memory.twist, memory.energy) = (roll, twist, energy);
+                    (memory.roll, memory.twist, memory.energies) = (roll, twist, energies);
                 }
             }
             self.scratch.contacts[k].course.shear = slid;
