@@ -218,6 +218,9 @@ fn impact_cells(impacts: &Impacts, rate: Option<Estimate>, requested: String) ->
     ]
 }
 
+/// Function that reads a part of the energy balance [J].
+type Part = fn(&Outcome) -> f64;
+
 /// Parts of the page about the energy balance.
 fn energy(outcomes: &[Outcome]) -> Vec<Block> {
     let largest = outcomes
@@ -259,7 +262,7 @@ fn energy(outcomes: &[Outcome]) -> Vec<Block> {
         loss("friction at walls", |o| o.record.ledger.wall_friction_loss),
     ]);
     if outcomes.iter().any(|o| o.experiment.scene.rotation.is_some()) {
-        let parts: [(&str, fn(&Outcome) -> f64); 6] = [
+        let parts: [(&str, Part); 6] = [
             ("… of this friction: sliding", |o| o.record.ledger.sliding_loss()),
             ("… tangential restitution (dashpot)", |o| o.record.ledger.friction.tangential_restitution),
             ("… springs at separation", |o| o.record.ledger.friction.separation),
