@@ -4,6 +4,7 @@ mod losses;
 mod mindlin;
 mod pairs;
 mod rolling;
+mod surfaces;
 mod turning;
 
 use crate::support::*;
