@@ -9,7 +9,7 @@ pub use start_region::StartRegion;
 use crate::domain::Domain;
 use crate::fluid::Fluid;
 use crate::particles::Particles;
-use crate::rotation::{ImpactKind, Rotation, SOLID_SPHERE, tangential_mass};
+use crate::rotation::{ImpactKind, ResistanceFriction, Rotation, SOLID_SPHERE, tangential_mass};
 use crate::walls::Wall;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -35,6 +35,9 @@ pub struct Meeting {
     /// not depend on the masses.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub at_mass: Option<f64>,
+    /// Rolling and twisting friction that differ from those of the law.
+    #[serde(skip_serializing_if = "ResistanceFriction::is_of_law")]
+    pub resistance: ResistanceFriction,
 }
 
 impl Meeting {
@@ -51,7 +54,7 @@ impl Meeting {
 impl From<Surface> for Meeting {
     /// A meeting with the stiffness of the contact law.
     fn from(surface: Surface) -> Self {
-        Self { surface, stiffness_ratio: 1.0, at_mass: None }
+        Self { surface, stiffness_ratio: 1.0, at_mass: None, resistance: ResistanceFriction::default() }
     }
 }
 
@@ -277,7 +280,17 @@ impl Scene {
     pub fn meeting(&self, species: u16, other: Kind) -> Meeting {
         match self.pairs.find(species, other) {
             Some(meeting) => *meeting,
-            None => (*self.usual(other)).into(),
+            None => Meeting { resistance: self.resistance(species, other), ..(*self.usual(other)).into() },
+        }
+    }
+
+    /// Rolling and twisting friction of a species and another species or a wall.
+    #[inline]
+    pub fn resistance(&self, species: u16, other: Kind) -> ResistanceFriction {
+        match (self.pairs.find(species, other), other) {
+            (Some(meeting), _) => meeting.resistance,
+            (None, Kind::Wall(wall)) => self.walls[wall as usize].resistance,
+            (None, Kind::Species(_)) => ResistanceFriction::default(),
         }
     }
 

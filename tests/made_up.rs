@@ -27,6 +27,7 @@ fn scene() -> Scene {
         elasticity: None,
         velocity: Vector3::zeros(),
         turning: None,
+        resistance: Default::default(),
     };
     Scene {
         domain: Domain::new(Vector3::new(0.12, 0.04, 0.064), [true, false, true]),

@@ -8,6 +8,7 @@ mod pairs;
 mod profiles;
 mod rolling;
 mod soak;
+mod surfaces;
 mod turning;
 
 use crate::support::*;

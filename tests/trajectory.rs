@@ -192,6 +192,7 @@ fn walls_are_surfaces_within_the_box() {
         elasticity: None,
         velocity: Vector3::zeros(),
         turning: None,
+        resistance: Default::default(),
     });
     crowd.start[0].amount = Amount::Count(0);
     crowd.run.duration = 0.0;

@@ -3,6 +3,7 @@
 use crate::contact_law::ContactLaw;
 use crate::experiment::{Amount, AverageFrom, Experiment, HardStepping, TimeStep};
 use crate::fluid::{Fluid, Profile};
+use crate::rotation::ResistanceFriction;
 use crate::scene::{Kind, Meeting, Scene, Surface};
 use crate::walls::Wall;
 use nalgebra::Vector3;
@@ -84,6 +85,15 @@ fn surface(surface: &Surface) -> Value {
     json!({ "restitution": surface.restitution, "friction": surface.friction })
 }
 
+/// Adds rolling and twisting friction that differ from those of the law.
+fn add_resistance(value: &mut Value, own: &ResistanceFriction) {
+    for (key, friction) in [("rolling_friction", own.rolling), ("twisting_friction", own.twisting)] {
+        if let Some(friction) = friction {
+            value[key] = json!(friction);
+        }
+    }
+}
+
 /// Contact properties of particles: those common to all particles, and those of the pairs that differ. A wall is given
 /// by its index in the case.
 fn contact(experiment: &Experiment) -> Value {
@@ -96,6 +106,7 @@ fn contact(experiment: &Experiment) -> Value {
             Kind::Species(other) => json!(scene.species[usize::from(*other)].name),
             Kind::Wall(wall) => json!({ "wall": wall }),
         };
+        add_resistance(&mut value, &meeting.resistance);
         value["between"] = json!([scene.species[usize::from(*species)].name, other]);
         if let Some(ContactLaw::LinearSpringDashpot(law)) = &experiment.soft.law {
             value["stiffness"] = json!(law.stiffness * meeting.stiffness_ratio);
@@ -110,6 +121,10 @@ fn contact(experiment: &Experiment) -> Value {
 
 fn wall(wall: &Wall) -> Value {
     let mut value = surface(&wall.surface);
+    add_resistance(&mut value, &wall.resistance);
+    if let Some(turning) = &wall.turning {
+        value["rotation"] = json!({ "center": three(&turning.center), "spin": three(&turning.spin) });
+    }
     match wall.geometry.plane() {
         Some(plane) => value["plane"] = json!({ "point": three(&plane.point), "normal": three(&plane.normal) }),
         None => value["obstacle"] = json!(format!("{:?}", wall.geometry.law())),

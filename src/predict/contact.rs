@@ -185,7 +185,7 @@ pub fn contacts(
         }
         let mut meetings: FxHashSet<[u64; 4]> = FxHashSet::default();
         for wall in (0..scene.walls.len() as u32).filter(|_| there(p, 1)) {
-            let Meeting { surface, stiffness_ratio, at_mass } = scene.meeting(p as u16, Kind::Wall(wall));
+            let Meeting { surface, stiffness_ratio, at_mass, .. } = scene.meeting(p as u16, Kind::Wall(wall));
             // -1 encodes that there is no mass, since no mass is negative
             let numbers = [surface.restitution, surface.friction, stiffness_ratio, at_mass.unwrap_or(-1.0)];
             if !meetings.insert(numbers.map(f64::to_bits)) {

@@ -289,6 +289,7 @@ mod tests {
             elasticity: None,
             velocity: Vector3::zeros(),
             turning: None,
+            resistance: Default::default(),
         };
         Scene {
             domain: Domain::new(Vector3::new(edge, edge, edge), [true, !walls, true]),

@@ -17,7 +17,7 @@ mod tangential;
 
 pub use impact::{ImpactKind, ImpactRule, ObliqueApproach};
 pub use rebound::{ObliqueImpact, ReboundTable};
-pub use rolling::{Resistance, RollingBodies, RollingLaw, TwistingLaw};
+pub use rolling::{Resistance, ResistanceFriction, RollingBodies, RollingLaw, TwistingLaw};
 pub use slider::{SpringDashpotSlider, SpringHistory, SpringRates, turned};
 pub use tangential::{LinearTangential, NormalSpring, TangentialLaw};
 

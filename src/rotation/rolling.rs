@@ -44,6 +44,29 @@ pub struct TwistingLaw {
     pub damping: f64,
 }
 
+/// Coefficients of rolling and twisting friction of a surface; `None`: that of the law.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct ResistanceFriction {
+    /// [-] μ_r.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rolling: Option<f64>,
+    /// [-] coefficient that takes the place of sliding friction in the limit of twisting.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub twisting: Option<f64>,
+}
+
+impl ResistanceFriction {
+    /// True if the surface has no coefficients other than those of the law.
+    pub fn is_of_law(&self) -> bool {
+        *self == Self::default()
+    }
+
+    /// These coefficients, or those of `usual` where a surface has none.
+    pub fn or(self, usual: Self) -> Self {
+        Self { rolling: self.rolling.or(usual.rolling), twisting: self.twisting.or(usual.twisting) }
+    }
+}
+
 /// Resistance of a contact to rolling or twisting.
 #[derive(Clone, Copy, Debug)]
 pub struct Resistance {
@@ -96,6 +119,16 @@ impl RollingLaw {
             }
             Self::Constant { friction } => Resistance { spring: without, friction, viscosity: 0.0 },
             Self::Viscous { coefficient } => Resistance { spring: without, friction: 0.0, viscosity: coefficient },
+        }
+    }
+
+    /// The law with another rolling friction [-], if there is one. A viscous law has none.
+    pub fn with_friction(self, other: Option<f64>) -> Self {
+        let Some(friction) = other else { return self };
+        match self {
+            Self::Spring { stiffness, damping, .. } => Self::Spring { friction, stiffness, damping },
+            Self::Constant { .. } => Self::Constant { friction },
+            Self::Viscous { coefficient } => Self::Viscous { coefficient },
         }
     }
 

@@ -32,6 +32,7 @@ pub use round::{Frustum, RoundAxis};
 pub use shape::Obstacle;
 pub use turning::Turning;
 
+use crate::rotation::ResistanceFriction;
 use crate::scene::{Elasticity, Surface};
 use nalgebra::Vector3;
 use serde::Serialize;
@@ -387,12 +388,16 @@ pub struct Wall {
     /// Rotation of the surface along itself, as of a drum or a turntable: the shape stays in position.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub turning: Option<Turning>,
+    /// Rolling and twisting friction of the wall that differ from those of the law.
+    #[serde(skip_serializing_if = "ResistanceFriction::is_of_law")]
+    pub resistance: ResistanceFriction,
 }
 
 impl Wall {
     /// Makes a wall whose surface does not move.
     pub fn new(geometry: WallGeometry, surface: Surface) -> Self {
-        Self { geometry, surface, elasticity: None, velocity: Vector3::zeros(), turning: None }
+        let (velocity, resistance) = (Vector3::zeros(), ResistanceFriction::default());
+        Self { geometry, surface, elasticity: None, velocity, turning: None, resistance }
     }
 }
 

@@ -1,7 +1,8 @@
 //! Rolling and twisting resistance: closed forms (RE), balances, and contacts that are too short to resist.
 
 use super::*;
-use diptych::rotation::{RollingLaw, TwistingLaw};
+use diptych::rotation::{ResistanceFriction, RollingLaw, TwistingLaw};
+use diptych::scene::{Kind, Meeting};
 
 const STEPPINGS: [SoftStepping; 2] = [SoftStepping::Local, SoftStepping::Uniform];
 
@@ -13,6 +14,9 @@ pub(super) struct OnFloor {
     tangential: (f64, f64),
     rolling: Option<RollingLaw>,
     pub(super) twisting: Option<TwistingLaw>,
+    /// Rolling and twisting friction of the floor, and of the pair of ball and floor.
+    pub(super) own: ResistanceFriction,
+    pub(super) of_pair: Option<ResistanceFriction>,
     angle: f64,
     stepping: SoftStepping,
 }
@@ -22,7 +26,8 @@ const SPRING: RollingLaw = RollingLaw::Spring { friction: 0.05, stiffness: None,
 impl OnFloor {
     pub(super) fn new(rolling: RollingLaw, stepping: SoftStepping) -> Self {
         let (friction, tangential) = (0.3, (2.0 / 7.0, 0.5));
-        Self { stiffness: 1e4, friction, tangential, rolling: Some(rolling), twisting: None, angle: 0.0, stepping }
+        let (rolling, twisting, own, of_pair) = (Some(rolling), None, ResistanceFriction::default(), None);
+        Self { stiffness: 1e4, friction, tangential, rolling, twisting, own, of_pair, angle: 0.0, stepping }
     }
 
     /// The ball with a speed [m/s] and a spin [rad/s], at its static overlap.
@@ -40,7 +45,10 @@ impl OnFloor {
         let species = Species { diameter: 2e-3, density: 2500.0, ..small() };
         let mut scene = empty([0.5; 3], [true, false, true], species.clone(), of);
         scene.walls = vec![plane([0.0; 3], [0.0, 1.0, 0.0], of)];
-        scene.walls[0].turning = turning;
+        (scene.walls[0].turning, scene.walls[0].resistance) = (turning, self.own);
+        if let Some(resistance) = self.of_pair {
+            scene.pairs.set(0, Kind::Wall(0), Meeting { resistance, ..of.into() });
+        }
         let (sin, cos) = self.angle.to_radians().sin_cos();
         scene.gravity = Vector3::new(9.81 * sin, -9.81 * cos, 0.0);
         let (stiffness, dashpot) = self.tangential;

@@ -40,6 +40,13 @@ pub struct PairFile {
     /// Coefficient of sliding friction, μ.
     #[schemars(example = 0.1, extend("x-default" = "that of `[contact]` or the wall", "x-range" = "0 ..= 100"))]
     pub friction: Option<Located<Ratio>>,
+    /// Coefficient of rolling friction, μ_r, of the law in `[soft.rolling]`.
+    #[schemars(example = 0.05, extend("x-default" = "that of the wall or of `[soft.rolling]`", "x-range" = "0 ..= 10"))]
+    pub rolling_friction: Option<Located<Ratio>>,
+    /// Coefficient of twisting friction. Two thirds of it times the radius of the contact and the normal force is the
+    /// largest torque of `[soft.twisting]`.
+    #[schemars(example = 0.1, extend("x-default" = "that of the wall, or `friction`", "x-range" = "0 ..= 100"))]
+    pub twisting_friction: Option<Located<Ratio>>,
     /// Stiffness of the spring between the two bodies, k_n; or give `contact_time` or `overlap`. Only
     /// `[soft.linear_spring_dashpot]` has springs: Hertz's law computes the stiffness of a pair from the `elasticity`
     /// of each body.

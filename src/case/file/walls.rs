@@ -43,6 +43,13 @@ pub struct WallFile {
     /// Coefficient of sliding friction, μ.
     #[schemars(example = 0.1, extend("default" = 0, "x-range" = "0 ..= 100"))]
     pub friction: Option<Located<Ratio>>,
+    /// Coefficient of rolling friction, μ_r, of the law in `[soft.rolling]`.
+    #[schemars(example = 0.05, extend("x-default" = "that of `[soft.rolling]`", "x-range" = "0 ..= 10"))]
+    pub rolling_friction: Option<Located<Ratio>>,
+    /// Coefficient of twisting friction. Two thirds of it times the radius of the contact and the normal force is the
+    /// largest torque of `[soft.twisting]`.
+    #[schemars(example = 0.1, extend("x-default" = "`friction`", "x-range" = "0 ..= 100"))]
+    pub twisting_friction: Option<Located<Ratio>>,
     /// Velocity of the surface in its own plane, as of a conveyor belt or a sheared side; the shape stays at rest.
     /// Allowed for planes, pipes without ends, and meshes all of whose triangles are parallel to the velocity.
     #[schemars(extend("examples" = [["0 m/s", "0 m/s", "0.5 m/s"]], "default" = [0, 0, 0]))]

@@ -37,7 +37,10 @@ impl Resolver {
                 let wanted = self.pair_stiffness(&pair.value, scene, (species, other), &surface)?;
                 let stiffness_ratio = wanted.as_ref().map_or(1.0, |wanted| self.ratio(wanted, soft));
                 let at_mass = wanted.and_then(|wanted| wanted.at_mass);
-                pairs.set(species, other, Meeting { surface, stiffness_ratio, at_mass });
+                let own = &pair.value;
+                let resistance = self.resistance_friction(file, &own.rolling_friction, &own.twisting_friction)?;
+                let resistance = resistance.or(scene.resistance(species, other));
+                pairs.set(species, other, Meeting { surface, stiffness_ratio, at_mass, resistance });
             }
         }
         Ok(pairs)

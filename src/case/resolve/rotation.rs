@@ -10,8 +10,8 @@ use crate::case::quantity::{Ratio, Spin};
 use crate::contact_law::ContactLaw;
 use crate::experiment::{Integrator, SoftSettings};
 use crate::rotation::{
-    ImpactKind, ImpactRule, LinearTangential, RollingLaw, Rotation, SOLID_SPHERE, SpringHistory, TangentialLaw,
-    TwistingLaw,
+    ImpactKind, ImpactRule, LinearTangential, ResistanceFriction, RollingLaw, Rotation, SOLID_SPHERE, SpringHistory,
+    TangentialLaw, TwistingLaw,
 };
 use crate::scene::Scene;
 use nalgebra::Vector3;
@@ -26,6 +26,31 @@ impl Resolver {
         });
         let rule = file.hard.as_ref().is_some_and(|hard| hard.value.friction.is_some());
         typed.map_or(tangential || rule, |typed| typed.value)
+    }
+
+    /// Rolling and twisting friction of a wall or a pair. The law that uses a coefficient must be in the case.
+    pub(super) fn resistance_friction(
+        &self,
+        file: &CaseFile,
+        rolling: &Option<Located<Ratio>>,
+        twisting: &Option<Located<Ratio>>,
+    ) -> Result<ResistanceFriction, Diagnostic> {
+        let soft = file.soft.as_ref().map(|soft| &soft.value);
+        let law = soft.and_then(|soft| soft.rolling.as_ref());
+        let has_friction = law.is_some_and(|law| !matches!(law.value, RollingFile::Viscous { .. }));
+        let twists = soft.is_some_and(|soft| soft.twisting.is_some());
+        let of = |typed: &Option<Located<Ratio>>, is_used: bool, laws: &str| {
+            let Some(typed) = typed else { return Ok(None) };
+            if !is_used {
+                let why = "is the coefficient of a law that the case does not have";
+                return Err(self.refuse(typed, why).help(format!("add {laws}, or leave it out")));
+            }
+            self.in_range(typed, "0 is no resistance").map(Some)
+        };
+        Ok(ResistanceFriction {
+            rolling: of(rolling, has_friction, "[soft.rolling.spring] or [soft.rolling.constant]")?,
+            twisting: of(twisting, twists, "[soft.twisting]")?,
+        })
     }
 
     /// [-] ratio of the moment of inertia to m r².

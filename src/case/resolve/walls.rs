@@ -74,7 +74,9 @@ impl Resolver {
             let elasticity = self.own_elasticity(file, &wall.value.elasticity)?;
             let velocity = self.wall_velocity(&wall.value, &geometry)?;
             let turning = self.wall_turning(&wall.value, &geometry, domain)?;
-            walls.push(Wall { geometry, surface, elasticity, velocity, turning });
+            let WallFile { rolling_friction, twisting_friction, .. } = &wall.value;
+            let resistance = self.resistance_friction(file, rolling_friction, twisting_friction)?;
+            walls.push(Wall { geometry, surface, elasticity, velocity, turning, resistance });
         }
         Ok(walls)
     }

@@ -52,13 +52,15 @@ impl RollingMotion {
         };
         let bodies = RollingBodies::of(couple.places().into_iter().flatten().map(body));
         let spins = couple.relative_spin(particles, scene) * bodies.radius;
+        let (species, other) = couple.kinds(particles);
+        let own = scene.resistance(species, other);
         let against_rolling = rotation.rolling.map(|rolling| {
             let normal = law.normal_spring(&couple.bodies(particles, scene), &constants.spring);
-            rolling.between(&normal, &bodies)
+            rolling.with_friction(own.rolling).between(&normal, &bodies)
         });
-        let against_twisting = rotation
-            .twisting
-            .map(|twisting| twisting.between(&constants.tangential, constants.friction, met.overlap(), &bodies));
+        let friction = own.twisting.unwrap_or(constants.friction);
+        let against_twisting =
+            rotation.twisting.map(|twisting| twisting.between(&constants.tangential, friction, met.overlap(), &bodies));
         let (rolling, twisting) = (spins.cross(&met.normal), spins.dot(&met.normal));
         Self { bodies, rolling, twisting, against_rolling, against_twisting }
     }

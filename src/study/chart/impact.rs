@@ -281,6 +281,7 @@ impl HeadOn {
             elasticity: self.contact.elasticity[1],
             velocity: Vector3::zeros(),
             turning: None,
+            resistance: Default::default(),
         };
         let mut scene = Scene {
             domain: Domain::new(size, [false; 3]),
@@ -293,7 +294,12 @@ impl HeadOn {
             species: std::iter::once(self.bodies.0.clone()).chain(self.bodies.1.clone()).collect(),
         };
         let other = if self.bodies.1.is_some() { Kind::Species(1) } else { Kind::Wall(0) };
-        let meeting = Meeting { surface: self.surface, stiffness_ratio: self.contact.stiffness_ratio, at_mass: None };
+        let meeting = Meeting {
+            surface: self.surface,
+            stiffness_ratio: self.contact.stiffness_ratio,
+            at_mass: None,
+            resistance: Default::default(),
+        };
         scene.pairs.set(0, other, meeting);
         let mut particles = Particles::default();
         let centre = Vector3::repeat(reach);
