@@ -3,6 +3,7 @@
 use super::parameters::{bulk_velocity, volume_fraction};
 use crate::experiment::{Amount, AverageFrom, Experiment, HardStepping, Integrator, Model, SoftStepping, TimeStep};
 use crate::scene::{Kind, Scene, Species, Surface};
+use crate::walls::Wall;
 use nalgebra::Vector3;
 use std::fmt::Write;
 
@@ -95,7 +96,7 @@ pub(crate) fn scene_in_words(experiment: &Experiment) -> String {
             }
             None => wall.geometry.law().in_words(),
         };
-        let _ = writeln!(text, "Wall {index}: {shape}, {}.", surface(&wall.surface));
+        let _ = writeln!(text, "Wall {index}: {shape}, {}{}.", surface(&wall.surface), motion_in_words(wall));
     }
     particles_in_words(&mut text, experiment, scene);
     if scene.gravity.norm() > 0.0 {
@@ -105,6 +106,24 @@ pub(crate) fn scene_in_words(experiment: &Experiment) -> String {
         text.push_str("No gravity.\n");
     }
     gas_in_words(&mut text, scene);
+    text
+}
+
+/// Motion of the surface of a wall, and its own friction of rolling and twisting; empty without these.
+fn motion_in_words(wall: &Wall) -> String {
+    let mut text = String::new();
+    let vector = |v: &Vector3<f64>| format!("({}, {}, {})", short(v.x, 4), short(v.y, 4), short(v.z, 4));
+    if wall.velocity.norm() > 0.0 {
+        let _ = write!(text, ", its surface moves at {} m/s", vector(&wall.velocity));
+    }
+    if let Some(turning) = &wall.turning {
+        let _ = write!(text, ", its surface turns at {} rad/s", vector(&turning.spin));
+    }
+    for (name, friction) in [("rolling", wall.resistance.rolling), ("twisting", wall.resistance.twisting)] {
+        if let Some(friction) = friction {
+            let _ = write!(text, ", {name} friction {friction}");
+        }
+    }
     text
 }
 

@@ -1,7 +1,7 @@
 //! Response of the particles to the gas, and of the gas to the particles.
 
 use crate::drag::Drag;
-use crate::fluid::{Fluid, Profile};
+use crate::fluid::{Fluid, Profile, Section};
 use crate::scene::{Scene, Species};
 use serde::Serialize;
 
@@ -71,7 +71,8 @@ pub fn flow(fluid: &Fluid, species: &Species, number_density: f64, gravity: f64,
         mass_loading: number_density * species.mass() / fluid.density,
         turbulent_variance: channel.map(|flow| {
             let response = drag.law().response_time(&sphere, slip);
-            // mean over the width, with trapezoids between nodes, since particles are spread over the cross-section
+            // mean over the cross-section, over which particles are spread, with trapezoids between nodes; rings of a pipe
+            // are narrower towards the axis
             let nodes = &flow.nodes;
             // velocities of eddies have the correlation exp(-t/T_L); a particle with a linear response of time τ then
             // has the fraction T_L/(T_L + τ) of their variance
@@ -81,11 +82,14 @@ pub fn flow(fluid: &Fluid, species: &Species, number_density: f64, gravity: f64,
             };
             let strips = nodes.windows(2).map(|pair| {
                 let [a, b] = pair else { return (0.0, 0.0) };
-                let width = b.y - a.y;
-                (0.5 * width * (induced(a.k, a.epsilon) + induced(b.k, b.epsilon)), width)
+                let area = match flow.section {
+                    Section::Channel => b.y - a.y,
+                    Section::Pipe => (b.y - a.y) * (0.5 * flow.height - 0.5 * (a.y + b.y)),
+                };
+                (0.5 * area * (induced(a.k, a.epsilon) + induced(b.k, b.epsilon)), area)
             });
-            let (sum, width) = strips.fold((0.0, 0.0), |(s, w), (ds, dw)| (s + ds, w + dw));
-            if width > 0.0 { sum / width } else { 0.0 }
+            let (sum, area) = strips.fold((0.0, 0.0), |(sum, area), (more, strip)| (sum + more, area + strip));
+            if area > 0.0 { sum / area } else { 0.0 }
         }),
     })
 }
@@ -116,7 +120,7 @@ pub fn bulk_velocity(fluid: &Fluid, height: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::drag::SchillerNaumann;
-    use crate::fluid::Profile;
+    use crate::fluid::{ChannelFlow, Pipe, Profile};
 
     /// Compares terminal slip speed and response time of the paper's spheres at g = 9.81 m/s² with an independent root
     /// of the drag law. The Stokes numbers use U_b = 15.9075 m/s.
@@ -142,5 +146,34 @@ mod tests {
             assert!((found.stokes_bulk / number - 1.0).abs() < 1e-4, "{found:?}");
             assert_eq!(found.turbulent_variance, None);
         }
+    }
+
+    /// Tracers have the variance 2/3 k of the gas, as a mean over the area of the pipe and not over its diameter.
+    #[test]
+    fn tracers_in_a_pipe_have_the_mean_variance_over_its_area() {
+        let (diameter, viscosity) = (0.04, 1.515e-5);
+        let flow_of_gas = ChannelFlow::solve_pipe(15.0, diameter, viscosity, None).unwrap();
+        let nodes = flow_of_gas.nodes.clone();
+        let profile = Profile::Pipe(std::sync::Arc::new(Pipe::new([0.02; 2], flow_of_gas).unwrap()));
+        let drag = Some(Drag::SchillerNaumann(SchillerNaumann));
+        let fluid = Fluid { density: 1.205, kinematic_viscosity: viscosity, profile, drag };
+        let tracer = Species {
+            name: "T".into(),
+            diameter: 1e-7,
+            density: 1000.0,
+            elasticity: None,
+            sizes: None,
+            inertia_factor: 0.4,
+        };
+        let found = flow(&fluid, &tracer, 1e7, 9.81, diameter).unwrap().turbulent_variance.unwrap();
+        // circles about the axis through the middles between nodes
+        let radius = |y: f64| 0.5 * diameter - y;
+        let rings = nodes.windows(3).map(|near| {
+            let [outer, inner] = [near[0].y + near[1].y, near[1].y + near[2].y].map(|sum| radius(0.5 * sum));
+            let area = outer * outer - inner * inner;
+            (area * 2.0 / 3.0 * near[1].k, area)
+        });
+        let (sum, area) = rings.fold((0.0, 0.0), |(sum, area), (more, ring)| (sum + more, area + ring));
+        assert!((found / (sum / area) - 1.0).abs() < 2e-3, "{found} for {}", sum / area);
     }
 }

@@ -214,3 +214,17 @@ fn only_round_shapes_turn_in_their_place() {
         assert_eq!(found, expected, "{shape:?}");
     }
 }
+
+/// `check` says how the surfaces of walls move.
+#[test]
+fn check_names_the_motion_of_walls() {
+    let said = |case: &str, sets: &[&str]| {
+        let sets: Vec<String> = sets.iter().map(|set| format!("--set={set}")).collect();
+        let arguments: Vec<&str> = ["check", case].into_iter().chain(sets.iter().map(String::as_str)).collect();
+        words(&diptych(&arguments).output().unwrap().stdout)
+    };
+    let belt = said("cases/walls/sheared-cell.toml", &[]);
+    assert!(belt.contains("friction 0.3, its surface moves at (0, 0, -1) m/s."), "{belt}");
+    let drum = said("cases/walls/pipe.toml", &["walls[0].rotation.rate=3 rad/s"]);
+    assert!(drum.contains(", its surface turns at (0, 0, 3) rad/s."), "{drum}");
+}

@@ -41,11 +41,12 @@ impl Resolver {
         let twists = soft.is_some_and(|soft| soft.twisting.is_some());
         let of = |typed: &Option<Located<Ratio>>, is_used: bool, laws: &str| {
             let Some(typed) = typed else { return Ok(None) };
+            let friction = self.in_range(typed, "0 is no resistance")?;
             if !is_used {
                 let why = "is the coefficient of a law that the case does not have";
                 return Err(self.refuse(typed, why).help(format!("add {laws}, or leave it out")));
             }
-            self.in_range(typed, "0 is no resistance").map(Some)
+            Ok(Some(friction))
         };
         Ok(ResistanceFriction {
             rolling: of(rolling, has_friction, "[soft.rolling.spring] or [soft.rolling.constant]")?,
