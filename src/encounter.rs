@@ -226,7 +226,7 @@ impl Couple {
         Self { i: place_of(self.i), other }
     }
 
-    /// True if both couples consist of equal bodies, in either order.
+    /// True if `self` and `couple` name the same two bodies, in either order.
     pub fn is(&self, couple: &Self) -> bool {
         self == couple || couple.j().is_some_and(|j| *self == Self::pair(j, couple.i))
     }

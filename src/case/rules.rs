@@ -157,7 +157,8 @@ fn is_required(schema: &Schema) -> bool {
     words(schema, REQUIRED) == Some("always")
 }
 
-/// Required keys of a table that the case lacks. If the table has no required keys, the result is the table itself.
+/// Keys that a table requires and that are absent in the case. If the table requires no key, the table itself is named
+/// as absent.
 fn absent<'a>(schema: &'static Schema, path: String, table: Option<&'a Origin>) -> Vec<MissingKey<'a>> {
     let required = properties(schema).filter(|(_, inner)| is_required(inner));
     let keys: Vec<_> = required.flat_map(|(key, inner)| absent(inner, child_place(&path, key), table)).collect();

@@ -126,8 +126,8 @@ impl ExactSum {
         self.added = 1;
     }
 
-    /// Words of the sum, for adding up the sums of several processes. The words of up to 2^20 sums may be added one by
-    /// one, and written back here. The result is the sum of all of them, also if terms were not finite.
+    /// The 64-bit words in which the sum is stored, for adding up the sums of several processes. Word k of up to 2^20
+    /// sums may be added to word k of this one. The result is the sum of all of them, also if terms were not finite.
     pub fn words(&mut self) -> &mut [i64; WORDS] {
         self.carry();
         // all words count as used, since the caller may change any of them

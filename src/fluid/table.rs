@@ -118,7 +118,7 @@ impl VelocityTable {
         value + s * (slope + s * (square + s * cube))
     }
 
-    /// [m²/s] integral of u over the points, exact for the piecewise cubic.
+    /// [m²/s] integral of the velocity u over y from the first point to the last, exact for the cubics between points.
     pub fn integral(&self) -> f64 {
         self.pieces
             .iter()

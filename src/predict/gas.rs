@@ -84,7 +84,7 @@ pub struct AgitationSpread {
 }
 
 impl AgitationSpread {
-    /// Returns the ratios for agitation that is equal everywhere and in all directions.
+    /// Returns the ratios to a uniform gas for agitation that is equal everywhere and in all directions; all are 1.
     pub fn even() -> Self {
         Self { pair_rate: 1.0, wall_rate: 1.0, pairs: vec![[1.0, 1.0]], walls: vec![[1.0, 1.0]] }
     }

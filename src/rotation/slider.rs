@@ -68,9 +68,9 @@ impl SpringDashpotSlider {
         Self { stiffness: self.stiffness * factor, dashpot: self.dashpot * factor.sqrt(), ..*self }
     }
 
-    /// Factors [-] of the shear before a step and of the slip within it, if the overlap goes from `before` to `after`
-    /// [m] in the step. The overlap is taken to change evenly. A remembered force F = k ξ keeps its value, and grows by
-    /// the mean stiffness of the step.
+    /// Factors a and b [-] of the new shear, a times the shear before the step plus b times the slip in the step. The
+    /// overlap goes evenly from `before` to `after` [m]. If the law remembers the force F = k ξ, F keeps its value as k
+    /// changes, and the slip adds to it with the mean stiffness of the step.
     #[inline(always)]
     pub fn growth(&self, before: f64, after: f64) -> (f64, f64) {
         let keeps_force = match self.history {

@@ -57,7 +57,7 @@ pub struct NormalSpring {
 }
 
 impl NormalSpring {
-    /// Linear spring [N/m] and dashpot [N s/m] with that contact time [s].
+    /// Linear spring [N/m] and dashpot [N s/m] of two bodies whose impacts last `contact_time` [s].
     pub fn linear(stiffness: f64, dashpot: f64, contact_time: f64) -> Self {
         Self { stiffness, dashpot, contact_time, tangent: stiffness, half_powers: 0, shear_stiffness: 0.0 }
     }

@@ -78,7 +78,8 @@ fn variant(args: &Run, ranks: &Ranks) -> Result<(Variants, Option<String>), Stud
     Ok((variants, reason))
 }
 
-/// Refuses budgets if windows are divided or grow, because budgets are sums over windows of one length.
+/// Refuses `--budgets` (of the second moments of velocity) if the lengths of windows differ, because budgets are sums
+/// over windows of one length.
 fn refuse_budgets(args: &Run, schedule: &Schedule) -> Result<(), StudyError> {
     if args.budgets && schedule.is_cut() {
         let why = "--budgets needs windows of one length, and --every ends some of them between";

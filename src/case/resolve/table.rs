@@ -232,7 +232,7 @@ impl Resolver {
         Origin { source, span: start..end.max(start) }
     }
 
-    /// [SI] number in a column of a row.
+    /// [SI] number in the column of index `wanted` of a row; `column` is its name in messages.
     pub(super) fn number(&self, row: TableRow<'_>, wanted: usize, column: &str) -> Result<f64, Diagnostic> {
         let text = row.text(wanted).unwrap_or("");
         let number = match row.table.units.get(wanted).and_then(Option::as_deref) {

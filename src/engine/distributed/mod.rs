@@ -85,8 +85,8 @@ pub trait Distributed: Engine {
 /// A solver whose run several processes can share. By default processes share only the islands (groups of particles
 /// that may meet), and the lead process alone moves all particles by the classical algorithm.
 pub trait DistributedSolver: Solver {
-    /// Largest cost of one island (group of particles that may meet) [ns/s], if this limit changes from window to
-    /// window. All processes use the value of the lead process.
+    /// Limit of the cost of one island (group of particles that may meet) [ns/s], if it changes from window to window.
+    /// All processes use the value of the lead process.
     fn allowance(&mut self) -> Option<&mut f64> {
         None
     }

@@ -256,7 +256,7 @@ impl ContactBlock {
         }
     }
 
-    /// Updates the list of contacts in the real state: contacts begin, last and end.
+    /// Updates the list of contacts in an actual (not a predicted) state: contacts begin, continue and end.
     fn go_on(
         &mut self,
         view: ContactSearch,

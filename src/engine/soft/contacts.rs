@@ -257,8 +257,8 @@ impl Contacts {
         }
     }
 
-    /// Frees memory that is of no use for another list, because memory is short while that list is built. Returns the
-    /// couples of the contacts in blocks, which only the present list knows.
+    /// Frees memory that is of no use for the next neighbour list, because memory is short while that list is built.
+    /// Returns the couples of all contacts, since their slots have a meaning in the present list only.
     pub fn shed(&mut self, list: &NeighbourList) -> impl Iterator<Item = Couple> + use<> {
         self.blocks.iter_mut().for_each(ContactBlock::shed);
         // saves memory: the list does not grow by doubling, and pairs, which come first, take half the room of couples

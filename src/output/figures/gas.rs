@@ -49,7 +49,7 @@ pub fn gas(profile: &Profile, height: f64) -> Vec<Figure> {
 /// Profiles of several gases between walls at y = 0 and y = `height` [m]. The horizontal axis is the logarithm of the
 /// distance from the wall, up to the middle of the channel. `None` for fewer than two gases.
 pub fn gases(profiles: &[(String, Profile)], height: f64) -> Option<Figure> {
-    /// [-] distance from the wall, over the height, at which the curves begin: half the radius of the smallest sphere
+    /// [-] distance from the wall, divided by the width of the channel, at which the curves begin: half the radius of the smallest sphere
     /// of a channel.
     const NEAREST: f64 = 2.5e-3;
     if profiles.len() < 2 {

@@ -43,7 +43,7 @@ pub(super) struct Cast {
 }
 
 impl Cast {
-    /// Copies these data in the order of the particle store. The writing thread sorts them later.
+    /// Copies the data of a frame in the order of the particle store. The writing thread sorts them later.
     pub(super) fn of(simulation: &Simulation) -> Self {
         let particles = &simulation.particles;
         Self {

@@ -14,8 +14,8 @@ use std::time::Instant;
 pub const STARTS: usize = 8;
 /// Number of samples in a stretch, enough blocks for standard errors.
 pub const SAMPLES: f64 = 60.0;
-/// Averaging time of the case divided by the length of a stretch. With this divisor dozens of runs take minutes if one
-/// run of the case takes seconds.
+/// Averaging time of the case divided by that of a run of the chart (a stretch). A chart needs dozens of runs; with this
+/// number they take minutes if one run of the case takes seconds.
 const PARTS: f64 = 10.0;
 /// Divisor of the averaging time with `--quick`.
 const QUICK_PARTS: f64 = 100.0;
@@ -34,7 +34,7 @@ pub struct Stretch {
     pub experiment: Experiment,
     /// [s] simulated time before the stretch, which is run with the method of the reference.
     pub before: f64,
-    /// [s] window of the case.
+    /// [s] length of the windows (times between two exchanges with the gas) in the case.
     pub window: f64,
 }
 

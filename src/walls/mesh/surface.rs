@@ -8,8 +8,8 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
-/// [-] height of a triangle over its longest edge, below which the triangle counts as degenerate, since rounding would
-/// determine its normal. The rounding of a file in single precision is 6e-8.
+/// [-] height of a triangle divided by its longest edge. A triangle below this number counts as degenerate: its normal
+/// would be due to the rounding of its corners. For a file in single precision this rounding is 6e-8.
 const THINNEST: f64 = 1e-9;
 /// [-] depth of a neighbour's far corner below the plane of a triangle, over the longest edge. At larger depths a
 /// sphere can touch the common edge of both without touching their faces, so the edge is tested. Flatter edges need no

@@ -178,8 +178,8 @@ fn on_edge([from, to]: [Vector3<f64>; 2], flight: &Flight, radius: f64) -> Optio
     (0.0..=length).contains(&place).then_some((time, None))
 }
 
-/// [s] time at which a sphere that falls with gravity touches the straight edge between two points [m], which is
-/// convex. The end points are included: if the sphere touches one, its number is also returned.
+/// [s] time at which a sphere that falls with gravity touches the straight edge between two points [m] of a convex part
+/// of the surface. The end points are included: if the sphere touches one, its number is also returned.
 fn on_bar(ends: [Vector3<f64>; 2], flight: &Flight, radius: f64, until: f64) -> Option<(f64, Option<usize>)> {
     let along = ends[1] - ends[0];
     let share = |point: &Vector3<f64>| ((point - ends[0]).dot(&along) / along.norm_squared()).clamp(0.0, 1.0);

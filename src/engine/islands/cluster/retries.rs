@@ -8,8 +8,9 @@ use crate::engine::islands::batch::Retry;
 const RAISE: f64 = 1.5;
 
 impl Clusters<'_> {
-    /// Applies the changes to all islands of a round. The surroundings of islands are searched again only afterwards,
-    /// so the order of the changes does not matter. Returns one member of each changed island.
+    /// Changes the islands that have to be computed again, each as its [`Retry`] demands. The surroundings of islands
+    /// are searched again only afterwards, so the order of the changes does not matter. Returns one member of each
+    /// changed island.
     pub(super) fn apply_retries(&mut self, retries: Vec<(usize, Retry)>) -> Vec<u32> {
         // members identify the islands, since an island may be united with another one before its change is applied
         let retries: Vec<(u32, Retry)> =
