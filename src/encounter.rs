@@ -268,15 +268,6 @@ impl Couple {
         Some(WallMotion { velocity: wall.surface_velocity(&at_contact), spin: turning.spin })
     }
 
-    /// [rad/s] angular velocity of the wall's surface; 0 for particles and for walls that do not turn.
-    #[inline(always)]
-    pub fn wall_spin(&self, scene: &Scene) -> Vector3<f64> {
-        match self.other {
-            Other::Particle(_) => Vector3::zeros(),
-            Other::Wall(at) => scene.walls[at.wall as usize].spin(),
-        }
-    }
-
     /// Properties of the two bodies on which a contact law depends.
     pub fn bodies(&self, particles: &Particles, scene: &Scene) -> Bodies {
         match self.other {
