@@ -102,21 +102,35 @@ fn answer(place: &Path, seed: u64, shift: f64) -> Option<Answer> {
     judge_files(&arguments).unwrap()
 }
 
+/// Number of pairs with the given answer among `pairs` pairs of series.
+fn answers(pairs: u64, shift: f64, wanted: Answer) -> usize {
+    let place = TempDir::new().unwrap();
+    let is_wanted = |seed: &u64| answer(place.path(), 1000 + seed, shift) == Some(wanted);
+    (0..pairs).into_par_iter().filter(is_wanted).count()
+}
+
 #[test]
 fn wrong_answers_are_as_rare_as_claimed() {
-    let place = TempDir::new().unwrap();
-    let count = |shift: f64, wrong: Answer| {
-        (0..200_u64).into_par_iter().filter(|seed| answer(place.path(), 1000 + seed, shift) == Some(wrong)).count()
-    };
     // of 200 comparisons of equal systems 1 % may be called different; by chance more than 7 are with 0.1 %
-    let different = count(0.0, Answer::Different);
+    let different = answers(200, 0.0, Answer::Different);
     // of 200 systems that differ by the margin 5 % may be called equivalent; by chance more than 21 are with 0.03 %
-    let equivalent = count(0.8, Answer::Equivalent);
+    let equivalent = answers(200, 0.8, Answer::Equivalent);
     println!("{different} of 200 called different, {equivalent} of 200 called equivalent");
     assert!(different <= 7, "{different} of 200 equal systems called different");
     assert!(equivalent <= 21, "{equivalent} of 200 systems called equivalent");
     // the test has power: three margins are always found
-    assert_eq!(count(2.4, Answer::Different), 200);
+    assert_eq!(answers(200, 2.4, Answer::Different), 200);
+}
+
+#[test]
+#[ignore = "a minute: cargo test --test it -- --ignored rates_of_wrong_answers --nocapture"]
+fn rates_of_wrong_answers_of_judge() {
+    const PAIRS: u64 = 3000;
+    let different = answers(PAIRS, 0.0, Answer::Different) as f64 / PAIRS as f64;
+    let equivalent = answers(PAIRS, 0.8, Answer::Equivalent) as f64 / PAIRS as f64;
+    println!("different {:.2} %, equivalent {:.2} %", 100.0 * different, 100.0 * equivalent);
+    // three standard errors of a share above the claimed 1 % and 5 %
+    assert!(different < 0.0155 && equivalent < 0.062, "{different} {equivalent}");
 }
 
 #[test]

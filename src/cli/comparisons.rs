@@ -54,8 +54,8 @@ pub struct JudgeArguments {
     /// names are compared].
     #[arg(long, value_name = "FILE")]
     pub settings: Option<PathBuf>,
-    /// Differences smaller than this margin count as zero; given as 1% or 0.01 of the scale of each quantity [default:
-    /// that of --settings, or 1%].
+    /// Differences smaller than this margin count as zero; given as 1% or 0.01 of the scale of each quantity [-]
+    /// [default: that of --settings, or 1%].
     #[arg(long, value_name = "SHARE", value_parser = relative_error)]
     pub margin: Option<f64>,
     /// Also gives the answer by the exit code: 0 if all are equivalent, 3 if some are different, 4 if some are

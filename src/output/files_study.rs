@@ -46,6 +46,8 @@ pub struct FilesStudy<'a> {
     pub provenance: &'a Provenance,
     /// Names of both sides.
     pub names: &'a [String; 2],
+    /// Paths of the files of both sides.
+    pub paths: &'a [String; 2],
     /// Quantities in the order of the settings.
     pub quantities: &'a [FilesQuantity],
     /// Answers in sentences; they are at the top of the page.

@@ -16,7 +16,7 @@ pub fn write_files_study(folder: &Folder, study: &FilesStudy) -> Result<PathBuf,
     let mut body = vec![
         Block::Figures(0..figures.len()),
         Block::heading("Data of both sides"),
-        Block::entries([("A", study.names[0].clone()), ("B, the reference", study.names[1].clone())]),
+        Block::entries([("A", study.paths[0].clone()), ("B, the reference", study.paths[1].clone())]),
         Block::table(
             "quantity | unit | side | column | files | samples | mean ± 1 SE | averaged from | correlation time | drift [SE] | steady",
             study.quantities.iter().flat_map(rows),
@@ -41,7 +41,7 @@ pub fn write_files_study(folder: &Folder, study: &FilesStudy) -> Result<PathBuf,
         tables: vec![("judge.csv".into(), files_study::table(study.quantities)?)],
         figures,
     };
-    let numbers = json!({ "sides": study.names, "quantities": study.quantities, "comparisons": study.comparisons });
+    let numbers = json!({ "sides": study.names, "files": study.paths, "quantities": study.quantities, "comparisons": study.comparisons });
     document.write(folder, numbers)
 }
 

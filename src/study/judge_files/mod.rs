@@ -30,18 +30,22 @@ pub fn judge_files(args: &JudgeArguments) -> Result<Option<Answer>, StudyError> 
     let mut sources = Sources::default();
     let (file, text) = JudgeFile::read(args.settings.as_deref(), &mut sources)?;
     let place = args.settings.as_deref().and_then(Path::parent).unwrap_or(Path::new(""));
-    let sides = [
+    let mut sides = [
         JudgeSide::read(args.a.as_deref(), &file.a, place, 'a', &mut sources)?,
         JudgeSide::read(args.b.as_deref(), &file.b, place, 'b', &mut sources)?,
     ];
+    if sides[0].name == sides[1].name {
+        sides.iter_mut().for_each(|side| side.name = side.paths.join(", "));
+    }
     let margin = args.margin.or(file.margin.as_ref().map(|margin| margin.value.0)).unwrap_or(MARGIN);
     let (columns, mut notes) = compared_columns(&file, margin, &sides, &sources)?;
     let measured: Vec<MeasuredQuantity> =
         columns.iter().map(|one| measure(one, &sides, &sources)).collect::<Result<_, _>>()?;
-    let names = [sides[0].name.clone(), sides[1].name.clone()];
+    let names = [&sides[0], &sides[1]].map(|side| side.name.clone());
+    let paths = [&sides[0], &sides[1]].map(|side| side.paths.join(", "));
     let comparisons = verdicts(&measured, &names);
     notes.extend(remarks(&measured, &sides));
-    let folder = folder(&args.output, &first_file(args, &names[0]), "judge")?;
+    let folder = folder(&args.output, &first_file(&sides[0]), "judge")?;
     let sentences: Vec<String> = comparisons.iter().map(|one| one.sentence.clone()).collect();
     let quantities: Vec<FilesQuantity> = measured.into_iter().map(|one| one.summary).collect();
     let study = FilesStudy {
@@ -53,6 +57,7 @@ pub fn judge_files(args: &JudgeArguments) -> Result<Option<Answer>, StudyError> 
             scene: String::new(),
         },
         names: &names,
+        paths: &paths,
         quantities: &quantities,
         verdicts: &sentences,
         comparisons: &comparisons,
@@ -65,10 +70,10 @@ pub fn judge_files(args: &JudgeArguments) -> Result<Option<Answer>, StudyError> 
     Ok(overall(&comparisons))
 }
 
-/// Path after which the folder of results is named.
-fn first_file(args: &JudgeArguments, name: &str) -> PathBuf {
-    let first = args.a.as_deref().unwrap_or(name).split([',', ':']).next().unwrap_or(name);
-    Path::new(first).to_owned()
+/// Path after which the folder of results is named: the first file, without the name of a variant.
+fn first_file(side: &JudgeSide) -> PathBuf {
+    let first = side.paths.first().map_or("", String::as_str);
+    first.split(':').next().unwrap_or(first).into()
 }
 
 /// Verdicts on all quantities. Quantities of one margin and one kind of data are tested together. The level of each such

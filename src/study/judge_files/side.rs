@@ -24,6 +24,8 @@ const SPACING: f64 = 1e-3;
 pub struct JudgeSide {
     /// Name in sentences.
     pub name: String,
+    /// Paths of all files, as they were given.
+    pub paths: Vec<String>,
     /// Series or points of the side.
     pub data: SideData,
 }
@@ -93,10 +95,10 @@ impl JudgeSide {
         }
         let tables: Vec<NumberTable> =
             names.iter().map(|name| NumberTable::read(name, sources)).collect::<Result<_, _>>()?;
-        let name = file.name.clone().unwrap_or_else(|| match &names[..] {
-            [one] => one.clone(),
-            [first, rest @ ..] => format!("{first} and {} more", rest.len()),
-            [] => String::new(),
+        let name = file.name.clone().unwrap_or_else(|| {
+            let first =
+                Path::new(&names[0]).file_name().map_or(names[0].as_str().into(), |name| name.to_string_lossy());
+            if names.len() == 1 { first.into_owned() } else { format!("{first} and {} more", names.len() - 1) }
         });
         let is_points = |table: &NumberTable| table.column("value").is_some() && table.column_of_times(file).is_none();
         let data = if let Some(table) = tables.iter().find(|table| is_points(table)) {
@@ -109,7 +111,7 @@ impl JudgeSide {
         } else {
             SideData::Series(SeriesFiles::of(tables, file, sources)?)
         };
-        Ok(Self { name, data })
+        Ok(Self { name, paths: names, data })
     }
 }
 
