@@ -36,8 +36,8 @@ pub use chart::{
     cheapest,
 };
 pub use documents::{
-    PlanDocument, chart_answers, limits_answers, plan_json, plan_text, sweep_verdicts, write_chart, write_files_study, write_impact,
-    write_limits, write_part, write_sensitivity, write_sensitivity_part, write_study, write_sweep,
+    PlanDocument, chart_answers, limits_answers, plan_json, plan_text, sweep_verdicts, write_chart, write_files_study,
+    write_impact, write_limits, write_part, write_sensitivity, write_sensitivity_part, write_study, write_sweep,
 };
 pub use files::{ASIDE, CHECKPOINT, COMMAND, FIGURES, Folder, SUMMARY, put};
 pub use files_study::{FilesQuantity, FilesStudy, SideSummary};
