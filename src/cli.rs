@@ -4,6 +4,10 @@
 //! because clap would print that comment too.
 #![expect(missing_docs, reason = "a doc comment on a group of options would become help text")]
 
+mod comparisons;
+
+pub use comparisons::{Compare, JudgeArguments};
+
 use crate::case::quantity;
 use crate::experiment::Model;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
@@ -27,6 +31,9 @@ pub enum Command {
     Run(Run),
     /// Runs the variants of a case one after the other and compares them; without a [[compare]] list: soft and hard.
     Compare(Compare),
+    /// Compares files of any program: series over time, output of LAMMPS, tables of values with standard errors, and
+    /// folders of results.
+    Judge(JudgeArguments),
     /// Continues a run or a comparison that was stopped or killed; the results do not depend on the interruption.
     Resume(Resume),
     /// Predicts contacts, time steps, rates and costs of a case and recommends an engine; runs only a few seconds of
@@ -262,44 +269,6 @@ fn relative_error(text: &str) -> Result<f64, String> {
         Ok(value) if value > 0.0 && value * unit < 1.0 => Ok(value * unit),
         _ => Err("an error is a share between 0 and 1, such as 1% or 0.01".into()),
     }
-}
-
-/// Arguments of `diptych compare`.
-#[derive(Clone, Debug, Args)]
-pub struct Compare {
-    /// The case file, or the name of a built-in case.
-    pub case: PathBuf,
-    /// Continues the run twice by a fifteenth of its length, with the same settings and with half the step and window,
-    /// and reports the difference; costs about a fifth of the run.
-    #[arg(long)]
-    pub verify: bool,
-    /// Writes the particles at regular intervals for ParaView, OVITO and ASE (trajectory/), such as --every "1 ms";
-    /// the same as --set output.every="1 ms". Windows also end at these times, which may change the last digits of
-    /// results.
-    #[arg(long, value_name = "TIME")]
-    pub every: Option<String>,
-    /// Differences smaller than this margin count as zero; given as 1% or 0.01 of the scale of each observable [-].
-    #[arg(long, value_name = "SHARE", default_value = "1%", value_parser = relative_error)]
-    pub margin: f64,
-    /// Runs replicas of every variant in batches of four and tests the answers after each batch. Stops when every
-    /// answer is "equivalent" or "different", or when --replicas of each (64 if it is not given) are used up. The
-    /// chances of wrong answers hold for all tests together.
-    #[arg(long)]
-    pub until_decided: bool,
-    /// Also gives the answer by the exit code: 0 if all are equivalent, 3 if some are different, 4 if some are
-    /// unresolved and none is different.
-    #[arg(long)]
-    pub exit_code: bool,
-    #[command(flatten)]
-    pub input: Input,
-    #[command(flatten)]
-    pub output: Output,
-    #[command(flatten)]
-    pub effort: Effort,
-    #[command(flatten)]
-    pub keep: Keep,
-    #[command(flatten)]
-    pub repeats: Repeats,
 }
 
 /// Arguments of `diptych resume`.

@@ -40,6 +40,7 @@ mod inputs; // case files, good and bad: what is refused, where, and with which 
 mod instants; // windows end at the requested instants
 mod invariants; // results that must not depend on the view, and rules that hold in any scene
 mod islands; // islands against the classical algorithms
+mod judge; // files of any program: series, output of LAMMPS, tables with errors, messages
 mod keys; // the list of keys: complete, ranges as messages name them, the page up to date, numbers without units
 mod kick; // the tabulated drag kick against the law it is made of
 #[cfg(feature = "lab")]

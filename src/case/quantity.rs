@@ -193,6 +193,23 @@ pub fn parse(text: &str, wanted: Exponents) -> Result<f64, QuantityError> {
     Ok(value)
 }
 
+/// Dimension of a unit such as "mm/s", or of a multiple such as "1e-5 s", and its size in SI.
+///
+/// # Errors
+/// The text contains an unknown unit, or its size is no finite number greater than 0.
+pub fn unit(text: &str) -> Result<(Exponents, f64), QuantityError> {
+    let like = "write a unit such as \"m/s\", or a multiple such as \"1e-5 s\"";
+    let (mantissa, exponent, rest) = split_number(text.trim()).unwrap_or(("1".into(), 0, text.trim()));
+    let unit = parse_unit(rest.trim()).map_err(|message| QuantityError::new(format!("has {message}"), like))?;
+    let power = exponent.saturating_add(i64::from(unit.power));
+    let size = format!("{mantissa}e{power}").parse::<f64>().map_or(f64::NAN, |number| number * unit.factor);
+    if size.is_finite() && size > 0.0 {
+        Ok((unit.exponents, size))
+    } else {
+        Err(QuantityError::new("has no size greater than 0", like))
+    }
+}
+
 /// [SI] value of a text that is a quantity of any dimension with a name; `None` for other texts.
 pub fn value(text: &str) -> Option<f64> {
     DIMENSIONS.iter().find_map(|(dimension, ..)| parse(text, *dimension).ok())

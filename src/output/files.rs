@@ -26,7 +26,7 @@ const REPORT: &str = "report.html";
 
 /// Names of tables that a run may write in addition to [`SUMMARY`]. These files are removed when results are replaced,
 /// so that no file of another run remains.
-const TABLES: [&str; 13] = [
+const TABLES: [&str; 14] = [
     "series.csv",
     "paths.csv",
     "profiles.csv",
@@ -34,6 +34,7 @@ const TABLES: [&str; 13] = [
     "overlaps.csv",
     "state.csv",
     "impact.csv",
+    "judge.csv",
     "oblique.csv",
     "chart.csv",
     "profile.csv",

@@ -14,6 +14,7 @@ mod document;
 mod documents;
 pub mod figures;
 mod files;
+mod files_study;
 mod groups;
 mod html;
 mod impact;
@@ -35,10 +36,11 @@ pub use chart::{
     cheapest,
 };
 pub use documents::{
-    PlanDocument, chart_answers, limits_answers, plan_json, plan_text, sweep_verdicts, write_chart, write_impact,
-    write_limits, write_part, write_sensitivity, write_sensitivity_part, write_study, write_sweep,
+    PlanDocument, chart_answers, limits_answers, plan_json, plan_text, sweep_verdicts, write_chart, write_files_study,
+    write_impact, write_limits, write_part, write_sensitivity, write_sensitivity_part, write_study, write_sweep,
 };
 pub use files::{ASIDE, CHECKPOINT, COMMAND, FIGURES, Folder, SUMMARY, put};
+pub use files_study::{FilesQuantity, FilesStudy, SideSummary};
 pub use groups::references;
 
 pub use impact::{Analytic, Bounce, BounceValues, ImpactStudy, ObliqueCurve, ObliqueStudy, PathPoint};

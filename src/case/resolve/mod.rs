@@ -33,7 +33,8 @@ use nalgebra::Vector3;
 use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
 
-pub(super) use table::{leads_out, read_text};
+pub(super) use table::leads_out;
+pub(crate) use table::read_text;
 use table::{read_bytes, text_of};
 
 /// Choices for a variant that are made outside its tables in the case file.

@@ -1,6 +1,7 @@
 //! Documents of the studies, one file for each study or part of a report.
 
 mod chart;
+mod files_study;
 mod hybrid;
 mod impact;
 mod kinds;
@@ -16,6 +17,7 @@ mod verdict;
 mod work;
 
 pub use chart::{chart_answers, write_chart};
+pub use files_study::write_files_study;
 pub use impact::write_impact;
 pub use limits::{limits_answers, write_limits};
 pub use plan::{PlanDocument, plan_json, plan_text};

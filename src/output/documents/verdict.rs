@@ -12,23 +12,32 @@ pub fn blocks(study: &Study) -> Vec<Block> {
         return Vec::new();
     }
     let mut blocks = vec![answers(study)];
-    for verdict in study.comparisons {
-        let title = format!("“{}” − “{}”", verdict.variant, verdict.reference);
-        blocks.extend([Block::Label(title), Block::note(verdict.reason.clone())]);
-        if let Some(comparison) = &verdict.comparison {
-            let place = if verdict.basis == Basis::Curves { ("at t", "s") } else { ("at y", "m") };
-            let head = format!(
-                "observable | scale | answer | mean ± 1 SE [% of scale] | clearest ± 1 SE [% of scale] | {} | chance | equivalent within | smooth, within | would be seen from",
-                place.0
-            );
-            blocks.push(Block::table(&head, comparison.judged.iter().map(|one| (one.detected, row(one, place.1)))));
-        }
-    }
-    blocks.push(Block::note(
+    study.comparisons.iter().for_each(|verdict| blocks.extend(of_pair(verdict)));
+    blocks.push(legend());
+    blocks
+}
+
+/// Note that explains the columns of [`of_pair`].
+pub fn legend() -> Block {
+    Block::note(
         "SE: standard error. Clearest: the slice or instant that deviates most in its standard error. Chance: of as large a difference between equal systems, \
          for this observable alone; marked rows have a difference at 1 % for all observables together (Holm). Equivalent within: the margin that two one-sided tests at 5 % allow \
          in every slice or at every instant; smooth, within: the same for a difference that is a sum of a few smooth shapes. Would be seen from: the smallest uniform difference that is found in 80 % of cases.",
-    ));
+    )
+}
+
+/// Numbers from which the answer for one pair follows.
+pub fn of_pair(verdict: &Verdict) -> Vec<Block> {
+    let title = format!("“{}” − “{}”", verdict.variant, verdict.reference);
+    let mut blocks = vec![Block::Label(title), Block::note(verdict.reason.clone())];
+    if let Some(comparison) = &verdict.comparison {
+        let place = if verdict.basis == Basis::Curves { ("at t", "s") } else { ("at y", "m") };
+        let head = format!(
+            "observable | scale | answer | mean ± 1 SE [% of scale] | clearest ± 1 SE [% of scale] | {} | chance | equivalent within | smooth, within | would be seen from",
+            place.0
+        );
+        blocks.push(Block::table(&head, comparison.judged.iter().map(|one| (one.detected, row(one, place.1)))));
+    }
     blocks
 }
 

@@ -8,6 +8,7 @@ mod bounces;
 mod budgets;
 mod cells;
 mod chart;
+mod files_study;
 mod gas;
 mod geometry;
 mod impacts;
@@ -22,6 +23,7 @@ mod work_precision;
 
 pub use bounces::{normal_velocity, overlap_in_time, slip_after};
 pub use budgets::budgets;
+pub use files_study::files_study;
 pub use gas::{gas, gases};
 pub use geometry::geometry;
 pub(super) use impacts::ROUNDING;

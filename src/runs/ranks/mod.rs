@@ -134,9 +134,9 @@ impl Ranks {
     ///
     /// # Errors
     /// The error of the work, or the error of a process that could not begin.
-    pub fn by_lead(&self, work: impl FnOnce() -> Result<(), StudyError>) -> Result<(), StudyError> {
+    pub fn by_lead<T: Default>(&self, work: impl FnOnce() -> Result<T, StudyError>) -> Result<T, StudyError> {
         self.agree(Ok(()), |()| 0)?;
-        if self.is_lead() { work() } else { Ok(()) }
+        if self.is_lead() { work() } else { Ok(T::default()) }
     }
 
     /// Checks with the other processes that all have equal work; `mark` computes its checksum. Every process must call

@@ -11,7 +11,7 @@ mod shifts;
 mod words;
 
 pub use shifts::{ShiftReference, Shifts, widened};
-pub use words::{in_prose, margin as margin_in_words, not_steady};
+pub use words::{answer as answer_in_words, in_prose, margin as margin_in_words, not_steady, pair};
 
 use super::trust::softness;
 use crate::experiment::Amount;
@@ -21,7 +21,7 @@ use crate::output::{Basis, Verdict, cost, references};
 use crate::schedule::Schedule;
 use crate::statistics::{Answer, Comparison, ErrorLevels, compare};
 use crate::study::replicas::FROZEN;
-use words::{pair, percent};
+use words::percent;
 
 /// [s] wall time below which the ratio of two wall times is not meaningful. Work that is done once, such as the first
 /// search for neighbours and the start of threads, takes milliseconds.

@@ -51,7 +51,7 @@ pub fn in_prose(name: &str) -> String {
     }
 }
 
-/// Answer of a comparison of averages or curves in words. `across` is the unit of the positions, m or s. `needed`
+/// Answer of a comparison of averages or curves in words. `across` is the unit of the positions, m or s, or empty if single numbers are compared. `needed`
 /// returns a description of a run that is longer by a given factor, with which the comparison would be decided.
 pub fn answer(comparison: &Comparison, across: &str, needed: impl Fn(f64) -> String) -> String {
     match comparison.answer {
@@ -61,16 +61,20 @@ pub fn answer(comparison: &Comparison, across: &str, needed: impl Fn(f64) -> Str
     }
 }
 
-/// Phrase for a statement that holds at all positions.
+/// Phrase for a statement that holds at all positions; empty if there are none.
 fn anywhere(across: &str) -> &'static str {
-    if across == "s" { "at any instant compared" } else { "in any slice" }
+    match across {
+        "" => "",
+        "s" => " at any instant compared",
+        _ => " in any slice",
+    }
 }
 
 fn equivalent(comparison: &Comparison, across: &str) -> String {
     let widest = comparison.judged.iter().max_by(|a, b| a.reached.total_cmp(&b.reached));
     let widest = widest.filter(|one| one.reached > 0.0).map_or("no difference at all".into(), |one| {
         let (reached, of) = (percent(one.reached), one.tested.scale_is);
-        format!("no difference beyond {reached} of {of} {} (in {})", anywhere(across), in_prose(&one.tested.name))
+        format!("no difference beyond {reached} of {of}{} (in {})", anywhere(across), in_prose(&one.tested.name))
     });
     let found = comparison.detected().first().map_or(String::new(), |one| {
         format!(" A difference is seen, of {}: it is within the margin.", size(one, across))
@@ -135,14 +139,14 @@ fn unresolved(comparison: &Comparison, across: &str, needed: &impl Fn(f64) -> St
         format!("If they are equal, about {} would show them equivalent within {limit}.", needed(stretch))
     };
     let smooth = comparison.judged.iter().map(|one| one.reached_smooth).fold(0.0, f64::max);
-    let smooth = if smooth < comparison.margin {
+    let smooth = if smooth < comparison.margin && !across.is_empty() {
         format!(" Differences that are smooth or uniform are below {} {}.", percent(smooth), "of each scale")
     } else {
         String::new()
     };
     let blindest = comparison.judged.iter().max_by(|a, b| a.detectable.total_cmp(&b.detectable)).unwrap_or(worst);
     format!(
-        "unresolved: no difference is seen beyond the margin, and the smallest smooth one that these runs could see is {} of {} (in {}); one of up to {} of {} may be left {} (in {}).{smooth} {advice}",
+        "unresolved: no difference is seen beyond the margin, and the smallest smooth one that these runs could see is {} of {} (in {}); one of up to {} of {} may be left{} (in {}).{smooth} {advice}",
         percent(blindest.detectable),
         blindest.tested.scale_is,
         in_prose(&blindest.tested.name),

@@ -1,0 +1,67 @@
+//! Arguments of the commands that compare two sides: runs of a case, or files.
+
+use super::{Effort, Input, Keep, Output, Repeats, relative_error};
+use clap::Args;
+use std::path::PathBuf;
+
+/// Arguments of `diptych compare`.
+#[derive(Clone, Debug, Args)]
+pub struct Compare {
+    /// The case file, or the name of a built-in case.
+    pub case: PathBuf,
+    /// Continues the run twice by a fifteenth of its length, with the same settings and with half the step and window,
+    /// and reports the difference; costs about a fifth of the run.
+    #[arg(long)]
+    pub verify: bool,
+    /// Writes the particles at regular intervals for ParaView, OVITO and ASE (trajectory/), such as --every "1 ms";
+    /// the same as --set output.every="1 ms". Windows also end at these times, which may change the last digits of
+    /// results.
+    #[arg(long, value_name = "TIME")]
+    pub every: Option<String>,
+    /// Differences smaller than this margin count as zero; given as 1% or 0.01 of the scale of each observable [-].
+    #[arg(long, value_name = "SHARE", default_value = "1%", value_parser = relative_error)]
+    pub margin: f64,
+    /// Runs replicas of every variant in batches of four and tests the answers after each batch. Stops when every
+    /// answer is "equivalent" or "different", or when --replicas of each (64 if it is not given) are used up. The
+    /// chances of wrong answers hold for all tests together.
+    #[arg(long)]
+    pub until_decided: bool,
+    /// Also gives the answer by the exit code: 0 if all are equivalent, 3 if some are different, 4 if some are
+    /// unresolved and none is different.
+    #[arg(long)]
+    pub exit_code: bool,
+    #[command(flatten)]
+    pub input: Input,
+    #[command(flatten)]
+    pub output: Output,
+    #[command(flatten)]
+    pub effort: Effort,
+    #[command(flatten)]
+    pub keep: Keep,
+    #[command(flatten)]
+    pub repeats: Repeats,
+}
+
+/// Arguments of `diptych judge`.
+#[derive(Clone, Debug, Args)]
+pub struct JudgeArguments {
+    /// First side: a CSV file, a log or a `fix ave/time` file of LAMMPS, or a folder of results (FOLDER:VARIANT for one
+    /// of several variants); replicas are separated by commas [default: the files that --settings names].
+    pub a: Option<String>,
+    /// Second side, the reference, like the first; or a CSV table with the columns value and standard_error.
+    pub b: Option<String>,
+    /// File that names columns, units, start of averaging, curves and margins (judge.toml) [default: columns of equal
+    /// names are compared].
+    #[arg(long, value_name = "FILE")]
+    pub settings: Option<PathBuf>,
+    /// Differences smaller than this margin count as zero; given as 1% or 0.01 of the scale of each quantity [-]
+    /// [default: that of --settings, or 1%].
+    #[arg(long, value_name = "SHARE", value_parser = relative_error)]
+    pub margin: Option<f64>,
+    /// Also gives the answer by the exit code: 0 if all are equivalent, 3 if some are different, 4 if some are
+    /// unresolved and none is different.
+    #[arg(long)]
+    pub exit_code: bool,
+    #[command(flatten)]
+    pub output: Output,
+}

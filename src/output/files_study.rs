@@ -1,0 +1,86 @@
+//! Results of the comparison of files of any program, as plain data for the outputs.
+
+use super::csv::{CsvTable, number};
+use super::{Basis, OutputError, Provenance, Verdict};
+use crate::statistics::{Estimate, Steadiness};
+use serde::Serialize;
+
+/// Data of one side of a quantity.
+#[derive(Clone, Debug, Serialize)]
+pub struct SideSummary {
+    /// Name of the column, or label of the point.
+    pub column: String,
+    /// Number of files (replicas).
+    pub files: usize,
+    /// Number of samples of all files.
+    pub samples: usize,
+    /// Average from the start of averaging on; `None` if there is none.
+    pub mean: Option<Estimate>,
+    /// [s] start of averaging, or in the unit of the times if that is not known; `None` for a point.
+    pub from: Option<f64>,
+    /// [s] integral correlation time, or in the unit of the times if that is not known; `None` if it is unknown.
+    pub correlation_time: Option<f64>,
+    /// Result of the test for a steady state; `None` for a point.
+    pub steadiness: Option<Steadiness>,
+}
+
+/// Quantity that is compared between two sides.
+#[derive(Clone, Debug, Serialize)]
+pub struct FilesQuantity {
+    /// Name in sentences.
+    pub name: String,
+    /// SI unit; empty if the settings give none.
+    pub unit: String,
+    /// [-] margin over the scale of the quantity.
+    pub margin: f64,
+    /// Kind of data by which the sides are compared.
+    pub basis: Basis,
+    /// Both sides; the second is the reference.
+    pub sides: [SideSummary; 2],
+}
+
+/// All data of a comparison of files for its outputs.
+#[derive(Clone, Copy, Debug)]
+pub struct FilesStudy<'a> {
+    /// Origin of the results: title, settings and command.
+    pub provenance: &'a Provenance,
+    /// Names of both sides.
+    pub names: &'a [String; 2],
+    /// Paths of the files of both sides.
+    pub paths: &'a [String; 2],
+    /// Quantities in the order of the settings.
+    pub quantities: &'a [FilesQuantity],
+    /// Answers in sentences; they are at the top of the page.
+    pub verdicts: &'a [String],
+    /// Tests of the quantities, one entry for each margin and kind of data.
+    pub comparisons: &'a [Verdict],
+    /// Remarks on how far the numbers are reliable, one sentence each.
+    pub notes: &'a [String],
+}
+
+/// Contents of `judge.csv`: two rows for each quantity, one for each side. Means and errors are in the unit of the
+/// quantity, times in s or in the unit of the column of times.
+///
+/// # Errors
+/// [`OutputError::Csv`] if a row cannot be encoded.
+pub(super) fn table(quantities: &[FilesQuantity]) -> Result<Vec<u8>, OutputError> {
+    let mut table = CsvTable::new();
+    table.head("quantity,unit,side,column,files,samples,mean,mean_se,averaged_from,correlation_time,drift,steady")?;
+    for quantity in quantities {
+        for (side, letter) in quantity.sides.iter().zip(["A", "B"]) {
+            let steadiness = side.steadiness;
+            let names = [quantity.name.as_str(), &quantity.unit, letter, &side.column].map(str::to_owned);
+            let counts = [side.files, side.samples].map(|count| count.to_string());
+            let numbers = [
+                side.mean.map(|mean| mean.value),
+                side.mean.and_then(|mean| mean.error),
+                side.from,
+                side.correlation_time,
+                steadiness.and_then(|steadiness| steadiness.drift),
+            ];
+            let steady = steadiness.map_or(String::new(), |steadiness| steadiness.steady.to_string());
+            table.row(names.into_iter().chain(counts).chain(numbers.map(number)).chain([steady]))?;
+        }
+    }
+    table.bytes()
+}

@@ -1,0 +1,158 @@
+//! `diptych judge`: compares two sides whose data are files of any program, with the tests of `compare`.
+
+mod pairs;
+mod quantity;
+mod settings;
+mod side;
+mod table;
+
+use super::judge::{answer_in_words, pair};
+use crate::case::Sources;
+use crate::cli::JudgeArguments;
+use crate::output::numbers::significant;
+use crate::output::{Basis, FilesQuantity, FilesStudy, Provenance, Verdict, overall, write_files_study};
+use crate::runs::{StudyError, command_line, conclude, folder};
+use crate::statistics::{Answer, ErrorLevels, Estimate, Observable, compare};
+use pairs::compared_columns;
+use quantity::{MeasuredQuantity, measure};
+use settings::JudgeFile;
+use side::{JudgeSide, SideData};
+use std::path::{Path, PathBuf};
+
+/// [-] margin if neither the command line nor the settings give one.
+const MARGIN: f64 = 0.01;
+
+/// Compares two sides and writes the report to one folder. Returns the answer of all quantities together.
+///
+/// # Errors
+/// Bad input, before anything is written; afterwards a file that cannot be written.
+pub fn judge_files(args: &JudgeArguments) -> Result<Option<Answer>, StudyError> {
+    let mut sources = Sources::default();
+    let (file, text) = JudgeFile::read(args.settings.as_deref(), &mut sources)?;
+    let place = args.settings.as_deref().and_then(Path::parent).unwrap_or(Path::new(""));
+    let mut sides = [
+        JudgeSide::read(args.a.as_deref(), &file.a, place, 'a', &mut sources)?,
+        JudgeSide::read(args.b.as_deref(), &file.b, place, 'b', &mut sources)?,
+    ];
+    if sides[0].name == sides[1].name {
+        sides.iter_mut().for_each(|side| side.name = side.paths.join(", "));
+    }
+    let margin = args.margin.or(file.margin.as_ref().map(|margin| margin.value.0)).unwrap_or(MARGIN);
+    let (columns, mut notes) = compared_columns(&file, margin, &sides, &sources)?;
+    let measured: Vec<MeasuredQuantity> =
+        columns.iter().map(|one| measure(one, &sides, &sources)).collect::<Result<_, _>>()?;
+    let names = [&sides[0], &sides[1]].map(|side| side.name.clone());
+    let paths = [&sides[0], &sides[1]].map(|side| side.paths.join(", "));
+    let comparisons = verdicts(&measured, &names);
+    notes.extend(remarks(&measured, &sides));
+    let folder = folder(&args.output, &first_file(&sides[0]), "judge")?;
+    let sentences: Vec<String> = comparisons.iter().map(|one| one.sentence.clone()).collect();
+    let quantities: Vec<FilesQuantity> = measured.into_iter().map(|one| one.summary).collect();
+    let study = FilesStudy {
+        provenance: &Provenance {
+            title: format!("{} against {}", names[0], names[1]),
+            case_path: args.settings.as_ref().map_or(String::new(), |path| path.display().to_string()),
+            case_text: text,
+            command: command_line(),
+            scene: String::new(),
+        },
+        names: &names,
+        paths: &paths,
+        quantities: &quantities,
+        verdicts: &sentences,
+        comparisons: &comparisons,
+        notes: &notes,
+    };
+    let report = write_files_study(&folder, &study)?;
+    if !args.output.quiet {
+        conclude(&sentences, "Report", &report);
+    }
+    Ok(overall(&comparisons))
+}
+
+/// Path after which the folder of results is named: the first file, without the name of a variant.
+fn first_file(side: &JudgeSide) -> PathBuf {
+    let first = side.paths.first().map_or("", String::as_str);
+    first.split(':').next().unwrap_or(first).into()
+}
+
+/// Verdicts on all quantities. Quantities of one margin and one kind of data are tested together. The level of each such
+/// test is its share of the quantities, so that the chance of any false difference holds for all tests together.
+fn verdicts(measured: &[MeasuredQuantity], names: &[String; 2]) -> Vec<Verdict> {
+    let key = |one: &MeasuredQuantity| (one.summary.basis, one.summary.margin);
+    let mut keys: Vec<(Basis, f64)> = Vec::new();
+    for one in measured {
+        if !keys.contains(&key(one)) {
+            keys.push(key(one));
+        }
+    }
+    let one = |wanted: (Basis, f64)| {
+        let group: Vec<&MeasuredQuantity> = measured.iter().filter(|one| key(one) == wanted).collect();
+        verdict(&group, names, group.len() as f64 / measured.len() as f64)
+    };
+    keys.into_iter().map(one).collect()
+}
+
+/// Verdict on quantities of one margin and one kind of data. `share` [-] is their share of all quantities.
+fn verdict(group: &[&MeasuredQuantity], names: &[String; 2], share: f64) -> Verdict {
+    let (basis, margin) = (group[0].summary.basis, group[0].summary.margin);
+    let observables = [0, 1].map(|k| -> Vec<Observable> {
+        group.iter().filter_map(|one| one.observables.as_ref().map(|both| both[k].clone())).collect()
+    });
+    let quantities: Vec<&str> = group.iter().map(|one| one.summary.name.as_str()).collect();
+    let levels = ErrorLevels { difference: share * ErrorLevels::default().difference, ..ErrorLevels::default() };
+    let (across, reason) = match basis {
+        Basis::Averages => ("", "Both sides are steady while they are averaged, or are stated: averages are compared."),
+        Basis::Curves => ("s", "Curves over time are compared, with errors from the scatter between files."),
+        Basis::Paths | Basis::Nothing => ("", "Nothing could be compared."),
+    };
+    let comparison = (basis != Basis::Nothing).then(|| compare(&observables[0], &observables[1], margin, levels));
+    let needed = |stretch: f64| match basis {
+        Basis::Curves => format!("{} times as many files of each", significant(stretch, 2)),
+        _ => format!("{} times as much of each", significant(stretch, 2)),
+    };
+    let sentence = match &comparison {
+        Some(comparison) => answer_in_words(comparison, across, needed),
+        None => format!("unresolved: {} ({}).", group[0].remark, quantities.join(", ")),
+    };
+    Verdict {
+        variant: names[0].clone(),
+        reference: names[1].clone(),
+        answer: comparison.as_ref().map_or(Answer::Unresolved, |comparison| comparison.answer),
+        basis,
+        sentence: format!("{} {sentence}", pair(&names[0], &names[1])),
+        reason: reason.into(),
+        margin,
+        comparison,
+        further: Vec::new(),
+    }
+}
+
+/// Remarks on the data: missing errors, values near zero, reasons why curves are compared.
+fn remarks(measured: &[MeasuredQuantity], sides: &[JudgeSide; 2]) -> Vec<String> {
+    let mut remarks = Vec::new();
+    for (k, side) in sides.iter().enumerate() {
+        let lacking = measured.iter().filter(|one| one.summary.sides[k].mean.is_some_and(|mean| mean.error.is_none()));
+        let lacking: Vec<&str> = lacking.map(|one| one.summary.name.as_str()).collect();
+        if !lacking.is_empty() {
+            let why = match &side.data {
+                SideData::Points(_) => "states no standard error",
+                SideData::Series(_) => "has too few samples for a standard error",
+            };
+            let names = lacking.join(", ");
+            remarks.push(format!("\"{}\" {why} of {names}: without one nothing is shown equivalent.", side.name));
+        }
+    }
+    for one in measured {
+        let [_, reference] = &one.summary.sides;
+        let near_zero = |mean: &Estimate| mean.error.is_some_and(|error| mean.value.abs() < 2.0 * error);
+        let unscaled = one.observables.as_ref().is_some_and(|both| both[1].scale_is == "its value");
+        if unscaled && reference.mean.as_ref().is_some_and(near_zero) {
+            remarks.push(format!("{}: the reference is zero within its error, so that its value is no scale; give `scale` in --settings.", one.summary.name));
+        }
+        if !one.remark.is_empty() {
+            remarks.push(format!("{}: {}.", one.summary.name, one.remark));
+        }
+    }
+    remarks
+}

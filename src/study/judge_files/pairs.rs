@@ -1,0 +1,148 @@
+//! Pairs of columns that are compared: those that the settings name, or all columns of equal names.
+
+use super::settings::{JudgeFile, JudgedAs, QuantityFile};
+use super::side::{JudgeSide, MeasuredPoint, SideData};
+use crate::case::de::Located;
+use crate::case::{Diagnostic, Sources, nearest};
+use crate::legible::quote;
+
+/// Quantity of both sides that is compared.
+pub struct ComparedColumns {
+    /// Name in sentences.
+    pub name: String,
+    /// Columns of both sides, or labels of their points.
+    pub columns: [String; 2],
+    /// Sizes of the units of both columns, in the unit of the comparison.
+    pub factors: [f64; 2],
+    /// SI unit of the comparison; empty if no unit is given.
+    pub unit: String,
+    /// Kind of comparison; `None`: averages if both sides are steady, else curves.
+    pub compare: Option<JudgedAs>,
+    /// [-] margin over the scale.
+    pub margin: f64,
+    /// Scale of differences, in the unit of the comparison; `None`: from the second side.
+    pub scale: Option<f64>,
+}
+
+/// Pairs of columns of a comparison, and notes about columns that are left out.
+///
+/// # Errors
+/// A column that the settings name does not exist, units do not agree, or the sides have no column in common.
+pub fn compared_columns(
+    file: &JudgeFile,
+    margin: f64,
+    sides: &[JudgeSide; 2],
+    sources: &Sources,
+) -> Result<(Vec<ComparedColumns>, Vec<String>), Diagnostic> {
+    if file.quantities.is_empty() {
+        return equal_names(margin, sides);
+    }
+    let mut all: Vec<ComparedColumns> = Vec::new();
+    for one in &file.quantities {
+        let columns = named(one, margin, sides, sources)?;
+        if all.iter().any(|other| other.name == columns.name) {
+            let message = format!("`{}`: there are two quantities \"{}\"", one.path, quote(&columns.name));
+            return Err(sources.error(&one.origin, message).help("give each its own `name`"));
+        }
+        all.push(columns);
+    }
+    Ok((all, Vec::new()))
+}
+
+/// Columns of one table `[[quantities]]`.
+fn named(
+    one: &Located<QuantityFile>,
+    margin: f64,
+    sides: &[JudgeSide; 2],
+    sources: &Sources,
+) -> Result<ComparedColumns, Diagnostic> {
+    let quantity = &one.value;
+    let (factors, unit) = quantity.units(one, sources)?;
+    for (side, column) in sides.iter().zip([&quantity.a, &quantity.b]) {
+        if let Some((file, help)) = lacking(side, &column.value) {
+            let message = format!("`{}`: {file} has no column or point `{}`", column.path, quote(&column.value));
+            return Err(sources.error(&column.origin, message).help(help));
+        }
+    }
+    Ok(ComparedColumns {
+        name: quantity.name.clone().unwrap_or_else(|| quantity.b.value.clone()),
+        columns: [&quantity.a, &quantity.b].map(|column| column.value.clone()),
+        factors,
+        unit,
+        compare: quantity.compare,
+        margin: quantity.margin.as_ref().map_or(margin, |margin| margin.value.0),
+        scale: quantity.scale.as_ref().map(|scale| scale.value),
+    })
+}
+
+/// File of a side without a column or point of this name, and the names that it has; `None` if no file lacks it.
+fn lacking(side: &JudgeSide, name: &str) -> Option<(String, String)> {
+    match &side.data {
+        SideData::Series(series) => {
+            let lacking = series.replicas.iter().find(|one| one.table.column(name).is_none())?;
+            Some((format!("`{}`", lacking.table.name), lacking.table.suggestion(name)))
+        }
+        SideData::Points(points) => {
+            if points.iter().any(|point| point.label == name) {
+                return None;
+            }
+            let labels: Vec<&str> = points.iter().map(|point| point.label.as_str()).take(30).collect();
+            let all = format!("its points: {}", labels.join(", "));
+            let help = nearest(name, &labels).map_or(all.clone(), |known| format!("did you mean `{known}`? ({all})"));
+            Some((format!("`{}`", side.name), help))
+        }
+    }
+}
+
+/// Columns and points of equal names in both sides, without times. Columns with cells that are no numbers are left out
+/// with a note.
+fn equal_names(margin: f64, sides: &[JudgeSide; 2]) -> Result<(Vec<ComparedColumns>, Vec<String>), Diagnostic> {
+    let (first, left_out) = names(&sides[0]);
+    let (second, more) = names(&sides[1]);
+    let common: Vec<&String> = first.iter().filter(|name| second.contains(name)).collect();
+    if common.is_empty() {
+        let message = format!("`{}` and `{}` have no column of numbers with one name", sides[0].name, sides[1].name);
+        let [first, second] = [first, second].map(|names| names.join(", "));
+        let help = format!("name pairs of columns in --settings judge.toml; A has: {first}; B has: {second}");
+        return Err(Diagnostic::about(&sides[1].name, message).help(help));
+    }
+    let one = |name: &String| ComparedColumns {
+        name: name.clone(),
+        columns: [name.clone(), name.clone()],
+        factors: [1.0; 2],
+        unit: String::new(),
+        compare: None,
+        margin,
+        scale: None,
+    };
+    let mut left_out: Vec<String> = left_out.into_iter().chain(more).collect();
+    left_out.dedup();
+    let notes = (!left_out.is_empty())
+        .then(|| format!("Columns with cells that are no numbers are left out: {}.", left_out.join(", ")));
+    Ok((common.into_iter().map(one).collect(), notes.into_iter().collect()))
+}
+
+/// Names of all columns of numbers, or labels of points, of a side, and of the columns that are left out.
+fn names(side: &JudgeSide) -> (Vec<String>, Vec<String>) {
+    match &side.data {
+        SideData::Points(points) => {
+            (points.iter().map(|point: &MeasuredPoint| point.label.clone()).collect(), Vec::new())
+        }
+        SideData::Series(series) => {
+            let Some(first) = series.replicas.first() else { return (Vec::new(), Vec::new()) };
+            const COUNTS: [&str; 4] = ["variant", "Step", "TimeStep", "step"];
+            let in_all = |name: &&String| series.replicas.iter().all(|one| one.table.column(name).is_some());
+            let columns = first.table.columns.iter().enumerate();
+            let wanted =
+                columns.filter(|(k, name)| *k != first.time && !COUNTS.contains(&name.as_str())).map(|(_, name)| name);
+            let numeric = |name: &&String| {
+                series
+                    .replicas
+                    .iter()
+                    .all(|one| one.table.column(name).is_some_and(|column| one.table.is_numeric(column)))
+            };
+            let (kept, others): (Vec<&String>, Vec<&String>) = wanted.filter(in_all).partition(numeric);
+            (kept.into_iter().cloned().collect(), others.into_iter().cloned().collect())
+        }
+    }
+}

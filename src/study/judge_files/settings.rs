@@ -1,0 +1,158 @@
+//! Reads `judge.toml`: files, columns, units, times and margins of a comparison of files.
+
+use crate::case::de::{Located, read};
+use crate::case::quantity::{Exponents, Ratio, dimension_name, si_unit, unit};
+use crate::case::{Diagnostic, Sources, read_text, tree};
+use serde::Deserialize;
+use std::path::Path;
+
+/// Whole file `judge.toml`.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct JudgeFile {
+    /// Margin in common, over the scale of each quantity.
+    pub margin: Option<Located<Ratio>>,
+    /// First side.
+    #[serde(default)]
+    pub a: SideFile,
+    /// Second side, the reference.
+    #[serde(default)]
+    pub b: SideFile,
+    /// Quantities that are compared; empty: all columns of equal names.
+    #[serde(default)]
+    pub quantities: Vec<Located<QuantityFile>>,
+}
+
+/// Tables `[a]` and `[b]`.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SideFile {
+    /// Files of the side, one per replica, relative to the folder of `judge.toml`.
+    pub files: Option<Vec<Located<String>>>,
+    /// Name in sentences.
+    pub name: Option<String>,
+    /// Column of the times.
+    pub time: Option<Located<String>>,
+    /// Unit of the times, such as "ms", or "1e-5 s" for a count of time steps.
+    pub time_unit: Option<Located<String>>,
+    /// Start of averaging, in the unit of the column of times.
+    pub from: Option<Located<f64>>,
+}
+
+/// Table `[[quantities]]`.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct QuantityFile {
+    /// Name in sentences; without it that of the column of B.
+    pub name: Option<String>,
+    /// Column of A, or label of its point.
+    pub a: Located<String>,
+    /// Column of B, or label of its point.
+    pub b: Located<String>,
+    /// Unit of the column of A.
+    pub a_unit: Option<Located<String>>,
+    /// Unit of the column of B.
+    pub b_unit: Option<Located<String>>,
+    /// Kind of comparison; without it averages if both sides are steady, else curves.
+    pub compare: Option<JudgedAs>,
+    /// Margin of this quantity, over its scale.
+    pub margin: Option<Located<Ratio>>,
+    /// Scale of differences, in SI or in the unit of B without one; without it the value of B.
+    pub scale: Option<Located<f64>>,
+}
+
+/// Kind of a comparison of two series.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum JudgedAs {
+    /// Averages over the steady part.
+    Average,
+    /// Curves over time, with errors from replicas.
+    Curve,
+}
+
+impl JudgeFile {
+    /// Reads the file of settings, and returns its text too; without a file, all settings have their defaults.
+    ///
+    /// # Errors
+    /// The file cannot be read, is not TOML, or has an unknown or unsuitable key.
+    pub fn read(path: Option<&Path>, sources: &mut Sources) -> Result<(Self, String), Diagnostic> {
+        let Some(path) = path else { return Ok(Default::default()) };
+        let name = path.display().to_string();
+        let text = read_text(path).map_err(|why| Diagnostic::about(&name, format!("cannot read `{name}`: {why}")))?;
+        let source = sources.add_file(path, text.clone());
+        let tree = tree::parse(&text, source, sources)?;
+        let file: Self = read(&tree).map_err(|why| why.diagnostic(sources))?;
+        let margins = file.quantities.iter().filter_map(|one| one.value.margin.as_ref()).chain(&file.margin);
+        for margin in margins {
+            if !(margin.value.0 > 0.0 && margin.value.0 < 1.0) {
+                let message = format!("`{}` = {} is no margin", margin.path, sources.typed(&margin.origin));
+                return Err(sources
+                    .error(&margin.origin, message)
+                    .help("a margin is a share between 0 and 1, such as \"1 %\""));
+            }
+        }
+        for scale in file.quantities.iter().filter_map(|one| one.value.scale.as_ref()) {
+            if !(scale.value > 0.0 && scale.value.is_finite()) {
+                let message = format!("`{}` = {} is no scale", scale.path, sources.typed(&scale.origin));
+                return Err(sources.error(&scale.origin, message).help("a scale is a number greater than 0"));
+            }
+        }
+        Ok((file, text.to_string()))
+    }
+}
+
+impl SideFile {
+    /// Size of the unit of times [s]; `None` if no unit is given.
+    ///
+    /// # Errors
+    /// The unit is not one of time.
+    pub fn time_factor(&self, sources: &Sources) -> Result<Option<f64>, Diagnostic> {
+        let Some(given) = &self.time_unit else { return Ok(None) };
+        match size(given, sources)? {
+            ([0, 0, 1], factor) => Ok(Some(factor)),
+            (other, _) => {
+                let message = format!(
+                    "`{}` = \"{}\" is {}, but a time belongs here",
+                    given.path,
+                    given.value,
+                    dimension_name(other)
+                );
+                Err(sources.error(&given.origin, message).help("write \"s\", or \"1e-5 s\" for steps of this length"))
+            }
+        }
+    }
+}
+
+impl QuantityFile {
+    /// Sizes of the units of both columns in SI, and the SI unit. Without units the sizes are 1 and the unit is empty.
+    ///
+    /// # Errors
+    /// One side has a unit and the other has none, or the dimensions differ.
+    pub fn units(&self, origin: &Located<Self>, sources: &Sources) -> Result<([f64; 2], String), Diagnostic> {
+        let (a, b) = match (&self.a_unit, &self.b_unit) {
+            (None, None) => return Ok(([1.0; 2], String::new())),
+            (Some(a), Some(b)) => (a, b),
+            (Some(_), None) | (None, Some(_)) => {
+                let message = format!("`{}` has a unit for one side only", origin.path);
+                return Err(sources.error(&origin.origin, message).help("give both `a_unit` and `b_unit`, or neither"));
+            }
+        };
+        let [first, second] = [size(a, sources)?, size(b, sources)?];
+        if first.0 != second.0 {
+            let (wanted, found) = (dimension_name(first.0), dimension_name(second.0));
+            let message =
+                format!("`{}` = \"{}\" is {found}, but `{}` = \"{}\" is {wanted}", b.path, b.value, a.path, a.value);
+            return Err(sources.error(&b.origin, message).help("both sides need units of one dimension"));
+        }
+        Ok(([first.1, second.1], si_unit(first.0)))
+    }
+}
+
+/// Dimension of a unit and its size in SI.
+fn size(given: &Located<String>, sources: &Sources) -> Result<(Exponents, f64), Diagnostic> {
+    unit(&given.value).map_err(|why| {
+        let error = sources.error(&given.origin, format!("`{}` = \"{}\" {}", given.path, given.value, why.message));
+        error.help(why.help.unwrap_or_else(|| "write a unit such as \"m/s\"".into()))
+    })
+}

@@ -1,0 +1,303 @@
+//! Reads tables of numbers that any program wrote: CSV, thermo output of LAMMPS, and files of its `fix ave/time`.
+
+use crate::case::{Diagnostic, Origin, Sources, nearest, read_text};
+use crate::legible::quote;
+use std::collections::BTreeMap;
+use std::ops::Range;
+use std::path::Path;
+
+/// File of a folder of results that contains averages over time.
+const SERIES: &str = "series.csv";
+
+/// Largest number of names that a message lists.
+const LISTED: usize = 30;
+
+/// Table of numbers from a file, with the position of each row for messages.
+pub struct NumberTable {
+    /// Path of the file, as it is shown.
+    pub name: String,
+    /// Names of the columns, in the order of the file.
+    pub columns: Vec<String>,
+    /// True if the file is output of LAMMPS.
+    pub is_lammps: bool,
+    /// Index of the text in the list of sources.
+    source: usize,
+    /// Numbers of each column; not-a-number for a cell that contains none.
+    numbers: Vec<Vec<f64>>,
+    /// Cells that contain no number, by row and column.
+    texts: BTreeMap<(usize, usize), String>,
+    /// Range of bytes of each row in the text.
+    lines: Vec<Range<usize>>,
+}
+
+impl NumberTable {
+    /// Reads a file, or `series.csv` of a folder of results. `argument` may have the form `FOLDER:VARIANT`.
+    ///
+    /// # Errors
+    /// The file cannot be read, or is no table.
+    pub fn read(argument: &str, sources: &mut Sources) -> Result<Self, Diagnostic> {
+        let path = Path::new(argument);
+        let split = argument.rsplit_once(':').filter(|(folder, _)| !path.exists() && Path::new(folder).exists());
+        let (place, variant) = split.map_or((argument, None), |(folder, variant)| (folder, Some(variant)));
+        let path = if Path::new(place).is_dir() { Path::new(place).join(SERIES) } else { Path::new(place).to_owned() };
+        let text = read_text(&path).map_err(|why| {
+            Diagnostic::about(path.display().to_string(), format!("cannot read `{}`: {why}", path.display())).help(
+                "a side is a CSV file, output of LAMMPS, or a folder of results; several files are separated by commas",
+            )
+        })?;
+        let source = sources.add_file(&path, text.clone());
+        let mut table = Self {
+            name: argument.to_owned(),
+            columns: Vec::new(),
+            is_lammps: false,
+            source,
+            numbers: Vec::new(),
+            texts: BTreeMap::new(),
+            lines: Vec::new(),
+        };
+        let lines = lines_of(&text);
+        if let Some(header) = lines.iter().rev().find(|line| words(&text[(*line).clone()]).next() == Some("Step")) {
+            table.is_lammps = true;
+            table.thermo(&text, &lines, &text[header.clone()], sources)?;
+        } else if let Some(header) =
+            lines.iter().find(|line| text[(*line).clone()].trim_start().starts_with("# TimeStep"))
+        {
+            table.is_lammps = true;
+            table.averages(&text, &lines, header, sources)?;
+        } else {
+            table.csv(&text, sources)?;
+        }
+        if table.lines.is_empty() {
+            let message = format!("`{argument}` has no row of numbers");
+            return Err(Diagnostic::about(&table.name, message).help("a table has a header and rows of numbers"));
+        }
+        table.of_variant(variant)
+    }
+
+    /// Rows of all blocks of a thermo log that have the header of the last block. A block begins after its header and
+    /// ends at `Loop time`.
+    fn thermo(
+        &mut self,
+        text: &str,
+        lines: &[Range<usize>],
+        header: &str,
+        sources: &Sources,
+    ) -> Result<(), Diagnostic> {
+        self.head(words(header).map(str::to_owned).collect());
+        let wanted: Vec<&str> = words(header).collect();
+        let mut inside = false;
+        for (place, line) in lines.iter().enumerate() {
+            let row = &text[line.clone()];
+            match words(row).next() {
+                Some("Step") => inside = words(row).eq(wanted.iter().copied()),
+                Some("Loop") => inside = false,
+                // warnings of LAMMPS stand between the rows
+                Some(first) if inside && first.parse::<f64>().is_ok() => {
+                    let cells: Vec<String> = words(row).map(str::to_owned).collect();
+                    // the last line of a run that goes on may be incomplete
+                    if cells.len() != wanted.len() && place + 1 == lines.len() {
+                        continue;
+                    }
+                    self.row(&cells, line.clone(), sources)?;
+                }
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+
+    /// Rows of a file of `fix ave/time` for scalars.
+    fn averages(
+        &mut self,
+        text: &str,
+        lines: &[Range<usize>],
+        header: &Range<usize>,
+        sources: &Sources,
+    ) -> Result<(), Diagnostic> {
+        self.head(words(text[header.clone()].trim_start().trim_start_matches('#')).map(str::to_owned).collect());
+        if self.columns.iter().any(|column| column == "Number-of-rows") {
+            let origin = Origin { source: self.source, span: header.clone() };
+            let message = format!("`{}` has several rows for each time (mode vector)", self.name);
+            return Err(sources.error(&origin, message).help("write the wanted entries as scalars, such as `c_1[3]`"));
+        }
+        for line in lines {
+            let row = &text[line.clone()];
+            if !row.trim().is_empty() && !row.trim_start().starts_with('#') {
+                self.row(&words(row).map(str::to_owned).collect::<Vec<_>>(), line.clone(), sources)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Rows of a CSV table. The separator is a comma, or a semicolon or a tab if the header has no comma.
+    fn csv(&mut self, text: &str, sources: &Sources) -> Result<(), Diagnostic> {
+        let header = text.lines().find(|line| !line.trim().is_empty() && !line.starts_with('#')).unwrap_or("");
+        let separator = [',', ';', '\t'].into_iter().find(|c| header.contains(*c)).unwrap_or(',');
+        let mut reader = csv::ReaderBuilder::new()
+            .delimiter(separator as u8)
+            .comment(Some(b'#'))
+            .trim(csv::Trim::All)
+            .flexible(true)
+            .from_reader(text.as_bytes());
+        let start = text.find(header).unwrap_or(0);
+        let whole = Origin { source: self.source, span: start..start + header.len() };
+        let no_table = |why: csv::Error| {
+            sources
+                .error(&whole, format!("`{}` is no table: {why}", self.name))
+                .help("a table has a header and rows of numbers")
+        };
+        let head = reader.headers().map_err(no_table)?.iter().map(str::to_owned).collect::<Vec<_>>();
+        let is_number = |cell: &String| cell.parse::<f64>().is_ok();
+        if head.iter().all(|cell| cell.is_empty()) || head.iter().any(is_number) {
+            let message = format!("`{}` has no header with the names of its columns", self.name);
+            return Err(sources.error(&whole, message).help("write one as the first line, such as `t_s,T_m2_s2`"));
+        }
+        let records: Vec<csv::StringRecord> = reader.records().collect::<Result<_, _>>().map_err(no_table)?;
+        self.head(head);
+        for record in records {
+            let start = record.position().map_or(0, |position| position.byte() as usize);
+            let rest = text.get(start..).unwrap_or("");
+            let start = start + (rest.len() - rest.trim_start_matches(['\n', '\r']).len());
+            let end = text.get(start..).and_then(|rest| rest.find('\n')).map_or(text.len(), |at| start + at);
+            self.row(&record.iter().map(str::to_owned).collect::<Vec<_>>(), start..end, sources)?;
+        }
+        Ok(())
+    }
+
+    fn head(&mut self, columns: Vec<String>) {
+        self.numbers = vec![Vec::new(); columns.len()];
+        self.columns = columns;
+    }
+
+    fn row(&mut self, cells: &[String], line: Range<usize>, sources: &Sources) -> Result<(), Diagnostic> {
+        if cells.len() != self.columns.len() {
+            let (found, wanted) = (cells.len(), self.columns.len());
+            let message = format!("the line has {found} fields where the header has {wanted}");
+            let origin = Origin { source: self.source, span: line };
+            return Err(sources.error(&origin, message).help("one value for each column of the header"));
+        }
+        for (column, cell) in cells.iter().enumerate() {
+            let number = cell.parse::<f64>().ok().filter(|number| number.is_finite());
+            if number.is_none() {
+                self.texts.insert((self.lines.len(), column), cell.clone());
+            }
+            self.numbers[column].push(number.unwrap_or(f64::NAN));
+        }
+        self.lines.push(line);
+        Ok(())
+    }
+
+    /// Table with the rows of one variant, if the table has a column of variants.
+    fn of_variant(self, wanted: Option<&str>) -> Result<Self, Diagnostic> {
+        let Some(column) = self.columns.iter().position(|name| name == "variant") else {
+            return match wanted {
+                None => Ok(self),
+                Some(name) => {
+                    let message = format!("`{}` has no column `variant` to find \"{}\" in", self.name, quote(name));
+                    Err(Diagnostic::about(&self.name, message).help("leave out the colon and what follows"))
+                }
+            };
+        };
+        let mut names: Vec<String> = Vec::new();
+        for row in 0..self.len() {
+            let name = self.text(row, column);
+            if !names.contains(&name) {
+                names.push(name);
+            }
+        }
+        let known = || format!("its variants: {}", list(&names));
+        let name = match wanted {
+            None if names.len() == 1 => return Ok(self),
+            None => {
+                let message = format!("`{}` contains {} variants", self.name, names.len());
+                let file = self.name.clone();
+                return Err(Diagnostic::about(&file, message).help(format!("choose one: `{file}:NAME`; {}", known())));
+            }
+            Some(name) if names.iter().any(|known| known == name) => name.to_owned(),
+            Some(name) => {
+                let message = format!("`{}`: there is no variant \"{}\"", self.name, quote(name));
+                return Err(Diagnostic::about(&self.name, message).help(known()));
+            }
+        };
+        let kept: Vec<usize> = (0..self.len()).filter(|row| self.text(*row, column) == name).collect();
+        let texts = kept.iter().enumerate().flat_map(|(new, old)| {
+            self.texts.range((*old, 0)..(*old + 1, 0)).map(move |((_, column), text)| ((new, *column), text.clone()))
+        });
+        Ok(Self {
+            texts: texts.collect(),
+            numbers: self.numbers.iter().map(|column| kept.iter().map(|row| column[*row]).collect()).collect(),
+            lines: kept.iter().map(|row| self.lines[*row].clone()).collect(),
+            ..self
+        })
+    }
+
+    /// Number of rows.
+    pub fn len(&self) -> usize {
+        self.lines.len()
+    }
+
+    /// Position of a row in its file.
+    pub fn origin(&self, row: usize) -> Origin {
+        Origin { source: self.source, span: self.lines[row].clone() }
+    }
+
+    /// Index of a column, if there is one of this name.
+    pub fn column(&self, name: &str) -> Option<usize> {
+        self.columns.iter().position(|known| known == name)
+    }
+
+    /// Remedy for a column that does not exist: a similar name, and all names.
+    pub fn suggestion(&self, name: &str) -> String {
+        let all = format!("its columns: {}", list(&self.columns));
+        nearest(name, &self.columns).map_or(all.clone(), |known| format!("did you mean `{known}`? ({all})"))
+    }
+
+    /// Text of a cell.
+    pub fn text(&self, row: usize, column: usize) -> String {
+        self.texts.get(&(row, column)).cloned().unwrap_or_else(|| format!("{}", self.numbers[column][row]))
+    }
+
+    /// True if every cell of a column is a finite number.
+    pub fn is_numeric(&self, column: usize) -> bool {
+        self.numbers[column].iter().all(|number| number.is_finite())
+    }
+
+    /// Number in a cell, in the unit of the column.
+    ///
+    /// # Errors
+    /// The cell contains no finite number.
+    pub fn number(&self, row: usize, column: usize, sources: &Sources) -> Result<f64, Diagnostic> {
+        let number = self.numbers[column][row];
+        if number.is_finite() {
+            return Ok(number);
+        }
+        let (name, text) = (&self.columns[column], self.text(row, column));
+        let message = format!("`{}` = {:?} is not a finite number", quote(name), quote(&text));
+        let help = "numbers have a point as the decimal mark; leave out rows and columns without numbers";
+        Err(sources.error(&self.origin(row), message).help(help))
+    }
+}
+
+/// Names in backquotes, the first ones if there are many.
+fn list(names: &[String]) -> String {
+    let mut text = names.iter().take(LISTED).map(|name| format!("`{}`", quote(name))).collect::<Vec<_>>().join(", ");
+    if names.len() > LISTED {
+        text += ", …";
+    }
+    text
+}
+
+fn words(line: &str) -> impl Iterator<Item = &str> {
+    line.split_whitespace()
+}
+
+/// Range of bytes of each line of a text.
+fn lines_of(text: &str) -> Vec<Range<usize>> {
+    let mut start = 0;
+    let mut lines = Vec::new();
+    for line in text.split_inclusive('\n') {
+        lines.push(start..start + line.trim_end_matches(['\n', '\r']).len());
+        start += line.len();
+    }
+    lines
+}
