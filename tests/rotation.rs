@@ -2,6 +2,7 @@
 
 mod closed_forms;
 mod gases;
+mod grooves;
 mod losses;
 mod mindlin;
 mod pairs;

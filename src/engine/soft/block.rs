@@ -4,6 +4,8 @@
 //! order of blocks, so they are the same for any number of threads. The record of a contact keeps its place in memory
 //! as long as the contact lasts. Only an index of eight bytes per contact is sorted by slot and rebuilt at every step.
 
+mod renumber;
+
 use super::contact::{Contact, ContactConstants, ContactForce, ContactState, TouchingPair};
 use super::contact_sums::ContactRows;
 use super::contacts::ContactSearch;
@@ -110,6 +112,11 @@ impl ContactBlock {
         Self { slots, ..Self::default() }
     }
 
+    /// True if all slots of the block are after `slot`.
+    pub fn begins_after(&self, slot: u32) -> bool {
+        self.slots.start > slot as usize
+    }
+
     /// Takes over a contact of one of the block's slots. The contact may name its bodies in the other order than the
     /// list.
     pub fn put(&mut self, contact: &Contact, list: &NeighbourList) {
@@ -180,6 +187,9 @@ impl ContactBlock {
         self.sums.done.forces = forces as u64;
         if view.at.opens {
             before.clone_from(&self.touching);
+            if view.scene.rotation.is_some() {
+                self.renumber(view, (before, overlapping), rows);
+            }
             self.go_on(view, law, (before, overlapping), rows);
             self.look_at_all(view, law, rows);
         } else {
@@ -269,7 +279,7 @@ impl ContactBlock {
         let mut old = before.iter().peekable();
         for &slot in overlapping {
             while let Some(gone) = old.next_if(|touch| touch.slot < slot) {
-                self.close(*gone, view, rows);
+                self.close(*gone, view, false, rows);
             }
             let record = match old.next_if(|touch| touch.slot == slot) {
                 Some(touch) => touch.record,
@@ -281,7 +291,7 @@ impl ContactBlock {
             self.touching.push(TouchingSlot { slot, record });
         }
         for gone in old {
-            self.close(*gone, view, rows);
+            self.close(*gone, view, false, rows);
         }
     }
 
@@ -363,8 +373,15 @@ impl ContactBlock {
         Contact { slot, touch, course }
     }
 
-    /// Records the impact of a contact that no longer overlaps, and removes the contact.
-    fn close(&mut self, TouchingSlot { slot, record }: TouchingSlot, view: ContactSearch, rows: &mut ContactRows) {
+    /// Records the impact of a contact that no longer overlaps, and removes the contact. Its slot has another normal if
+    /// the contact is `gone`.
+    fn close(
+        &mut self,
+        TouchingSlot { slot, record }: TouchingSlot,
+        view: ContactSearch,
+        gone: bool,
+        rows: &mut ContactRows,
+    ) {
         let ContactSearch { list, at, .. } = view;
         let couple = list.couple(slot as usize);
         let (&constants, course) = self.records.whole(record);
@@ -385,7 +402,7 @@ impl ContactBlock {
         }
         let met = meet(&couple, &constants, view);
         // a particle that has moved far in one step may be out of reach of the surface, which then has no normal
-        let before = course.normal.filter(|_| met.normal == Vector3::zeros());
+        let before = course.normal.filter(|_| gone || met.normal == Vector3::zeros());
         let normal = before.map_or(met.normal, |normal| normal.cast());
         let rebound = met.velocity.dot(&normal);
         let (species, other) = view.kinds(&couple);

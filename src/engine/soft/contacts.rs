@@ -144,10 +144,21 @@ fn block_size(list: &NeighbourList) -> usize {
     if slots <= 2 * CHUNK { slots.max(1) } else { CHUNK }
 }
 
-/// Blocks of all slots of a list, without contacts so far.
+/// Blocks of all slots of a list, without contacts so far. The contacts of one particle with one wall are in one block.
 fn blocks(list: &NeighbourList) -> Vec<ContactBlock> {
     let (slots, size) = (list.slots(), block_size(list));
-    (0..slots.div_ceil(size).max(1)).map(|k| ContactBlock::of(k * size..((k + 1) * size).min(slots))).collect()
+    let border = |k: usize| {
+        let parts = |slot: &usize| *slot > 0 && *slot < slots && list.couple(*slot).is_further();
+        (k * size..).find(|slot| !parts(slot)).unwrap_or(slots).min(slots)
+    };
+    (0..slots.div_ceil(size).max(1)).map(|k| ContactBlock::of(border(k)..border(k + 1))).collect()
+}
+
+/// The block of a slot, among blocks of `size` slots whose borders may have been moved to later slots.
+fn block_of(blocks: &mut [ContactBlock], slot: u32, size: usize) -> &mut ContactBlock {
+    let k = slot as usize / size;
+    let is_before = blocks[k].begins_after(slot);
+    &mut blocks[k - usize::from(is_before)]
 }
 
 impl Contacts {
@@ -250,10 +261,10 @@ impl Contacts {
         let size = block_size(list);
         self.blocks = blocks(list);
         for contact in std::mem::take(&mut self.lasting) {
-            self.blocks[contact.slot as usize / size].put(&contact, list);
+            block_of(&mut self.blocks, contact.slot, size).put(&contact, list);
         }
         for contact in std::mem::take(&mut self.foreseen) {
-            self.blocks[contact.slot as usize / size].put_foreseen(contact);
+            block_of(&mut self.blocks, contact.slot, size).put_foreseen(contact);
         }
     }
 
@@ -288,10 +299,10 @@ impl Contacts {
             for block in std::mem::take(&mut self.blocks) {
                 let followed = |mut contact: Contact| follow(&mut contact).then_some(contact);
                 for contact in block.contacts(&mut couples).filter_map(followed) {
-                    anew[contact.slot as usize / size].put(&contact, list);
+                    block_of(&mut anew, contact.slot, size).put(&contact, list);
                 }
                 for contact in block.foreseen().iter().copied().filter_map(followed) {
-                    anew[contact.slot as usize / size].put_foreseen(contact);
+                    block_of(&mut anew, contact.slot, size).put_foreseen(contact);
                 }
             }
             work_sharing::for_each(anew.chunks_mut(8), |blocks| blocks.iter_mut().for_each(ContactBlock::sort));

@@ -13,6 +13,7 @@ mod packed_contacts;
 mod passing;
 mod rolling;
 mod rotating;
+mod wall_contacts;
 
 pub use contact::overlap_limit;
 

@@ -2,6 +2,7 @@
 
 use super::{InstantaneousRule, IslandRun, Rates};
 use crate::encounter::FrameTime;
+use crate::engine::soft::contact::Contact;
 use nalgebra::Vector3;
 
 /// Stage of an explicit Runge-Kutta method in which each stage uses only the stage before.
@@ -79,9 +80,9 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         self.scratch.turning.fill(Vector3::zeros());
         self.island.force_evaluations += self.scratch.contacts.len() as u64;
         for k in 0..self.scratch.contacts.len() {
-            let touch = self.scratch.contacts[k].touch;
+            let Contact { slot, touch, .. } = self.scratch.contacts[k];
             let moment = FrameTime::in_free_fall(time);
-            let met = touch.couple.meet(self.particles, self.scene, moment);
+            let met = self.encounter(slot as usize, moment);
             let force = if self.rotates() {
                 self.force_at_stage(k, &touch, &met, (moment, dt, weight))
             } else {

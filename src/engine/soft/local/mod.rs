@@ -6,6 +6,7 @@
 
 mod alone;
 mod integrate;
+mod numbered;
 mod single;
 mod sliding;
 mod spring_energy;
@@ -302,16 +303,18 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         let (gap, rate) = self.scratch.gaps[slot];
         let began = self.window.start + self.now;
         let begun = ContactState::beginning(began, -rate, &touch, self.scene, &self.engine.law);
-        let course = ContactState { overlap: -gap, growth: -rate, ..begun };
+        let mut course = ContactState { overlap: -gap, growth: -rate, ..begun };
         if self.rotates() {
-            self.open_springs(&touch, &course);
+            let met = self.encounter(slot, self.moment());
+            course.normal = self.is_by_distance(slot).then(|| met.normal.cast());
+            self.open_springs(&touch, &course, &met);
         }
         self.scratch.contacts.push(Contact { slot: slot as u32, touch, course });
     }
 
     /// Present gap [m] of a slot and its rate [m/s].
     fn gap(&self, slot: usize) -> (f64, f64) {
-        let met = self.scratch.touches[slot].couple.meet(self.particles, self.scene, self.moment());
+        let met = self.encounter(slot, self.moment());
         (met.gap, met.normal_velocity)
     }
 
@@ -322,7 +325,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         gaps.clear();
         for (slot, touch) in self.scratch.touches.iter().enumerate() {
             // if the nearest contact of a wall is open, its further contacts are at least as far away
-            let before = if touch.couple.is_further() { slot.checked_sub(1) } else { None };
+            let before = slot.checked_sub(1).filter(|_| touch.couple.is_further() && !self.follows_normals(slot));
             let nearer = before.and_then(|slot| Some((self.scratch.touches.get(slot)?, gaps.get(slot)?)));
             let beyond =
                 nearer.filter(|(before, gap)| gap.0 > 0.0 && touch.couple.is_beyond(&before.couple, self.scene));
@@ -474,7 +477,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         rates.add(dt, remaining, self.scene, &mut self.island.log);
         self.island.events += 1;
         for k in 0..self.scratch.contacts.len() {
-            let met = self.scratch.contacts[k].touch.couple.meet(self.particles, self.scene, self.moment());
+            let met = self.encounter(self.scratch.contacts[k].slot as usize, self.moment());
             self.deepen(k, &met, dt)?;
         }
         Ok(())

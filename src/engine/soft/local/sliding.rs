@@ -94,15 +94,15 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
     pub(super) fn adopt_springs(&mut self) {
         self.scratch.sliding.clear();
         for k in 0..self.scratch.contacts.len() {
-            let Contact { touch, course, .. } = self.scratch.contacts[k];
-            self.open_springs(&touch, &course);
+            let Contact { slot, touch, course } = self.scratch.contacts[k];
+            let met = self.encounter(slot as usize, self.moment());
+            self.open_springs(&touch, &course, &met);
         }
     }
 
-    /// Adds the springs of a contact at the end.
-    pub(super) fn open_springs(&mut self, touch: &TouchingPair, course: &ContactState) {
-        let met = touch.couple.meet(self.particles, self.scene, self.moment());
-        let motion = ContactMotion::of(self, touch, &met, true);
+    /// Adds the springs of a contact, with the encounter of its two bodies now, at the end.
+    pub(super) fn open_springs(&mut self, touch: &TouchingPair, course: &ContactState, met: &Encounter) {
+        let motion = ContactMotion::of(self, touch, met, true);
         for &kind in self.kinds() {
             let memory = course.resistance.unwrap_or_default();
             let (shear, waits) = match kind {
@@ -110,9 +110,9 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
                 SpringKind::Roll => (memory.roll, self.window.start + self.now < memory.acts_from),
                 SpringKind::Twist => (met.normal * memory.twist, self.window.start + self.now < memory.acts_from),
             };
-            let spring = motion.spring(kind, touch, &met);
+            let spring = motion.spring(kind, touch, met);
             let sliding =
-                if waits { SlidingContact::in_phase(Phase::Waiting) } else { self.begin(&spring, touch, &met, shear) };
+                if waits { SlidingContact::in_phase(Phase::Waiting) } else { self.begin(&spring, touch, met, shear) };
             self.scratch.sliding.push(sliding);
         }
     }

@@ -42,8 +42,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
 
     /// Contact `k`: its bodies, and their encounter now.
     pub(super) fn met(&self, k: usize) -> (TouchingPair, Encounter) {
-        let touch = self.scratch.contacts[k].touch;
-        (touch, touch.couple.meet(self.particles, self.scene, self.moment()))
+        let Contact { slot, touch, .. } = self.scratch.contacts[k];
+        (touch, self.encounter(slot as usize, self.moment()))
     }
 
     /// [J] energies of the springs of contact `k`: of the tangential one, of the rolling and of the twisting one.

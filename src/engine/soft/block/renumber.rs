@@ -1,0 +1,67 @@
+//! Contacts with a wall that numbers them by distance: their records follow normals, not numbers.
+
+use super::{ContactBlock, TouchingSlot};
+use crate::encounter::{AtWall, Couple, FrameTime, Other};
+use crate::engine::soft::contact_sums::ContactRows;
+use crate::engine::soft::contacts::ContactSearch;
+use crate::engine::soft::wall_contacts::{are_of_one_wall, encounters, is_numbered_by_distance, matched};
+use nalgebra::Vector3;
+
+impl ContactBlock {
+    /// Gives the contacts of `before`, which are in ascending order of slot, the slots that they have now. Contacts
+    /// whose normal is no longer there end.
+    pub(super) fn renumber(
+        &mut self,
+        view: ContactSearch,
+        (before, overlapping): (&mut Vec<TouchingSlot>, &[u32]),
+        rows: &mut ContactRows,
+    ) {
+        let list = view.list;
+        let mut first = before.partition_point(|touch| (touch.slot as usize) < list.pairs.len());
+        while first < before.len() {
+            let slot = before[first].slot;
+            let couple = list.couple(slot as usize);
+            let of_wall = |touch: &&TouchingSlot| are_of_one_wall(&couple, &list.couple(touch.slot as usize));
+            let mut end = first + before[first..].iter().take_while(of_wall).count();
+            let only = end == first + 1 && !couple.is_further() && overlapping.binary_search(&(slot + 1)).is_err();
+            if !only && is_numbered_by_distance(&couple, view.scene) {
+                let gone = self.renumber_at_wall(view, couple, &mut before[first..end]);
+                for touch in before.drain(end - gone..end) {
+                    self.close(touch, view, true, rows);
+                }
+                end -= gone;
+            }
+            first = end;
+        }
+    }
+
+    /// Gives the contacts of one particle with one wall their present slots. Returns the number of contacts that are
+    /// no longer there, which are moved to the end.
+    fn renumber_at_wall(&self, view: ContactSearch, couple: Couple, touching: &mut [TouchingSlot]) -> usize {
+        let ContactSearch { list, particles, scene, at, .. } = view;
+        let all = encounters(&couple, particles, scene, FrameTime::fallen(at.fall));
+        let number = |slot: u32| match list.couple(slot as usize).other {
+            Other::Wall(at) => at.which as usize,
+            Other::Particle(_) => 0,
+        };
+        let normal = |touch: &TouchingSlot| match self.records.get(touch.record).1.normal {
+            Some(normal) => normal.cast(),
+            None => all.get(number(touch.slot)).map_or_else(Vector3::zeros, |met| met.normal),
+        };
+        let normals: Vec<Vector3<f64>> = touching.iter().map(normal).collect();
+        let slot_of = |which: usize| {
+            let Other::Wall(at) = couple.other else { return None };
+            list.slot(&Couple::at_wall(couple.i, AtWall { which: which as u32, ..at }))
+        };
+        let mut gone = 0;
+        for (touch, found) in touching.iter_mut().zip(matched(&normals, &all)) {
+            touch.slot = found.and_then(slot_of).map_or(u32::MAX, |slot| slot as u32);
+            gone += usize::from(touch.slot == u32::MAX);
+        }
+        touching.sort_unstable_by_key(|touch| touch.slot);
+        // what ends still needs the name of its wall
+        let last = touching.len() - gone;
+        touching[last..].iter_mut().for_each(|touch| touch.slot = slot_of(0).map_or(touch.slot, |slot| slot as u32));
+        gone
+    }
+}

@@ -1,0 +1,70 @@
+//! Encounters of an island's slots. Where spheres rotate, a contact with a wall that numbers its contacts by distance
+//! keeps its slot as long as it lasts, whichever number it has meanwhile; the other slots of that wall have the other
+//! encounters in the order of distance.
+
+use super::{InstantaneousRule, IslandRun};
+use crate::encounter::{Encounter, FrameTime, Other};
+use crate::engine::soft::contact::Contact;
+use crate::engine::soft::wall_contacts::{are_of_one_wall, encounters, is_numbered_by_distance, matched};
+use nalgebra::Vector3;
+
+/// [-] gap of a slot without an encounter over the distance of touch: far enough not to touch.
+const APART: f64 = 1.0;
+
+impl<I: InstantaneousRule> IslandRun<'_, I> {
+    /// Encounter of the two bodies of a slot at the time `moment`.
+    #[inline(always)]
+    pub(super) fn encounter(&self, slot: usize, moment: FrameTime) -> Encounter {
+        if self.follows_normals(slot) {
+            return self.encounter_by_normal(slot, moment);
+        }
+        self.scratch.touches[slot].couple.meet(self.particles, self.scene, moment)
+    }
+
+    /// True if spheres rotate, and the slot is of a wall that numbers its contacts by distance.
+    #[inline(always)]
+    pub(super) fn is_by_distance(&self, slot: usize) -> bool {
+        self.rotates() && is_numbered_by_distance(&self.scratch.touches[slot].couple, self.scene)
+    }
+
+    /// True if the encounter of a slot follows from the normals of contacts, because the particle touches such a wall.
+    #[inline(always)]
+    pub(super) fn follows_normals(&self, slot: usize) -> bool {
+        let couple = &self.scratch.touches[slot].couple;
+        let mut touched = self.scratch.contacts.iter().map(|contact| &contact.touch.couple);
+        self.is_by_distance(slot) && touched.any(|other| are_of_one_wall(couple, other))
+    }
+
+    /// Encounter of a slot of a wall that is touched.
+    fn encounter_by_normal(&self, slot: usize, moment: FrameTime) -> Encounter {
+        let touch = &self.scratch.touches[slot];
+        let here = |contact: &&Contact| are_of_one_wall(&touch.couple, &contact.touch.couple);
+        let contacts: Vec<&Contact> = self.scratch.contacts.iter().filter(here).collect();
+        let mut all = encounters(&touch.couple, self.particles, self.scene, moment);
+        let normal = |contact: &&Contact| match (contact.course.normal, contact.touch.couple.other) {
+            (Some(normal), _) => normal.cast(),
+            // not looked at yet: it has its number
+            (None, Other::Wall(at)) => all.get(at.which as usize).map_or_else(Vector3::zeros, |met| met.normal),
+            (None, Other::Particle(_)) => Vector3::zeros(),
+        };
+        let normals: Vec<Vector3<f64>> = contacts.iter().map(normal).collect();
+        let found = matched(&normals, &all);
+        let apart = Encounter { gap: APART * touch.reach, ..Encounter::default() };
+        if let Some(k) = contacts.iter().position(|contact| contact.slot as usize == slot) {
+            return found[k].map_or(apart, |n| all[n]);
+        }
+        // the free slots have the encounters that are left
+        let slots = 0..slot;
+        let is_free = |other: &usize| {
+            are_of_one_wall(&touch.couple, &self.scratch.touches[*other].couple)
+                && contacts.iter().all(|contact| contact.slot as usize != *other)
+        };
+        let place = slots.filter(is_free).count();
+        let mut taken = found.into_iter().flatten().collect::<Vec<usize>>();
+        taken.sort_unstable();
+        for n in taken.into_iter().rev() {
+            all.remove(n);
+        }
+        all.get(place).copied().unwrap_or(apart)
+    }
+}

@@ -1,0 +1,115 @@
+//! Spheres in grooves and corners of meshes, where the nearer contact becomes the farther one: springs stay with their
+//! faces, so that a mesh acts as the planes in which its faces lie.
+
+use super::*;
+use diptych::walls::{Mesh, Sides, Wall, WallGeometry};
+
+/// [N/m]
+const STIFFNESS: f64 = 1e4;
+/// [m]
+const RADIUS: f64 = 1e-3;
+/// [m] by how much the ball is away from the middle at the start, so that it touches the faces one after the other.
+const ASIDE: f64 = 1e-6;
+/// [m] lowest point of the groove or corner.
+const BOTTOM: [f64; 3] = [0.1, 0.1, 0.1];
+
+/// The faces at the bottom, by their normals, as planes or as one mesh.
+fn walls(normals: &[Vector3<f64>], as_mesh: bool, of: diptych::Surface) -> Vec<Wall> {
+    if !as_mesh {
+        return normals.iter().map(|normal| plane(BOTTOM, (*normal).into(), of)).collect();
+    }
+    let bottom = Vector3::from(BOTTOM);
+    let triangles: Vec<[Vector3<f64>; 3]> = normals.iter().flat_map(|normal| face(&bottom, normal, normals)).collect();
+    let mesh = Mesh::new("faces", &triangles, Some(Sides::Both)).unwrap().0;
+    vec![Wall::new(WallGeometry::Mesh(Arc::new(mesh)), of)]
+}
+
+/// The part of a plane through `bottom` that is in front of the planes of the other `normals`, as triangles.
+fn face(bottom: &Vector3<f64>, normal: &Vector3<f64>, normals: &[Vector3<f64>]) -> Vec<[Vector3<f64>; 3]> {
+    let size = 0.05;
+    let edges: Vec<Vector3<f64>> = normals.iter().filter(|other| *other != normal).map(|o| normal.cross(o)).collect();
+    match edges.as_slice() {
+        // a groove: a rectangle beside the edge
+        [edge] => {
+            let along = edge.normalize() * size;
+            let beside = along.cross(normal).normalize() * size;
+            let beside = if normals.iter().any(|other| beside.dot(other) < -1e-9) { -beside } else { beside };
+            let [a, b, c, d] = [bottom - along, bottom + along, bottom + along + beside, bottom - along + beside];
+            vec![[a, b, c], [a, c, d]]
+        }
+        // a corner: a triangle between two edges
+        [one, other] => {
+            let up = |edge: &Vector3<f64>| edge.normalize() * size * edge.y.signum();
+            vec![[*bottom, bottom + up(one), bottom + up(other)]]
+        }
+        _ => Vec::new(),
+    }
+}
+
+/// Position, velocity and speed of the surface by the spin; loss to friction [J], part of it in springs of contacts that
+/// end, mean duration of an impact [s]; number of impacts: of a ball that is thrown at `speed` [m/s] from where it rests.
+fn thrown(
+    normals: &[Vector3<f64>],
+    as_mesh: bool,
+    stepping: SoftStepping,
+    speed: f64,
+) -> ([Vector3<f64>; 3], [f64; 3], u64) {
+    let of = surface(0.6, 0.4);
+    let species = Species { diameter: 2.0 * RADIUS, density: 2500.0, ..small() };
+    let mut scene = empty([0.2; 3], [false; 3], species.clone(), of);
+    scene.walls = walls(normals, as_mesh, of);
+    scene.gravity = Vector3::new(0.0, -9.81, 0.0);
+    let tangential = TangentialLaw::Linear(LinearTangential::Ratios { stiffness: 2.0 / 7.0, dashpot: 0.3 });
+    scene.rotation = Some(Rotation::new(tangential, ImpactRule::COULOMB));
+    // the faces are inclined alike
+    let height = RADIUS / normals[0].y + 2.0 * ASIDE;
+    let velocity = [0.3 * speed, 0.1 * speed, speed];
+    let start = [BOTTOM[0] + ASIDE, BOTTOM[1] + height, BOTTOM[2] + 0.7 * ASIDE];
+    let mut particles = placed(&scene, &[(start, velocity)]);
+    scene.let_rotate(&mut particles);
+    particles.spin.as_mut().unwrap()[0] = Vector3::new(20.0, 50.0, -30.0);
+    let law = ContactLaw::linear(STIFFNESS);
+    let step = law.contact_time(&law.between(&Bodies::of_wall(&species, &of, None)), 1.0) / 50.0;
+    let engine = Soft::new(law, Integrator::VelocityVerlet, step, stepping);
+    let mut simulation = Simulation::with_engine(scene, particles, Box::new(engine));
+    simulation.run(200, 1e-4).unwrap();
+    let Particles { position, velocity, .. } = &simulation.particles;
+    let (ledger, impacts) = (&simulation.record.ledger, &simulation.record.walls);
+    let duration = impacts.summary().mean_duration.unwrap_or_default();
+    (
+        [position[0], velocity[0], simulation.particles.spin_of(0) * RADIUS],
+        [ledger.wall_friction_loss, ledger.friction.separation, duration],
+        impacts.count,
+    )
+}
+
+/// Faces whose normals are inclined to the vertical by `angle` [°], at equal angles about it.
+fn inclined(count: usize, angle: f64) -> Vec<Vector3<f64>> {
+    let (sin, cos) = angle.to_radians().sin_cos();
+    let around = |k: usize| std::f64::consts::TAU * k as f64 / count as f64;
+    (0..count).map(|k| Vector3::new(sin * around(k).cos(), cos, sin * around(k).sin())).collect()
+}
+
+/// The order of the contacts changes some hundred times in 20 ms. A mesh and planes have the same normals up to
+/// rounding of 1e-16, which grows with the number of contacts.
+#[test]
+fn a_ball_in_a_groove_or_corner_of_a_mesh_moves_as_between_planes() {
+    for (count, angle) in [(2, 30.0), (2, 50.0), (3, 40.0)] {
+        let normals = inclined(count, angle);
+        for stepping in [SoftStepping::Local, SoftStepping::Uniform] {
+            for speed in [1e-3, 3e-2] {
+                let (planes, lost, impacts) = thrown(&normals, false, stepping, speed);
+                let (mesh, lost_at_mesh, at_mesh) = thrown(&normals, true, stepping, speed);
+                let name = format!("{count} faces, {angle}°, {stepping:?}, {speed} m/s");
+                for ((found, expected), scale) in mesh.iter().zip(&planes).zip([RADIUS, speed, speed]) {
+                    let apart = (found - expected).norm();
+                    assert!(apart < 1e-6 * scale, "{name}: {found:?} and {expected:?}");
+                }
+                for (found, expected) in lost_at_mesh.iter().zip(lost) {
+                    assert!((found - expected).abs() <= 1e-6 * lost[0].max(expected), "{name}: {found} and {expected}");
+                }
+                assert_eq!(at_mesh, impacts, "{name}");
+            }
+        }
+    }
+}
