@@ -106,6 +106,7 @@ pub fn outcome(name: &str, model: Model, seed: u64) -> Outcome {
             first_overlap: first,
             maximum_overlap: overlap,
             left_out: None,
+            slip: None,
         });
         record.walls.add(&Impact {
             overlap_time: 0.51 * overlap * duration,
@@ -115,6 +116,7 @@ pub fn outcome(name: &str, model: Model, seed: u64) -> Outcome {
             first_overlap: first,
             maximum_overlap: 0.8 * overlap,
             left_out: None,
+            slip: None,
         });
     }
     record.ledger += Ledger {

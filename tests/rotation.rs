@@ -8,6 +8,7 @@ mod mindlin;
 mod pairs;
 mod profiles;
 mod rolling;
+mod slips;
 mod soak;
 mod surfaces;
 mod turning;

@@ -21,6 +21,78 @@ pub struct Impact {
     pub overlap_time: f64,
     /// The contact that was skipped, if an engine with contacts treated this impact as an instant.
     pub left_out: Option<LeftOut>,
+    /// Slip of the surfaces before and after the impact, where spheres rotate.
+    pub slip: Option<SlipChange>,
+}
+
+/// Slip of two surfaces before and after an impact of bodies that rotate.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct SlipChange {
+    /// [m/s] slip speed |s| at first touch.
+    pub before: f64,
+    /// [m/s] component of the slip at the end along that at first touch; negative if the slip is reversed.
+    pub after: f64,
+    /// True if the surfaces slide all the time: the tangential impulse J_t is at Coulomb's limit μ J_n.
+    pub slides: bool,
+}
+
+/// [-] share of Coulomb's limit from which an impulse counts as at the limit. It was chosen for this program: time steps
+/// and tables of rebounds change an impulse by less.
+const AT_LIMIT: f64 = 0.999;
+
+impl SlipChange {
+    /// Slip before and after an impact, with the tangential impulse [kg m/s] and its `limit` μ J_n [kg m/s].
+    pub fn new([before, after]: [f64; 2], impulse: f64, limit: f64) -> Self {
+        Self { before, after, slides: impulse >= AT_LIMIT * limit }
+    }
+}
+
+/// Sums over the impacts of bodies that rotate.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Slips {
+    /// Number of impacts.
+    pub count: u64,
+    /// Number of impacts in which the surfaces slide all the time.
+    pub sliding: u64,
+    squares: ExactSum,
+    products: ExactSum,
+}
+
+impl Slips {
+    fn add(&mut self, slip: SlipChange) {
+        self.count += 1;
+        self.sliding += u64::from(slip.slides);
+        self.squares.add(slip.before * slip.before);
+        self.products.add(slip.before * slip.after);
+    }
+
+    fn merge(&mut self, other: &Self) {
+        self.count += other.count;
+        self.sliding += other.sliding;
+        self.squares.merge(&other.squares);
+        self.products.merge(&other.products);
+    }
+
+    fn since(&self, before: &Self) -> Self {
+        Self {
+            count: self.count - before.count,
+            sliding: self.sliding - before.sliding,
+            squares: self.squares.less(&before.squares),
+            products: self.products.less(&before.products),
+        }
+    }
+
+    /// [-] realised tangential restitution β = -Σ s·s'/Σ s², from slips s at first touch and s' at the end; -1 without
+    /// friction, 1 if every slip is reversed. `None` without slips.
+    pub fn restitution(&self) -> Option<f64> {
+        let squares = self.squares.value();
+        (squares > 0.0).then(|| -self.products.value() / squares)
+    }
+
+    /// [-] share of the impacts in which the surfaces slide all the time; `None` without impacts.
+    pub fn share_sliding(&self) -> Option<f64> {
+        (self.count > 0).then(|| self.sliding as f64 / self.count as f64)
+    }
 }
 
 /// The contact that an engine skipped by treating the impact as an instant. Its values are those of an isolated contact
@@ -63,6 +135,8 @@ pub struct Impacts {
     pub duration: Histogram,
     /// Impacts that an engine with contacts treated as instants.
     pub instants: InstantaneousContacts,
+    /// Slips of impacts between bodies that rotate.
+    pub slips: Slips,
     rebound_squares: ExactSum,
     overlap_time: ExactSum,
 }
@@ -145,6 +219,9 @@ impl Impacts {
             if let Some(left_out) = impact.left_out {
                 self.instants.add(impact, left_out);
             }
+            if let Some(slip) = impact.slip {
+                self.slips.add(slip);
+            }
         }
     }
 
@@ -157,6 +234,7 @@ impl Impacts {
         self.restitution.merge(&other.restitution);
         self.duration.merge(&other.duration);
         self.instants.merge(&other.instants);
+        self.slips.merge(&other.slips);
         self.rebound_squares.merge(&other.rebound_squares);
         self.overlap_time.merge(&other.overlap_time);
     }
@@ -171,6 +249,7 @@ impl Impacts {
             restitution: self.restitution.since(&before.restitution),
             duration: self.duration.since(&before.duration),
             instants: self.instants.since(&before.instants),
+            slips: self.slips.since(&before.slips),
             rebound_squares: self.rebound_squares.less(&before.rebound_squares),
             overlap_time: self.overlap_time.less(&before.overlap_time),
         }
@@ -193,6 +272,8 @@ impl Impacts {
             mean_normal_speed: self.normal_speed.mean(),
             mean_restitution: (self.count > 0)
                 .then(|| (self.rebound_squares() / self.normal_speed.sum_of_squares()).sqrt()),
+            tangential_restitution: self.slips.restitution(),
+            share_sliding: self.slips.share_sliding(),
             mean_duration: self.duration.mean(),
             mean_first_overlap: self.first_overlap.mean(),
             time_mean_overlap: (self.duration.sum() > 0.0).then(|| self.overlap_time() / self.duration.sum()),
@@ -214,6 +295,12 @@ pub struct Summary {
     /// summed over all impacts. Grazing impacts, whose normal turns during the contact, then count only by their
     /// energy.
     pub mean_restitution: Option<f64>,
+    /// [-] realised tangential restitution β, as in [`Slips::restitution`]; `None` also where spheres do not rotate.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tangential_restitution: Option<f64>,
+    /// [-] share of the impacts in which the surfaces slide all the time; `None` also where spheres do not rotate.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub share_sliding: Option<f64>,
     /// [s] mean duration of a contact.
     pub mean_duration: Option<f64>,
     /// [-] mean of the first detected overlaps of the contacts.

@@ -8,7 +8,7 @@ mod kinds;
 mod ledger;
 
 pub use histogram::Histogram;
-pub use impacts::{Impact, Impacts, InstantaneousContacts, LeftOut, Summary};
+pub use impacts::{Impact, Impacts, InstantaneousContacts, LeftOut, SlipChange, Slips, Summary};
 pub use kinds::{Between, ByKinds, MeetingTotals, Meetings};
 pub use ledger::{AT_WALLS, Books, ENTRIES, FrictionLosses, Ledger, OF_PAIRS, OF_SPRINGS, SOME};
 

@@ -21,6 +21,9 @@ fn happened(count: usize) -> Vec<(Between, Impact, Ledger)> {
             maximum_overlap: overlap,
             overlap_time: 1e-5 * overlap,
             left_out,
+            slip: k
+                .is_multiple_of(3)
+                .then(|| SlipChange::new([normal_speed, -rebound_speed], rebound_speed, normal_speed)),
         };
         let loss = normal_speed * normal_speed - rebound_speed * rebound_speed;
         let ledger =

@@ -2,6 +2,7 @@
 
 use super::impulse::Collision;
 use crate::particles::Particles;
+use crate::record::SlipChange;
 use crate::rotation::{ImpactRule, ObliqueApproach, Rotation, slip, tangential_mass};
 use crate::scene::Surface;
 use nalgebra::Vector3;
@@ -15,6 +16,8 @@ pub struct RoughImpulse {
     pub friction_loss: f64,
     /// [J] part of that loss by tangential restitution, in an impact that sticks.
     pub tangential_restitution_loss: f64,
+    /// Slip of the surfaces before and after the collision.
+    pub slip: SlipChange,
 }
 
 impl Collision {
@@ -33,7 +36,10 @@ impl Collision {
         let (surface_velocity, arm) = couple.surface_velocity(particles, reach, met.gap);
         let slip = slip(&met.velocity, &met.normal, &surface_velocity);
         let speed = slip.norm();
-        let none = RoughImpulse { impulse: along, friction_loss: 0.0, tangential_restitution_loss: 0.0 };
+        let limit = surface.friction * normal_impulse;
+        let slip_change = SlipChange::new([speed, speed], 0.0, limit);
+        let none =
+            RoughImpulse { impulse: along, friction_loss: 0.0, tangential_restitution_loss: 0.0, slip: slip_change };
         let (Some(spins), Some(inertia)) = (&mut particles.spin, &particles.inertia) else { return none };
         if speed == 0.0 || surface.friction == 0.0 {
             return none;
@@ -55,9 +61,9 @@ impl Collision {
         places().for_each(|place| spins[place] += torque * (arm_of(place) / inertia[place]));
         let friction_loss = tangential * (speed - 0.5 * tangential / mass);
         // the rule of the spring does not tell its parts
-        let sticks =
-            matches!(rotation.impact, ImpactRule::Walton { .. }) && tangential < surface.friction * normal_impulse;
+        let sticks = matches!(rotation.impact, ImpactRule::Walton { .. }) && tangential < limit;
         let tangential_restitution_loss = if sticks { friction_loss } else { 0.0 };
-        RoughImpulse { impulse: along - against, friction_loss, tangential_restitution_loss }
+        let slip = SlipChange::new([speed, speed - tangential / mass], tangential, limit);
+        RoughImpulse { impulse: along - against, friction_loss, tangential_restitution_loss, slip }
     }
 }

@@ -153,6 +153,7 @@ impl Collision {
             maximum_overlap: overlap,
             overlap_time: 0.0,
             left_out: None,
+            slip: rough.as_ref().map(|rough| rough.slip),
         };
         let ledger = &mut log.ledger;
         let (species, other) = self.kinds;

@@ -369,7 +369,9 @@ impl ContactBlock {
         };
         let began = at.start + at.elapsed;
         let begun = ContactState::beginning(began, normal_speed, &touch, view.scene, law);
-        let course = ContactState { first_overlap: met.overlap(), ..begun };
+        let surfaces = || SurfaceMotion::of(&touch.couple, touch.reach, &met, (view.particles, view.scene));
+        let first_slip = view.scene.rotation.is_some().then(|| surfaces().slip.cast());
+        let course = ContactState { first_overlap: met.overlap(), first_slip, ..begun };
         Contact { slot, touch, course }
     }
 
@@ -406,8 +408,10 @@ impl ContactBlock {
         let normal = before.map_or(met.normal, |normal| normal.cast());
         let rebound = met.velocity.dot(&normal);
         let (species, other) = view.kinds(&couple);
-        self.ended
-            .push((Between::of(species, other), course.impact(constants.diameter, rebound, at.start + at.elapsed)));
+        let slip = course.slip_change(&couple, &constants, (&met, rebound), (view.particles, view.scene));
+        let slip = slip.filter(|_| !gone);
+        let impact = Impact { slip, ..course.impact(constants.diameter, rebound, at.start + at.elapsed) };
+        self.ended.push((Between::of(species, other), impact));
     }
 }
 

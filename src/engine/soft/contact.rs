@@ -105,6 +105,8 @@ pub struct ContactState {
     pub shear: Vector3<f64>,
     /// Memory of rolling and twisting, where contacts resist these.
     pub resistance: Option<ResistanceMemory>,
+    /// [m/s] slip of particle i against the other body at first touch, where spheres rotate.
+    pub first_slip: Option<Vector3<f32>>,
 }
 
 /// Memory of a contact that resists rolling and twisting. It does not depend on the order of the two bodies.
@@ -141,6 +143,7 @@ impl ContactState {
             normal: None,
             shear: Vector3::zeros(),
             resistance: None,
+            first_slip: None,
         }
     }
 
@@ -163,7 +166,12 @@ impl ContactState {
 
     /// The state of this contact with its two bodies named in the other order.
     pub fn reversed(self) -> Self {
-        Self { normal: self.normal.map(|normal| -normal), shear: -self.shear, ..self }
+        Self {
+            normal: self.normal.map(|normal| -normal),
+            shear: -self.shear,
+            first_slip: self.first_slip.map(|slip| -slip),
+            ..self
+        }
     }
 
     /// Refuses overlaps at which "the normal" no longer has a meaning.
@@ -243,6 +251,7 @@ impl ContactState {
             maximum_overlap: self.maximum_overlap / diameter,
             overlap_time: self.overlap_time / diameter,
             left_out: None,
+            slip: None,
         }
     }
 }

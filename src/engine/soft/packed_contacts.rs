@@ -54,6 +54,7 @@ impl PackedContact {
             normal,
             shear,
             resistance: None,
+            first_slip: None,
         }
     }
 
@@ -91,6 +92,8 @@ pub struct PackedContacts {
     shears: Vec<Vec<Vector3<f64>>>,
     /// Memories of rolling and twisting of the contacts in `kept`, likewise; else empty.
     resistances: Vec<Vec<ResistanceMemory>>,
+    /// [m/s] slips at first touch of the contacts in `kept`, likewise, where spheres rotate; else empty.
+    first_slips: Vec<Vec<Option<Vector3<f32>>>>,
 }
 
 /// Element at a place that is counted over all chunks.
@@ -118,6 +121,9 @@ impl PackedContacts {
         }
         if let Some(resistance) = course.resistance {
             store_in_chunks(&mut self.resistances, place, resistance);
+        }
+        if course.first_slip.is_some() || !self.first_slips.is_empty() {
+            store_in_chunks(&mut self.first_slips, place, course.first_slip);
         }
         place
     }
@@ -189,7 +195,8 @@ impl PackedContacts {
         let (chunk, index) = (place as usize / CHUNK, place as usize % CHUNK);
         let shear = self.shears.get(chunk).map_or_else(Vector3::zeros, |some| some[index]);
         let resistance = self.resistances.get(chunk).map(|some| some[index]);
-        (constants, ContactState { shear, resistance, ..course })
+        let first_slip = self.first_slips.get(chunk).and_then(|some| some[index]);
+        (constants, ContactState { shear, resistance, first_slip, ..course })
     }
 
     /// Removes the contact at index `place`.

@@ -1,6 +1,6 @@
 //! Tangential force of contacts between spheres that rotate, in uniform steps.
 
-use super::contact::{ContactConstants, ContactForce, ResistanceMemory};
+use super::contact::{ContactConstants, ContactForce, ContactState, ResistanceMemory};
 use super::contacts::EvaluationTime;
 use super::force_buffer::ContactTorque;
 use super::rolling::{ResistedStep, RollingMotion};
@@ -8,7 +8,7 @@ use crate::contact_law::ContactLaw;
 use crate::contact_law::friction::{Slip, coulomb};
 use crate::encounter::{Couple, Encounter, FrameTime};
 use crate::particles::Particles;
-use crate::record::FrictionLosses;
+use crate::record::{FrictionLosses, SlipChange};
 use crate::rotation::{SpringDashpotSlider, slip, turned};
 use crate::scene::Scene;
 use nalgebra::Vector3;
@@ -186,4 +186,26 @@ struct Resisted {
     parts: [f64; 2],
     /// [m/s²] change of the slip.
     slip_change: Vector3<f64>,
+}
+
+impl ContactState {
+    /// Slip before and after the impact of two bodies that rotate, if it was noted at first touch. It ends with the
+    /// encounter `met` and the speed of rebound [m/s].
+    pub fn slip_change(
+        &self,
+        couple: &Couple,
+        constants: &ContactConstants,
+        (met, rebound_speed): (&Encounter, f64),
+        (particles, scene): (&Particles, &Scene),
+    ) -> Option<SlipChange> {
+        let first: Vector3<f64> = self.first_slip?.cast();
+        let along = first - met.normal * first.dot(&met.normal);
+        let direction = along.try_normalize(0.0).unwrap_or_else(Vector3::zeros);
+        let (before, last) = (first.norm(), SurfaceMotion::of(couple, constants.reach, met, (particles, scene)).slip);
+        // the direction of the first slip has turned with the normal
+        let change = (last - direction * before).norm();
+        let normal_impulse = constants.spring.effective_mass * (self.normal_speed + rebound_speed);
+        let impulse = couple.tangential_mass(particles) * change;
+        Some(SlipChange::new([before, last.dot(&direction)], impulse, constants.friction * normal_impulse))
+    }
 }

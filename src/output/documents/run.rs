@@ -179,19 +179,29 @@ pub(super) fn table(head: &str, outcomes: &[Outcome], cells: impl Fn(&Outcome) -
 
 /// Parts of the page about impacts between particles and on walls.
 fn impacts(outcomes: &[Outcome]) -> Vec<Block> {
+    let rotates = outcomes.iter().any(|outcome| outcome.experiment.scene.rotation.is_some());
+    let of_slip = if rotates { " | β realised | sliding" } else { "" };
+    let head = &format!(
+        "variant | impacts | impacts per s | mean normal speed [m/s] | e requested | e realised{of_slip} | mean duration | mean δ/d | 99 % δ/d | largest δ/d"
+    );
     let pairs = |o: &Outcome| {
         let asked = o.experiment.scene.meetings().map(|(_, _, meeting)| significant(meeting.surface.restitution, 4));
-        (false, impact_cells(&o.pairs, o.pair_rate, distinct(asked)))
+        (false, impact_cells(&o.pairs, o.pair_rate, distinct(asked), rotates))
     };
     let walls = |o: &Outcome| {
         let meetings = o.experiment.scene.meetings_at_walls();
         let each = meetings.map(|(_, _, meeting)| significant(meeting.surface.restitution, 4));
-        (false, impact_cells(&o.walls, o.wall_rate, distinct(each)))
+        (false, impact_cells(&o.walls, o.wall_rate, distinct(each), rotates))
     };
-    let head = "variant | impacts | impacts per s | mean normal speed [m/s] | e requested | e realised | mean duration | mean δ/d | 99 % δ/d | largest δ/d";
     let mut blocks = vec![Block::Label("Between particles".into()), table(head, outcomes, pairs)];
     if outcomes.iter().any(|outcome| !outcome.experiment.scene.walls.is_empty()) {
         blocks.extend([Block::Label("At walls".into()), table(head, outcomes, walls)]);
+    }
+    if rotates {
+        blocks.push(Block::note(
+            "β realised: tangential restitution, -Σ s·s'/Σ s² with the slip s of the surfaces at first touch and s' at the end: -1 without friction, 1 if every slip is reversed. Sliding: share of the impacts \
+             whose tangential impulse is at Coulomb's limit, so that the surfaces slide all the time. ",
+        ));
     }
     blocks.push(Block::note(
         "e realised: root of the normal energy after over before, summed over impacts. δ: largest overlap of an impact, d: diameter, of unequal spheres the smaller one; collisions of hard \
@@ -200,22 +210,29 @@ fn impacts(outcomes: &[Outcome]) -> Vec<Block> {
     blocks
 }
 
-fn impact_cells(impacts: &Impacts, rate: Option<Estimate>, requested: String) -> Vec<String> {
+fn impact_cells(impacts: &Impacts, rate: Option<Estimate>, requested: String, rotates: bool) -> Vec<String> {
     let s = impacts.summary();
     // collisions at exact instants have overlaps only by rounding
     let deep = |value: Option<f64>| known(s.largest_overlap > Some(ROUNDING), significant(value, 3));
-    vec![
+    let mut cells = vec![
         count(s.count),
         with_error(rate),
         significant(s.mean_normal_speed, 3),
         requested,
         significant(s.mean_restitution, 5),
+    ];
+    if rotates {
+        let sliding = percent(impacts.slips.sliding as f64, impacts.slips.count as f64);
+        cells.extend([significant(s.tangential_restitution, 4), known(impacts.slips.count > 0, sliding)]);
+    }
+    cells.extend([
         // collisions at exact instants have no duration
         known(s.mean_duration > Some(0.0), quantity(s.mean_duration, "s", 3)),
         deep(s.mean_maximum_overlap),
         deep(s.p99_maximum_overlap),
         deep(s.largest_overlap),
-    ]
+    ]);
+    cells
 }
 
 /// Parts of the page about the energy balance.

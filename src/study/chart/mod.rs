@@ -22,6 +22,8 @@ use crate::cli::Chart;
 use crate::experiment::Experiment;
 use crate::output::numbers::{quantity, significant};
 use crate::output::{ChartMethod, ChartPoint, ChartQuantity, ChartStudy, chart_answers, write_chart};
+use crate::predict::contact::at_fastest_impacts;
+use crate::predict::springs::fastest_spring;
 use crate::runs::{StudyError, conclude, folder, provenance, read, start, tell};
 
 /// Results of a chart, before they are written.
@@ -133,10 +135,26 @@ pub fn measure(
     if base.soft.law.is_none() {
         notes.push("The case names no contact law: soft methods are left out.".into());
     }
+    notes.extend(on_springs(base));
     match scene {
         Some(head_on) => measure_impact(&head_on, quick, notes, outlook),
         None => measure_crowd(base, quick, notes, outlook),
     }
+}
+
+/// Note on how many steps the fastest tangential, rolling or twisting spring gets; `None` without such springs.
+fn on_springs(base: &Experiment) -> Option<String> {
+    let (law, contacts) = (base.soft.law?, at_fastest_impacts(base));
+    let shortest = contacts.iter().map(|contact| contact.contact_time(&law)).reduce(f64::min)?;
+    let (spring, contact) = fastest_spring(base, &law, &contacts)?;
+    Some(format!(
+        "N_c counts the steps in the shortest contact, of {}. Half a period of the {} spring ({}) is {} and gets {} N_c steps.",
+        quantity(shortest, "s", 3),
+        spring.name,
+        contact.name,
+        quantity(spring.half_period(), "s", 3),
+        significant(spring.half_period() / shortest, 3)
+    ))
 }
 
 fn measure_impact(

@@ -11,18 +11,19 @@ mod single;
 mod sliding;
 mod spring_energy;
 mod springs;
+mod turns;
 
 use super::backoff::steps_cost;
-use super::contact::{Contact, ContactState, Rates, SHORT, TouchingPair, passed};
+use super::contact::{Contact, Rates, SHORT, TouchingPair, passed};
 use crate::contact_law::ContactLaw;
 use crate::encounter::{Couple, Encounter, FrameTime, Other};
 use crate::engine::islands::{BoundedIslands, GivenUp, Island, Solve};
 use crate::engine::{Failure, Window};
 use crate::experiment::Integrator;
 use crate::particles::Particles;
-use crate::record::{Between, FrictionLosses, Log};
+use crate::record::{FrictionLosses, Log};
 use crate::scene::Scene;
-use alone::{TOUCH, TRIALS};
+use alone::TRIALS;
 use integrate::{FOURTH_ORDER, HEUN, RungeKuttaStage, crossing};
 use nalgebra::Vector3;
 use sliding::SlidingContact;
@@ -294,24 +295,6 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         FrameTime::in_free_fall(self.now)
     }
 
-    /// Begins a contact at a slot, unless the touch is instantaneous.
-    fn open(&mut self, slot: usize) {
-        let touch = self.scratch.touches[slot];
-        if self.strike(slot) {
-            return;
-        }
-        let (gap, rate) = self.scratch.gaps[slot];
-        let began = self.window.start + self.now;
-        let begun = ContactState::beginning(began, -rate, &touch, self.scene, &self.engine.law);
-        let mut course = ContactState { overlap: -gap, growth: -rate, ..begun };
-        if self.rotates() {
-            let met = self.encounter(slot, self.moment());
-            course.normal = self.is_by_distance(slot).then(|| met.normal.cast());
-            self.open_springs(&touch, &course, &met);
-        }
-        self.scratch.contacts.push(Contact { slot: slot as u32, touch, course });
-    }
-
     /// Present gap [m] of a slot and its rate [m/s].
     fn gap(&self, slot: usize) -> (f64, f64) {
         let met = self.encounter(slot, self.moment());
@@ -408,38 +391,6 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         Ok(())
     }
 
-    /// Repeats the step from `start` with the length at which the gap of `slot` is zero. The first guess of that length
-    /// is `fraction` of `dt`.
-    ///
-    /// The contact of that slot ends where its gap becomes positive, or begins where the gap becomes negative. Two such
-    /// instants that nearly coincide may come in another order than estimated. The later one is then due at the very
-    /// start of its step, and the search must end there. A search that compared signs with the gap before the step
-    /// would run to the end of the step instead, past all other such instants.
-    fn find_turn(&mut self, start: f64, dt: f64, fraction: f64, slot: usize) -> Rates {
-        let touching = self.scratch.contacts.iter().any(|c| c.slot as usize == slot);
-        let (mut low, mut high) = (0.0, 1.0);
-        let mut fraction = fraction;
-        let diameter = self.scratch.touches[slot].diameter;
-        let mut rates = Rates::default();
-        for _ in 0..TRIALS {
-            rates = self.repeat(start, fraction * dt);
-            let (gap, rate) = self.gap(slot);
-            if gap.abs() <= TOUCH * diameter {
-                break;
-            }
-            // Newton's method, kept between a time before the change and one after it
-            let turned = if touching { gap > 0.0 } else { gap < 0.0 };
-            if turned {
-                high = fraction
-            } else {
-                low = fraction
-            }
-            let newton = fraction - gap / (rate * dt);
-            fraction = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
-        }
-        rates
-    }
-
     /// Makes the step of `dt` [s] again from its `start` [s].
     fn repeat(&mut self, start: f64, dt: f64) -> Rates {
         self.particles.position.clone_from(&self.scratch.position);
@@ -449,26 +400,6 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         }
         self.now = start;
         self.integrate(dt)
-    }
-
-    /// Ends the contact of a slot if there is one, and begins one otherwise.
-    fn turn(&mut self, slot: usize) {
-        match self.scratch.contacts.iter().position(|c| c.slot as usize == slot) {
-            None => self.open(slot),
-            Some(k) => {
-                if self.rotates() {
-                    self.drop_springs(k);
-                }
-                let contact = self.scratch.contacts.remove(k);
-                let (_, rate) = self.scratch.gaps[slot];
-                // a contact that was there from the start may never have approached
-                if contact.course.normal_speed > 0.0 {
-                    let impact = contact.course.impact(contact.touch.diameter, rate, self.window.start + self.now);
-                    let (species, other) = contact.touch.couple.kinds(self.particles);
-                    self.island.log.impacts.push((Between::of(species, other), impact));
-                }
-            }
-        }
     }
 
     /// Records powers and forces of a step of `dt` [s] in the log, and the overlaps in the contacts.

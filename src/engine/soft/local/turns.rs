@@ -1,0 +1,87 @@
+//! Beginnings and ends of contacts of an island.
+
+use super::alone::{TOUCH, TRIALS};
+use super::{InstantaneousRule, IslandRun};
+use crate::engine::soft::contact::{Contact, ContactState, Rates};
+use crate::engine::soft::rotating::SurfaceMotion;
+use crate::record::{Between, Impact};
+
+impl<I: InstantaneousRule> IslandRun<'_, I> {
+    /// Begins a contact at a slot, unless the touch is instantaneous.
+    pub(super) fn open(&mut self, slot: usize) {
+        let touch = self.scratch.touches[slot];
+        if self.strike(slot) {
+            return;
+        }
+        let (gap, rate) = self.scratch.gaps[slot];
+        let began = self.window.start + self.now;
+        let begun = ContactState::beginning(began, -rate, &touch, self.scene, &self.engine.law);
+        let mut course = ContactState { overlap: -gap, growth: -rate, ..begun };
+        if self.rotates() {
+            let met = self.encounter(slot, self.moment());
+            course.normal = self.is_by_distance(slot).then(|| met.normal.cast());
+            let surfaces = SurfaceMotion::of(&touch.couple, touch.reach, &met, (self.particles, self.scene));
+            course.first_slip = Some(surfaces.slip.cast());
+            self.open_springs(&touch, &course, &met);
+        }
+        self.scratch.contacts.push(Contact { slot: slot as u32, touch, course });
+    }
+
+    /// Repeats the step from `start` with the length at which the gap of `slot` is zero. The first guess of that length
+    /// is `fraction` of `dt`.
+    ///
+    /// The contact of that slot ends where its gap becomes positive, or begins where the gap becomes negative. Two such
+    /// instants that nearly coincide may come in another order than estimated. The later one is then due at the very
+    /// start of its step, and the search must end there. A search that compared signs with the gap before the step
+    /// would run to the end of the step instead, past all other such instants.
+    pub(super) fn find_turn(&mut self, start: f64, dt: f64, fraction: f64, slot: usize) -> Rates {
+        let touching = self.scratch.contacts.iter().any(|c| c.slot as usize == slot);
+        let (mut low, mut high) = (0.0, 1.0);
+        let mut fraction = fraction;
+        let diameter = self.scratch.touches[slot].diameter;
+        let mut rates = Rates::default();
+        for _ in 0..TRIALS {
+            rates = self.repeat(start, fraction * dt);
+            let (gap, rate) = self.gap(slot);
+            if gap.abs() <= TOUCH * diameter {
+                break;
+            }
+            // Newton's method, kept between a time before the change and one after it
+            let turned = if touching { gap > 0.0 } else { gap < 0.0 };
+            if turned {
+                high = fraction
+            } else {
+                low = fraction
+            }
+            let newton = fraction - gap / (rate * dt);
+            fraction = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
+        }
+        rates
+    }
+
+    /// Ends the contact of a slot if there is one, and begins one otherwise.
+    pub(super) fn turn(&mut self, slot: usize) {
+        match self.scratch.contacts.iter().position(|c| c.slot as usize == slot) {
+            None => self.open(slot),
+            Some(k) => {
+                let mut slip = None;
+                if self.rotates() {
+                    let (touch, met) = self.met(k);
+                    let course = &self.scratch.contacts[k].course;
+                    let bodies = (&*self.particles, self.scene);
+                    slip = course.slip_change(&touch.couple, &touch, (&met, met.normal_velocity), bodies);
+                    self.drop_springs(k);
+                }
+                let contact = self.scratch.contacts.remove(k);
+                let (_, rate) = self.scratch.gaps[slot];
+                // a contact that was there from the start may never have approached
+                if contact.course.normal_speed > 0.0 {
+                    let now = self.window.start + self.now;
+                    let impact = Impact { slip, ..contact.course.impact(contact.touch.diameter, rate, now) };
+                    let (species, other) = contact.touch.couple.kinds(self.particles);
+                    self.island.log.impacts.push((Between::of(species, other), impact));
+                }
+            }
+        }
+    }
+}
