@@ -3,6 +3,7 @@
 mod closed_forms;
 mod gases;
 mod grooves;
+mod heap;
 mod losses;
 mod mindlin;
 mod pairs;

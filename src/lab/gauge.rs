@@ -35,6 +35,8 @@ pub enum Gauge {
     Column,
     /// Velocity, spin and slip of one ball at a wall below it.
     Spin,
+    /// Height of the first ball above the floor, and the spin of the second one.
+    Heap,
     /// Collisions of a gas that were found and that were missed.
     Missed,
 }
@@ -131,6 +133,10 @@ impl Gauge {
                 Graph::new("Radius times spin, positive if it rolls forward", MILLI, "R ω [m/s]", vec![2]),
                 Graph::new("Slip of the point of contact", MILLI, "slip [m/s]", vec![3]),
             ],
+            Self::Heap => vec![
+                Graph::new("Height of the top ball over the floor", MILLI, "height [mm]", vec![1]),
+                Graph::new("Radius times spin of the left ball", MILLI, "R ω [m/s]", vec![2]),
+            ],
             Self::Missed => vec![
                 Graph::new("Collisions suffered by a sphere", MILLI, "collisions", vec![1]),
                 Graph::new("Collisions that were missed", MILLI, "share [%]", vec![2]),
@@ -169,6 +175,12 @@ impl Gauge {
             Self::Spin => {
                 let (velocity, surface) = (particles.velocity[0].x, -particles.radius[0] * particles.spin_of(0).z);
                 vec![1e3 * time, velocity, surface, velocity - surface]
+            }
+            Self::Heap => {
+                let place = |ball: u32| particles.id.iter().position(|id| *id == ball).unwrap_or(0);
+                let (top, left) = (place(0), place(1));
+                let height = particles.position[top].y - particles.radius[top];
+                vec![1e3 * time, 1e3 * height, particles.radius[left] * particles.spin_of(left).z]
             }
             Self::Missed => {
                 let missed = simulation.counters().missed_collisions as f64;

@@ -8,6 +8,7 @@ mod channel;
 mod column;
 mod cooling;
 mod cradle;
+mod heap;
 mod heating;
 mod impact;
 mod oblique;
@@ -98,6 +99,7 @@ pub const SCENES: &[LabScene] = &[
     column::SCENE,
     oblique::SCENE,
     rolling::SCENE,
+    heap::SCENE,
     heating::SCENE,
     unstable::SCENE,
     stepped::SCENE,
