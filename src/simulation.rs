@@ -9,6 +9,7 @@ mod engines;
 mod share;
 mod snapshot;
 mod totals;
+mod weight;
 
 pub use contacts::ContactSummary;
 
@@ -318,8 +319,8 @@ impl Simulation {
 
     fn advance(&mut self, window: f64) -> Result<(), Failure> {
         self.order(&Order::Advance(self.time, window));
+        self.add_differences_in_gravity(0.5 * window);
         let began = self.clock.now();
-        let g = self.scene.gravity;
         let result = self.engine.advance(
             &mut self.particles,
             &self.scene,
@@ -330,24 +331,16 @@ impl Simulation {
         self.unseen = None;
         // after a failure the state is that at the instant of the failure, so the ledger also ends at this instant
         let reached = result.as_ref().map_or_else(|why| (why.time() - self.time).clamp(0.0, window), |()| window);
-        // The work of gravity is computed from the momentum of all particles. Momentum exchanged between particles
-        // cancels; momentum from walls counts as if it were given at the end of the window.
         let given = self.given_by_walls();
         let by_walls = given - std::mem::replace(&mut self.by_walls, given);
         self.time += reached;
-        if self.is_follower() {
-            return result;
+        if !self.is_follower() {
+            self.book_gravity(by_walls, [window, reached]);
         }
-        let work =
-            g.dot(&self.totals.momentum) * reached + 0.5 * self.totals.mass * g.norm_squared() * reached * reached;
-        let weight = g * (self.totals.mass * reached);
-        self.record.ledger += Ledger {
-            gravity_work: work - g.dot(&by_walls) * (window - reached),
-            gravity_impulse: weight,
-            ..Ledger::default()
-        };
-        self.totals.momentum += weight + by_walls;
-        self.clock.tell(self.time);
+        self.add_differences_in_gravity(0.5 * window);
+        if !self.is_follower() {
+            self.clock.tell(self.time);
+        }
         result
     }
 

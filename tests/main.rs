@@ -10,6 +10,7 @@ mod analytic; // closed forms: two bodies, walls, oblique impacts (oracle A, B)
 mod batches; // averages from blocks of time, and answers where they are known
 mod bodies; // walls that are not planes along an axis
 mod bouncing; // spheres dropped on a floor, and squeezed between walls (oracle C)
+mod buoyancy; // buoyancy: falls of MFIX and in water, mixtures of densities, ledger, threads and processes
 mod calendar; // one event calendar for all particles: windows, ties, long runs, streams, threads
 mod cases; // every case of the project, a few windows with each engine
 mod chart; // work against precision: one impact, orders, fronts, failures on the frame, floors

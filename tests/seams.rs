@@ -48,7 +48,13 @@ impl DragLaw for CliftGauvin {
 }
 
 fn gas(drag: Drag) -> Fluid {
-    Fluid { density: 1.205, kinematic_viscosity: 1.515e-5, profile: Profile::Uniform(8.0), drag: Some(drag) }
+    Fluid {
+        density: 1.205,
+        kinematic_viscosity: 1.515e-5,
+        profile: Profile::Uniform(8.0),
+        drag: Some(drag),
+        buoyancy: None,
+    }
 }
 
 fn spheres() -> [Sphere; 2] {

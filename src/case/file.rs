@@ -54,7 +54,7 @@ pub struct CaseFile {
     /// The gas. Its flow is prescribed: it drives the particles, and they do not change it (one-way coupling). Without
     /// this table there is no gas.
     pub fluid: Option<Located<FluidFile>>,
-    /// The drag law. Without this table the gas exerts no force.
+    /// The drag law. Without this table the gas exerts no drag.
     pub drag: Option<Located<DragFile>>,
     /// One kind of particles. Exactly one of `count`, `volume_fraction`, `file` and `at` sets how many particles there
     /// are.

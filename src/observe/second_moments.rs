@@ -352,7 +352,8 @@ impl Observer for SecondMoments {
             self.given = vec![Vector3::zeros(); particles.len()];
         }
         let half = 0.5 * self.schedule.window;
-        let fall = components(&scene.gravity) * self.schedule.window;
+        let fall = |species| components(&scene.gravity_of(species)) * self.schedule.window;
+        let falls: Vec<_> = scene.species.iter().map(fall).collect();
         let spheres: Vec<_> = match &scene.fluid {
             Some(fluid) => scene.species.iter().map(|species| fluid.sphere(species)).collect(),
             None => Vec::new(),
@@ -377,7 +378,8 @@ impl Observer for SecondMoments {
             let push = components(&push.unwrap_or_default());
             let velocity = components(velocity) - reference;
             // velocities half a kick of drag later and earlier, exact to the order of the splitting
-            let before = std::mem::replace(&mut given[particles.id[place] as usize], velocity + push * half) + fall;
+            let before =
+                std::mem::replace(&mut given[particles.id[place] as usize], velocity + push * half) + falls[species];
             let slice = ((y / height * count as f64) as usize).min(count - 1);
             slices.add(slice, row([&velocity, &push, &before, &(velocity - push * half)]));
         }

@@ -37,10 +37,11 @@ pub struct Flow {
 /// Response to the gas of each species that has particles. `counts` contains the number of particles of each species.
 pub fn flows(scene: &Scene, counts: &[usize]) -> Vec<Flow> {
     let Some(fluid) = &scene.fluid else { return Vec::new() };
-    let (gravity, height, volume) = (scene.gravity.norm(), scene.domain.size.y, scene.domain.volume());
+    let (height, volume) = (scene.domain.size.y, scene.domain.volume());
     let density = |count: usize| count as f64 / volume;
     let present = scene.species.iter().zip(counts).filter(|(_, count)| **count > 0);
-    present.filter_map(|(species, &count)| flow(fluid, species, density(count), gravity, height)).collect()
+    let gravity = |species: &Species| scene.gravity_of(species).norm();
+    present.filter_map(|(species, &count)| flow(fluid, species, density(count), gravity(species), height)).collect()
 }
 
 /// [m/s] component of the gas velocity against gravity, minus the slip speed at which drag balances the weight. If the
@@ -94,7 +95,8 @@ pub fn flow(fluid: &Fluid, species: &Species, number_density: f64, gravity: f64,
     })
 }
 
-/// [m/s] terminal slip speed w at which drag balances the weight: w = g τ(w), without buoyancy (the paper's Eq. 1).
+/// [m/s] terminal slip speed w at which drag balances the weight: w = g τ(w), where the acceleration `gravity` [m/s²]
+/// contains the buoyancy, if any.
 pub fn terminal_slip(drag: &Drag, fluid: &Fluid, species: &Species, gravity: f64) -> f64 {
     let sphere = fluid.sphere(species);
     // w increases along the interval and g τ(w) does not: bisection between 0 and the slip speed of Stokes drag
@@ -135,6 +137,7 @@ mod tests {
                 kinematic_viscosity: 1.515e-5,
                 profile: Profile::Uniform(15.9075),
                 drag: Some(Drag::SchillerNaumann(SchillerNaumann)),
+                buoyancy: None,
             };
             let species =
                 Species { name: "P".into(), diameter, density, elasticity: None, sizes: None, inertia_factor: 0.4 };
@@ -156,7 +159,7 @@ mod tests {
         let nodes = flow_of_gas.nodes.clone();
         let profile = Profile::Pipe(std::sync::Arc::new(Pipe::new([0.02; 2], flow_of_gas).unwrap()));
         let drag = Some(Drag::SchillerNaumann(SchillerNaumann));
-        let fluid = Fluid { density: 1.205, kinematic_viscosity: viscosity, profile, drag };
+        let fluid = Fluid { density: 1.205, kinematic_viscosity: viscosity, profile, drag, buoyancy: None };
         let tracer = Species {
             name: "T".into(),
             diameter: 1e-7,

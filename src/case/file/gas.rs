@@ -17,6 +17,10 @@ pub struct FluidFile {
     #[schemars(example = &"1.515e-5 m^2/s")]
     #[schemars(extend("x-required" = "always", "x-range" = "1e-8 ..= 1e-2 m^2/s"))]
     pub kinematic_viscosity: Option<Located<KinematicViscosity>>,
+    /// False: leaves out buoyancy, the force -ρ_f V g of the gas on a particle of volume V. Without gravity the key does
+    /// nothing.
+    #[schemars(example = false, extend("default" = true))]
+    pub buoyancy: Option<Located<bool>>,
     /// Velocity of the gas along z, usually as a function of y. Give exactly one of the tables below.
     #[schemars(extend("x-required" = "always"))]
     pub profile: Option<Located<ProfileFile>>,

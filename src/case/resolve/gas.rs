@@ -177,6 +177,6 @@ fn largest_reynolds(experiment: &Experiment, fluid: &Fluid, population: &Populat
             slips.fold(0.0, f64::max)
         }
     };
-    let falling = terminal_slip(drag, fluid, species, scene.gravity.norm());
+    let falling = terminal_slip(drag, fluid, species, scene.gravity_of(species).norm());
     at_start.max(falling) * fluid.sphere(species).reynolds_per_speed
 }

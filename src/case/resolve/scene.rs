@@ -53,19 +53,17 @@ impl Resolver {
         Ok(gravity)
     }
 
-    /// Warns that buoyancy is neglected, if the density of the fluid makes buoyancy matter.
-    pub(super) fn warn_of_buoyancy(&mut self, file: &CaseFile, scene: &Scene) {
-        /// [-] ratio of buoyancy to weight below which buoyancy is neglected without a warning. It equals the usual
+    /// Adds buoyancy to the scene, unless the case switches it off. In that case a warning is given if the density of the
+    /// fluid makes buoyancy matter.
+    pub(super) fn buoyancy(&mut self, file: &CaseFile, scene: &mut Scene) {
+        /// [-] ratio of buoyancy to weight below which buoyancy is left out without a warning. It equals the usual
         /// margin of comparisons.
         const SMALL: f64 = 0.01;
-        let (Some(fluid), Some(typed)) =
-            (&scene.fluid, file.fluid.as_ref().and_then(|fluid| fluid.value.density.as_ref()))
+        let Some(typed) = file.fluid.as_ref().and_then(|fluid| fluid.value.buoyancy.as_ref()).filter(|on| !on.value)
         else {
-            return;
+            return scene.add_buoyancy();
         };
-        if scene.gravity == Vector3::zeros() {
-            return;
-        }
+        let Some(fluid) = scene.fluid.as_ref().filter(|_| scene.gravity != Vector3::zeros()) else { return };
         for species in &scene.species {
             let lifted = fluid.density / species.density;
             if lifted > SMALL {
@@ -73,10 +71,7 @@ impl Resolver {
                 let message = format!(
                     "buoyancy is left out: in this fluid \"{name}\" has {left:.3} of its weight, and here it has all of it"
                 );
-                let help = format!(
-                    "to weigh what it does there, multiply gravity by {left:.4}; drag and inertia stay as they are"
-                );
-                self.warn(&typed.origin, message, help);
+                self.warn(&typed.origin, message, "leave out `fluid.buoyancy`, which is true by default");
             }
         }
     }
@@ -135,13 +130,13 @@ impl Resolver {
             None => {
                 self.warn(
                     &fluid.origin,
-                    "the gas exerts no force: the case has no drag law",
+                    "the gas exerts no drag: the case has no drag law",
                     "add [drag.schiller_naumann]",
                 );
                 None
             }
         };
-        Ok(Some(Fluid { density: rho, kinematic_viscosity: nu, profile, drag }))
+        Ok(Some(Fluid { density: rho, kinematic_viscosity: nu, profile, drag, buoyancy: None }))
     }
 
     fn profile(
