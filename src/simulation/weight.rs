@@ -56,12 +56,15 @@ impl Simulation {
     }
 }
 
+/// Velocities [m/s], masses [kg] and species of the particles of one chunk.
+type Weighed<'a> = (&'a mut [Vector3<f64>], (&'a [f64], &'a [u16]));
+
 /// Adds the velocity `changes` [m/s] of its species to each particle. Returns sums over all particles: the impulse
 /// [kg m/s] along x, y and z, and the work [J].
 fn accelerate(particles: &mut Particles, changes: &[Vector3<f64>]) -> [ExactSum; 4] {
     let Particles { velocity, mass, species, .. } = particles;
     let chunks = velocity.chunks_mut(CHUNK).zip(mass.chunks(CHUNK).zip(species.chunks(CHUNK)));
-    let each = |(velocity, (mass, species)): (&mut [Vector3<f64>], (&[f64], &[u16]))| {
+    let each = |(velocity, (mass, species)): Weighed| {
         let (mut sums, mut rows) = (exact::none(), [[0.0; 4]; BLOCK]);
         let others = mass.chunks(BLOCK).zip(species.chunks(BLOCK));
         for (velocity, (mass, species)) in velocity.chunks_mut(BLOCK).zip(others) {
