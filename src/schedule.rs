@@ -285,11 +285,11 @@ impl DragScales {
         let fluid = scene.fluid.as_ref()?;
         let drag = fluid.drag.as_ref()?;
         let law = drag.law();
-        let sphere = fluid.sphere(species);
+        let sphere = fluid.sphere(species).among(experiment.fraction_for_drag());
         let height = scene.domain.size.y;
         let gas = fluid.profile.velocity(0.5 * height);
         let gravity = scene.gravity_of(species).norm();
-        let falling = terminal_slip(drag, fluid, species, gravity).min(gravity * experiment.run.duration);
+        let falling = terminal_slip(drag, &sphere, gravity).min(gravity * experiment.run.duration);
         let relaxation = law.relaxation_time(&sphere, falling);
         let steeper = 1.0 / relaxation - 1.0 / law.relaxation_time(&sphere, 0.0);
         let fall = if falling > 0.0 && steeper > 0.0 { falling / gravity / steeper } else { f64::INFINITY };
@@ -356,8 +356,9 @@ impl<'a> Slowing<'a> {
             let fluid = scene.fluid.as_ref()?;
             let (drag, species) = (fluid.drag.as_ref()?, &scene.species[usize::from(population.species)]);
             let gravity = scene.gravity_of(species).norm();
-            let fall = terminal_slip(drag, fluid, species, gravity).min(gravity * experiment.run.duration);
-            let fastest = speed * drag.law().decay(&fluid.sphere(species), *speed, time) + fall;
+            let sphere = fluid.sphere(species).among(experiment.fraction_for_drag());
+            let fall = terminal_slip(drag, &sphere, gravity).min(gravity * experiment.run.duration);
+            let fastest = speed * drag.law().decay(&sphere, *speed, time) + fall;
             Some(DragScales::at(experiment, species, [fastest, fastest / 3.0_f64.sqrt()])?.longest_window())
         };
         experiment.start.iter().filter_map(longest).fold(f64::INFINITY, f64::min)

@@ -16,6 +16,7 @@ pub use contacts::ContactSummary;
 
 pub use engines::{SimulationEngine, engine, may_touch, soft_step};
 pub use kick::kick;
+use kick::kick_among;
 pub use snapshot::Snapshot;
 
 use crate::clock::Clock;
@@ -393,7 +394,8 @@ impl Simulation {
             self.kicks.insert(0, kick);
             0
         });
-        let mut sums = kick(&mut self.particles, &fluid.profile, &self.kicks[place]);
+        let fractions = law.law().cells().map(|cells| self.fractions(cells));
+        let mut sums = kick_among(&mut self.particles, &fluid.profile, &self.kicks[place], fractions.as_ref());
         self.sample().total(&mut sums.each_mut());
         if self.is_follower() {
             return;

@@ -74,6 +74,7 @@ mod snapshots; // state between windows, stored and restored with identical bits
 mod soak; // random crowds through every way of stepping: energy and momentum
 mod starts; // starts of a case and lengths of its run: saved states, tables, lengths
 mod stress; // stress, contacts per particle, filling, and the densest starts
+mod suspensions; // drag in suspensions: published values, packed beds, hindered settling, local fractions, bits
 mod sweep; // sweeps: killed and gone on with, grids and replicas, what is refused, points that stop
 mod terminal; // messages may be lost, results may not
 mod trajectory; // frames for other programs: bits, surfaces, failures

@@ -8,6 +8,7 @@
 //! resolved.
 
 mod buoyancy;
+mod fractions;
 mod half_channel;
 mod k_epsilon;
 mod launder_sharma;
@@ -18,6 +19,7 @@ mod table;
 mod wall_functions;
 
 pub use buoyancy::Buoyancy;
+pub use fractions::LocalFractions;
 pub use k_epsilon::{ChannelFlow, GridNode, KBudget, Section, TurbulenceModel};
 pub use log_law::{LogConstants, LogLaw};
 pub use pipe::Pipe;
@@ -45,11 +47,12 @@ pub struct Fluid {
 }
 
 impl Fluid {
-    /// Properties of a sphere of this species in this gas on which drag depends.
+    /// Properties of a single sphere of this species in this gas on which drag depends.
     pub fn sphere(&self, species: &Species) -> Sphere {
         Sphere {
             stokes_time: species.density * species.diameter.powi(2) / (18.0 * self.density * self.kinematic_viscosity),
             reynolds_per_speed: species.diameter / self.kinematic_viscosity,
+            fraction: 0.0,
         }
     }
 }

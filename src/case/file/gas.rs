@@ -34,6 +34,42 @@ pub enum DragFile {
     SchillerNaumann {},
     /// Stokes drag of creeping flow, whose solution is known in closed form.
     Stokes {},
+    /// Drag in suspensions by Wen and Yu (1966).
+    WenYu {
+        /// Numbers of equal cells along x, y and z in which the local volume fraction of the particles is computed. A cell is
+        /// at least as wide as a particle.
+        #[schemars(extend("examples" = [[1, 20, 1]], "x-required" = "always", "x-range" = "1 ..= 10000"))]
+        cells: Option<Located<[Located<i64>; 3]>>,
+    },
+    /// Drag in suspensions by Gidaspow (1994): the law of Ergun where the gas fills less than 0.8 of the volume, and that of Wen
+    /// and Yu elsewhere.
+    Gidaspow {
+        /// Numbers of equal cells along x, y and z in which the local volume fraction of the particles is computed. A cell is
+        /// at least as wide as a particle.
+        #[schemars(extend("examples" = [[1, 20, 1]], "x-required" = "always", "x-range" = "1 ..= 10000"))]
+        cells: Option<Located<[Located<i64>; 3]>>,
+    },
+    /// Drag in suspensions by Beetstra, van der Hoef and Kuipers (2007).
+    Beetstra {
+        /// Numbers of equal cells along x, y and z in which the local volume fraction of the particles is computed. A cell is
+        /// at least as wide as a particle.
+        #[schemars(extend("examples" = [[1, 20, 1]], "x-required" = "always", "x-range" = "1 ..= 10000"))]
+        cells: Option<Located<[Located<i64>; 3]>>,
+    },
+    /// Drag in suspensions by Tenneti, Garg and Subramaniam (2011).
+    Tenneti {
+        /// Numbers of equal cells along x, y and z in which the local volume fraction of the particles is computed. A cell is
+        /// at least as wide as a particle.
+        #[schemars(extend("examples" = [[1, 20, 1]], "x-required" = "always", "x-range" = "1 ..= 10000"))]
+        cells: Option<Located<[Located<i64>; 3]>>,
+    },
+    /// Drag in suspensions by Di Felice (1994).
+    DiFelice {
+        /// Numbers of equal cells along x, y and z in which the local volume fraction of the particles is computed. A cell is
+        /// at least as wide as a particle.
+        #[schemars(extend("examples" = [[1, 20, 1]], "x-required" = "always", "x-range" = "1 ..= 10000"))]
+        cells: Option<Located<[Located<i64>; 3]>>,
+    },
 }
 
 /// Tables `[fluid.profile.*]`: choice of a velocity profile of the gas.

@@ -6,7 +6,7 @@ use crate::case::diagnostic::Diagnostic;
 use crate::case::file::{CaseFile, DragFile, FluidFile, ProfileFile, TurbulenceFile};
 use crate::case::quantity::Ratio;
 use crate::domain::Domain;
-use crate::drag::{Drag, SchillerNaumann, Stokes};
+use crate::drag::{Drag, SchillerNaumann, Stokes, SuspensionDrag, SuspensionLaw};
 use crate::fluid::TurbulenceModel;
 use crate::fluid::{Fluid, Profile};
 use crate::scene::{Scene, Species, Surface};
@@ -123,10 +123,7 @@ impl Resolver {
         let nu = self.in_range(viscosity, slip)?;
         let profile = self.profile(fluid, domain, nu, species)?;
         let drag = match &file.drag {
-            Some(drag) => Some(match drag.value {
-                DragFile::SchillerNaumann {} => Drag::SchillerNaumann(SchillerNaumann),
-                DragFile::Stokes {} => Drag::Stokes(Stokes),
-            }),
+            Some(drag) => Some(self.drag(&drag.value, domain, species)?),
             None => {
                 self.warn(
                     &fluid.origin,
@@ -137,6 +134,42 @@ impl Resolver {
             }
         };
         Ok(Some(Fluid { density: rho, kinematic_viscosity: nu, profile, drag, buoyancy: None }))
+    }
+
+    fn drag(&self, drag: &DragFile, domain: &Domain, species: &[Species]) -> Result<Drag, Diagnostic> {
+        let (law, cells) = match drag {
+            DragFile::SchillerNaumann {} => return Ok(Drag::SchillerNaumann(SchillerNaumann)),
+            DragFile::Stokes {} => return Ok(Drag::Stokes(Stokes)),
+            DragFile::WenYu { cells } => (SuspensionLaw::WenYu, cells),
+            DragFile::Gidaspow { cells } => (SuspensionLaw::Gidaspow, cells),
+            DragFile::Beetstra { cells } => (SuspensionLaw::Beetstra, cells),
+            DragFile::Tenneti { cells } => (SuspensionLaw::Tenneti, cells),
+            DragFile::DiFelice { cells } => (SuspensionLaw::DiFelice, cells),
+        };
+        let cells = self.need(cells, "drag.*.cells")?;
+        Ok(Drag::Suspension(SuspensionDrag { law, cells: self.cells(cells, domain, species)? }))
+    }
+
+    /// Numbers of cells along x, y and z in which volume fractions are computed.
+    fn cells(
+        &self,
+        typed: &Located<[Located<i64>; 3]>,
+        domain: &Domain,
+        species: &[Species],
+    ) -> Result<[u32; 3], Diagnostic> {
+        let largest = species.iter().map(Species::largest).fold(0.0, f64::max);
+        let help =
+            "in a channel, slices such as [1, 20, 1]; the more particles a cell holds, the less their number scatters";
+        let mut cells = [1; 3];
+        for (axis, (count, typed)) in cells.iter_mut().zip(&typed.value).enumerate() {
+            *count = self.whole(typed, 1, 10_000, help)? as u32;
+            let most = (domain.size[axis] / largest).floor().max(1.0);
+            if f64::from(*count) > most {
+                let why = format!("makes cells narrower than the largest particle; allowed: 1 ..= {most}");
+                return Err(self.refuse(typed, why).help(help));
+            }
+        }
+        Ok(cells)
     }
 
     fn profile(
