@@ -96,6 +96,16 @@ impl Experiment {
         self.start.iter().map(|population| population.amount.count()).sum()
     }
 
+    /// [-] volume of all particles at the start over that of the box. It is zero if the drag law does not depend on it.
+    pub fn fraction_for_drag(&self) -> f64 {
+        let drag = self.scene.fluid.as_ref().and_then(|fluid| fluid.drag.as_ref());
+        if drag.is_none_or(|drag| drag.law().cells().is_none()) {
+            return 0.0;
+        }
+        let volumes = self.counts().into_iter().zip(&self.scene.species);
+        volumes.map(|(count, species)| count as f64 * species.volume()).sum::<f64>() / self.scene.domain.volume()
+    }
+
     /// Number of particles of each species at the start.
     pub fn counts(&self) -> Vec<usize> {
         let mut counts = vec![0; self.scene.species.len()];

@@ -1,5 +1,6 @@
 //! The scene: all data that both engines read and neither changes.
 
+mod buoyancy;
 mod sizes;
 mod start_region;
 
@@ -213,7 +214,8 @@ impl Species {
 pub struct Scene {
     /// Box and periodicity.
     pub domain: Domain,
-    /// [m/s²] gravity.
+    /// [m/s²] acceleration of the particles by gravity. With [buoyancy](Self::add_buoyancy), it is the acceleration of
+    /// the densest species by weight and buoyancy.
     pub gravity: Vector3<f64>,
     /// The gas with its velocity profile and drag law; `None`: no gas, no drag code runs.
     pub fluid: Option<Fluid>,

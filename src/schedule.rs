@@ -9,7 +9,7 @@ use crate::experiment::{Amount, Experiment, Population};
 use crate::fluid::Profile;
 use crate::predict::contact::AGITATION;
 use crate::predict::flow::terminal_slip;
-use crate::scene::Species;
+use crate::scene::{Scene, Species};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
@@ -21,6 +21,10 @@ pub const SPLITTING: f64 = 1e-4;
 /// [-] relative change that the splitting may cause in the response of a single particle to the gas. It is smaller than
 /// `SPLITTING`, because a single particle has no scatter that hides the change.
 pub const SPLITTING_ALONE: f64 = 1e-5;
+
+/// [-] largest distance between the path within a window and the parabola that it stands for, divided by the smallest
+/// diameter. It has the size of [`SPLITTING_ALONE`].
+const SAG: f64 = 1e-5;
 
 /// Number of windows in a run without drag, with one sample each.
 const PIECES: f64 = 200.0;
@@ -105,6 +109,7 @@ impl Schedule {
             let response = least(&mut drag.iter().map(|drag| drag.response));
             (least(&mut drag.iter().map(DragScales::longest_window)), response / SAMPLES_PER_RESPONSE)
         };
+        let allowed = allowed.min(longest_with_kicks_of_buoyancy(&experiment.scene));
         let longest = experiment.run.window.unwrap_or(allowed).min(duration);
         // windows are shortened if samples are requested more often than windows end
         let interval = experiment.statistics.sample_interval.unwrap_or(often.max(longest)).min(duration);
@@ -280,11 +285,11 @@ impl DragScales {
         let fluid = scene.fluid.as_ref()?;
         let drag = fluid.drag.as_ref()?;
         let law = drag.law();
-        let sphere = fluid.sphere(species);
+        let sphere = fluid.sphere(species).among(experiment.fraction_for_drag());
         let height = scene.domain.size.y;
         let gas = fluid.profile.velocity(0.5 * height);
-        let gravity = scene.gravity.norm();
-        let falling = terminal_slip(drag, fluid, species, gravity).min(gravity * experiment.run.duration);
+        let gravity = scene.gravity_of(species).norm();
+        let falling = terminal_slip(drag, &sphere, gravity).min(gravity * experiment.run.duration);
         let relaxation = law.relaxation_time(&sphere, falling);
         let steeper = 1.0 / relaxation - 1.0 / law.relaxation_time(&sphere, 0.0);
         let fall = if falling > 0.0 && steeper > 0.0 { falling / gravity / steeper } else { f64::INFINITY };
@@ -346,16 +351,26 @@ impl<'a> Slowing<'a> {
     /// [s] longest window allowed at a time [s] of the run; its length grows with time.
     fn longest_window(&self, time: f64) -> f64 {
         let Self { experiment, speed } = self;
-        let (scene, gravity) = (&experiment.scene, experiment.scene.gravity.norm());
+        let scene = &experiment.scene;
         let longest = |population: &Population| {
             let fluid = scene.fluid.as_ref()?;
             let (drag, species) = (fluid.drag.as_ref()?, &scene.species[usize::from(population.species)]);
-            let fall = terminal_slip(drag, fluid, species, gravity).min(gravity * experiment.run.duration);
-            let fastest = speed * drag.law().decay(&fluid.sphere(species), *speed, time) + fall;
+            let gravity = scene.gravity_of(species).norm();
+            let sphere = fluid.sphere(species).among(experiment.fraction_for_drag());
+            let fall = terminal_slip(drag, &sphere, gravity).min(gravity * experiment.run.duration);
+            let fastest = speed * drag.law().decay(&sphere, *speed, time) + fall;
             Some(DragScales::at(experiment, species, [fastest, fastest / 3.0_f64.sqrt()])?.longest_window())
         };
         experiment.start.iter().filter_map(longest).fold(f64::INFINITY, f64::min)
     }
+}
+
+/// [s] longest window if buoyancy gives species of different densities different accelerations, so that kicks add the
+/// differences; infinite if it does not. With a difference b [m/s²] the path within a window of length h differs by at
+/// most b h²/8 from a parabola. This distance is at most a [`SAG`] of the smallest diameter.
+fn longest_with_kicks_of_buoyancy(scene: &Scene) -> f64 {
+    let largest = scene.differences_in_gravity().iter().map(|difference| difference.norm()).fold(0.0, f64::max);
+    if largest > 0.0 { (8.0 * SAG * scene.smallest_diameter() / largest).sqrt() } else { f64::INFINITY }
 }
 
 /// [1/s] collision rate of each particle in an elastic gas that nothing drives, whose agitation is constant; 0 for all

@@ -6,14 +6,17 @@
 
 mod contacts;
 mod engines;
+mod kick;
 mod share;
 mod snapshot;
 mod totals;
+mod weight;
 
 pub use contacts::ContactSummary;
 
-use crate::work_sharing;
 pub use engines::{SimulationEngine, engine, may_touch, soft_step};
+pub use kick::kick;
+use kick::kick_among;
 pub use snapshot::Snapshot;
 
 use crate::clock::Clock;
@@ -21,10 +24,9 @@ use crate::communicator::Communicator;
 use crate::drag::{Kick, Sphere};
 use crate::engine::distributed::Distributed;
 use crate::engine::{Counters, Engine, Failure, Window};
-use crate::exact::{self, BLOCK, ExactSum};
+use crate::exact;
 use crate::experiment::{Experiment, Integrator};
-use crate::fluid::Profile;
-use crate::particles::{CHUNK, Particles, Sample};
+use crate::particles::{Particles, Sample};
 use crate::predict::energy::{Bound, broken_contract, too_long};
 use crate::record::{Ledger, Record};
 use crate::scene::{Scene, Species};
@@ -318,8 +320,8 @@ impl Simulation {
 
     fn advance(&mut self, window: f64) -> Result<(), Failure> {
         self.order(&Order::Advance(self.time, window));
+        self.add_differences_in_gravity(0.5 * window);
         let began = self.clock.now();
-        let g = self.scene.gravity;
         let result = self.engine.advance(
             &mut self.particles,
             &self.scene,
@@ -330,24 +332,16 @@ impl Simulation {
         self.unseen = None;
         // after a failure the state is that at the instant of the failure, so the ledger also ends at this instant
         let reached = result.as_ref().map_or_else(|why| (why.time() - self.time).clamp(0.0, window), |()| window);
-        // The work of gravity is computed from the momentum of all particles. Momentum exchanged between particles
-        // cancels; momentum from walls counts as if it were given at the end of the window.
         let given = self.given_by_walls();
         let by_walls = given - std::mem::replace(&mut self.by_walls, given);
         self.time += reached;
-        if self.is_follower() {
-            return result;
+        if !self.is_follower() {
+            self.book_gravity(by_walls, [window, reached]);
         }
-        let work =
-            g.dot(&self.totals.momentum) * reached + 0.5 * self.totals.mass * g.norm_squared() * reached * reached;
-        let weight = g * (self.totals.mass * reached);
-        self.record.ledger += Ledger {
-            gravity_work: work - g.dot(&by_walls) * (window - reached),
-            gravity_impulse: weight,
-            ..Ledger::default()
-        };
-        self.totals.momentum += weight + by_walls;
-        self.clock.tell(self.time);
+        self.add_differences_in_gravity(0.5 * window);
+        if !self.is_follower() {
+            self.clock.tell(self.time);
+        }
         result
     }
 
@@ -400,7 +394,8 @@ impl Simulation {
             self.kicks.insert(0, kick);
             0
         });
-        let mut sums = kick(&mut self.particles, &fluid.profile, &self.kicks[place]);
+        let fractions = law.law().cells().map(|cells| self.fractions(cells));
+        let mut sums = kick_among(&mut self.particles, &fluid.profile, &self.kicks[place], fractions.as_ref());
         self.sample().total(&mut sums.each_mut());
         if self.is_follower() {
             return;
@@ -440,59 +435,4 @@ impl Simulation {
         }
         Ok(())
     }
-}
-
-/// Applies drag alone to all particles in a gas with the given profile. Returns sums over all particles: the impulse
-/// [kg m/s] of drag along x, y and z, and the work [J] of drag.
-pub fn kick(particles: &mut Particles, profile: &Profile, kick: &Kick) -> [ExactSum; 4] {
-    let Particles { position, velocity, mass, species, radius, .. } = particles;
-    if velocity.len() <= CHUNK {
-        return kick_chunk(velocity, (position, (mass, (species, radius))), profile, kick);
-    }
-    let others = position.chunks(CHUNK).zip(mass.chunks(CHUNK).zip(species.chunks(CHUNK).zip(radius.chunks(CHUNK))));
-    let each = |(velocity, others)| kick_chunk(velocity, others, profile, kick);
-    work_sharing::map(velocity.chunks_mut(CHUNK).zip(others), each).into_iter().fold(exact::none(), exact::merged)
-}
-
-/// Positions [m], masses [kg], species and radii [m] of the particles of one chunk.
-type Dragged<'a> = (&'a [Vector3<f64>], (&'a [f64], (&'a [u16], &'a [f64])));
-
-/// Applies [`kick`] on one thread, in three short loops over some particles at a time. Each loop does little work per
-/// particle, so that the processor computes several particles at once instead of waiting for one long chain of results.
-fn kick_chunk(
-    velocity: &mut [Vector3<f64>],
-    (position, (mass, (species, radius))): Dragged,
-    profile: &Profile,
-    kick: &Kick,
-) -> [ExactSum; 4] {
-    let slip = |v: &Vector3<f64>, gas: f64| Vector3::new(v.x, v.y, v.z - gas);
-    let (mut gas, mut ratio) = ([0.0; BLOCK], [0.0; BLOCK]);
-    let (mut sums, mut rows) = (exact::none(), [[0.0; 4]; BLOCK]);
-    let asks_sizes = kick.asks_sizes();
-    let kinds = species.chunks(BLOCK).zip(radius.chunks(BLOCK));
-    let others = position.chunks(BLOCK).zip(mass.chunks(BLOCK).zip(kinds));
-    for (velocity, (position, (mass, (species, radius)))) in velocity.chunks_mut(BLOCK).zip(others) {
-        for (gas, x) in gas.iter_mut().zip(position) {
-            *gas = profile.velocity_at(x);
-        }
-        if asks_sizes {
-            let kinds = species.iter().zip(radius);
-            for (((ratio, gas), v), (species, radius)) in ratio.iter_mut().zip(gas).zip(&*velocity).zip(kinds) {
-                *ratio = kick.change_of(*species, *radius, slip(v, gas).norm_squared());
-            }
-        } else {
-            for (((ratio, gas), v), species) in ratio.iter_mut().zip(gas).zip(&*velocity).zip(species) {
-                *ratio = kick.change(*species, slip(v, gas).norm_squared());
-            }
-        }
-        let rows = &mut rows[..velocity.len()];
-        for ((((v, m), gas), ratio), row) in velocity.iter_mut().zip(mass).zip(gas).zip(ratio).zip(&mut *rows) {
-            let change = slip(v, gas) * ratio;
-            let work = m * change.dot(&(*v + 0.5 * change));
-            *row = [change.x * m, change.y * m, change.z * m, work];
-            *v += change;
-        }
-        exact::add_rows(sums.each_mut(), rows);
-    }
-    sums
 }

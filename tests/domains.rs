@@ -241,6 +241,7 @@ fn air() -> Fluid {
         kinematic_viscosity: 1.5e-5,
         profile: Profile::Uniform(0.5),
         drag: Some(Drag::SchillerNaumann(SchillerNaumann)),
+        buoyancy: None,
     }
 }
 

@@ -380,6 +380,7 @@ fn hard_spheres_take_the_cheaper_way() {
             kinematic_viscosity: 1e-5,
             profile: Profile::Uniform(0.0),
             drag: Some(Drag::SchillerNaumann(SchillerNaumann)),
+            buoyancy: None,
         });
         let mut experiment = experiment(scene.clone(), 405, [0.0; 3], 0.5, Model::Hard, 3);
         let population =

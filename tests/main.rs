@@ -10,6 +10,7 @@ mod analytic; // closed forms: two bodies, walls, oblique impacts (oracle A, B)
 mod batches; // averages from blocks of time, and answers where they are known
 mod bodies; // walls that are not planes along an axis
 mod bouncing; // spheres dropped on a floor, and squeezed between walls (oracle C)
+mod buoyancy; // buoyancy: falls of MFIX and in water, mixtures of densities, ledger, threads and processes
 mod calendar; // one event calendar for all particles: windows, ties, long runs, streams, threads
 mod cases; // every case of the project, a few windows with each engine
 mod chart; // work against precision: one impact, orders, fronts, failures on the frame, floors
@@ -73,6 +74,7 @@ mod snapshots; // state between windows, stored and restored with identical bits
 mod soak; // random crowds through every way of stepping: energy and momentum
 mod starts; // starts of a case and lengths of its run: saved states, tables, lengths
 mod stress; // stress, contacts per particle, filling, and the densest starts
+mod suspensions; // drag in suspensions: published values, packed beds, hindered settling, local fractions, bits
 mod sweep; // sweeps: killed and gone on with, grids and replicas, what is refused, points that stop
 mod terminal; // messages may be lost, results may not
 mod trajectory; // frames for other programs: bits, surfaces, failures

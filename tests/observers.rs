@@ -106,6 +106,7 @@ fn who_observes_does_not_change_the_result() {
         kinematic_viscosity: 1.515e-5,
         profile: Profile::Uniform(3.0),
         drag: Some(Drag::SchillerNaumann(SchillerNaumann)),
+        buoyancy: None,
     });
     for gas in [gas(), dragged] {
         let schedule = Schedule::new(&gas);
@@ -136,6 +137,7 @@ fn looks_between_samples_see_what_samples_there_would() {
         kinematic_viscosity: 1.515e-5,
         profile: Profile::Uniform(3.0),
         drag: Some(Drag::SchillerNaumann(SchillerNaumann)),
+        buoyancy: None,
     });
     let seen = |windows_per_sample: u64| {
         let mut velocities = Vec::new();
@@ -298,6 +300,7 @@ fn budgets_of_second_moments_tell_drag_and_impacts() {
         kinematic_viscosity: 1.515e-5,
         profile: Profile::Uniform(0.0),
         drag: Some(Drag::Stokes(Stokes)),
+        buoyancy: None,
     });
     free.run.duration = 0.02;
     free.run.window = Some(1e-4);

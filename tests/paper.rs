@@ -125,7 +125,8 @@ fn compute(row: &'static Row) -> Computed {
     let gas = gas(&open, &[component], &AgitationSpread::even());
     let fluid = scene.fluid.as_ref().unwrap();
     let number_density = count as f64 / scene.domain.volume();
-    let flow = flow(fluid, &scene.species[0], number_density, scene.gravity.norm(), scene.domain.size.y).unwrap();
+    let flow =
+        flow(fluid, &scene.species[0], [number_density, 0.0], scene.gravity.norm(), scene.domain.size.y).unwrap();
     Computed { row, pair, wall, gas, flow, variance, experiment }
 }
 

@@ -28,6 +28,7 @@ fn still_air(species: Species) -> Scene {
         kinematic_viscosity: 1.515e-5,
         profile: Profile::Uniform(0.0),
         drag: Some(Drag::SchillerNaumann(SchillerNaumann)),
+        buoyancy: None,
     });
     scene
 }

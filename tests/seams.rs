@@ -48,7 +48,13 @@ impl DragLaw for CliftGauvin {
 }
 
 fn gas(drag: Drag) -> Fluid {
-    Fluid { density: 1.205, kinematic_viscosity: 1.515e-5, profile: Profile::Uniform(8.0), drag: Some(drag) }
+    Fluid {
+        density: 1.205,
+        kinematic_viscosity: 1.515e-5,
+        profile: Profile::Uniform(8.0),
+        drag: Some(drag),
+        buoyancy: None,
+    }
 }
 
 fn spheres() -> [Sphere; 2] {
@@ -109,7 +115,7 @@ fn a_law_without_a_closed_form_takes_the_time_of_its_quadrature() {
 #[test]
 fn a_law_that_is_no_number_ends() {
     let broken = Bare(Stokes);
-    let sphere = Sphere { stokes_time: f64::NAN, reynolds_per_speed: 1.0 };
+    let sphere = Sphere { stokes_time: f64::NAN, reynolds_per_speed: 1.0, fraction: 0.0 };
     assert!(broken.log_decay(&sphere, 1.0, 1.0).is_nan());
     let sphere = Sphere { stokes_time: 0.0, ..sphere };
     assert!(broken.log_decay(&sphere, 1.0, 1.0).is_nan());

@@ -36,7 +36,7 @@ pub struct Crowd {
 /// Crowd of a seed: volume fraction 0.15 to 0.5, overlaps of 0.2 to 2 % of a diameter, 8 to 25 steps per contact,
 /// windows of 0.5 to 10 contacts. Every third has walls and gravity, every second is inelastic, every fourth has
 /// friction.
-fn crowd(seed: u64) -> Crowd {
+pub fn crowd(seed: u64) -> Crowd {
     let mut draw = Xoshiro256PlusPlus::seed_from_u64(seed);
     let mut log = |low: f64, high: f64| low * (high / low).powf(draw.random::<f64>());
     let count = log(30.0, 1000.0) as usize;
@@ -128,7 +128,7 @@ pub fn books(
 /// steps (see `predict::energy::Bound`). The classical Runge-Kutta method has an error of x⁵/120 of the amplitude of
 /// x'' = -x in each of its π/x steps. So the error of the energy is twice π x⁴/120, and that of the recorded losses is
 /// equally large. Hard collisions are exact.
-fn engines(crowd: &Crowd) -> Vec<(&'static str, Box<dyn Engine>, f64)> {
+pub fn engines(crowd: &Crowd) -> Vec<(&'static str, Box<dyn Engine>, f64)> {
     let law = LinearSpring { stiffness: crowd.stiffness };
     let x = (TOGETHER * crowd.stiffness / 0.5).sqrt() * crowd.step;
     let (verlet, classical) = (1.0 / (1.0 - 0.25 * x * x) - 1.0, 4.0 * PI * x.powi(4) / 120.0);

@@ -99,8 +99,8 @@ pub(crate) fn scene_in_words(experiment: &Experiment) -> String {
         let _ = writeln!(text, "Wall {index}: {shape}, {}{}.", surface(&wall.surface), motion_in_words(wall));
     }
     particles_in_words(&mut text, experiment, scene);
-    if scene.gravity.norm() > 0.0 {
-        let g = scene.gravity;
+    if scene.gravity_alone().norm() > 0.0 {
+        let g = scene.gravity_alone();
         let _ = writeln!(text, "Gravity: ({}, {}, {}) m/s^2.", g.x, g.y, g.z);
     } else {
         text.push_str("No gravity.\n");
@@ -202,10 +202,11 @@ fn gas_in_words(text: &mut String, scene: &Scene) {
         return;
     };
     let drag = fluid.drag.as_ref().map_or_else(|| "no drag".into(), |drag| drag.law().title());
+    let buoyancy = if fluid.buoyancy.is_some() { "; buoyancy" } else { "" };
     let height = scene.domain.size.y;
     let _ = writeln!(
         text,
-        "Gas: {} kg/m^3, kinematic viscosity {:e} m^2/s, frozen velocity along z: {:.4} m/s on average, {:.4} m/s at y = {}; {drag}.",
+        "Gas: {} kg/m^3, kinematic viscosity {:e} m^2/s, frozen velocity along z: {:.4} m/s on average, {:.4} m/s at y = {}; {drag}{buoyancy}.",
         fluid.density,
         fluid.kinematic_viscosity,
         bulk_velocity(fluid, height),

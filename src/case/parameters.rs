@@ -17,7 +17,7 @@ pub fn parameters(experiment: &Experiment) -> Value {
     let scene = &experiment.scene;
     json!({
         "domain": { "size": three(&scene.domain.size), "periodic": scene.domain.periodic },
-        "gravity": { "acceleration": three(&scene.gravity) },
+        "gravity": { "acceleration": three(&scene.gravity_alone()) },
         "fluid": scene.fluid.as_ref().map(|fluid| fluid_parameters(fluid, scene.domain.size.y)),
         "particles": particles(experiment),
         "walls": scene.walls.iter().map(wall).collect::<Vec<_>>(),
@@ -137,13 +137,17 @@ fn fluid_parameters(fluid: &Fluid, height: f64) -> Value {
         .map(|point| height * point as f64 / (PROFILE_POINTS - 1) as f64)
         .map(|y| [y, fluid.profile.velocity(y)])
         .collect();
-    json!({
+    let mut value = json!({
         "density": fluid.density,
         "kinematic_viscosity": fluid.kinematic_viscosity,
         "bulk_velocity": bulk_velocity(fluid, height),
         "profile_y_U": profile,
         "drag": fluid.drag,
-    })
+    });
+    if fluid.buoyancy.is_some() {
+        value["buoyancy"] = json!(true);
+    }
+    value
 }
 
 /// [m/s] mean gas velocity over 0 ≤ y ≤ `height` [m], by the midpoint rule on 2000 strips. For a pipe it is the mean

@@ -73,10 +73,14 @@ impl Kick {
         self.spread.iter().any(Option::is_some)
     }
 
-    /// Makes a kick with a table of the law, accurate to 5e-10 of the change. Making the table takes as long as
+    /// Makes a kick with a table of the law, accurate to 5e-10 of the change. A law that depends on the volume fraction
+    /// of the particles is evaluated itself. Making the table takes as long as
     /// evaluating the law for about 10⁴ particles.
     pub fn tabulated(law: &Drag, spheres: &[Sphere], duration: f64) -> Self {
         let mut kick = Self::exact(law, spheres, duration);
+        if kick.cells().is_some() {
+            return kick;
+        }
         // the matrix is invertible, since it is a Vandermonde matrix of distinct nodes
         let vandermonde = SMatrix::<f64, TERMS, TERMS>::from_fn(|i, j| NODES[i].powi(j as i32));
         let Some(inverse) = vandermonde.try_inverse() else { return kick };
@@ -92,6 +96,11 @@ impl Kick {
             species.pieces = (leading(LOWEST)..leading(HIGHEST)).map(piece).collect();
         }
         kick
+    }
+
+    /// Numbers of cells in which the volume fraction of the particles is needed; `None` if it is not needed.
+    pub fn cells(&self) -> Option<[u32; 3]> {
+        self.law.law().cells()
     }
 
     /// [s] duration of the kick.
@@ -129,6 +138,18 @@ impl Kick {
         }
     }
 
+    /// [-] change of the slip velocity divided by the slip velocity, for a sphere of `radius` [m] with the volume
+    /// fraction `fraction` of particles around it. `square` [m²/s²] is the square of the slip speed.
+    pub fn change_among(&self, species: u16, radius: f64, fraction: f64, square: f64) -> f64 {
+        let index = usize::from(species);
+        let own = self.species[index].sphere.among(fraction);
+        let sphere = match self.spread.get(index) {
+            Some(Some(diameter)) => own.scaled(2.0 * radius / diameter),
+            _ => own,
+        };
+        self.law.law().change(&sphere, square.sqrt(), self.duration)
+    }
+
     /// [-] change of the slip velocity divided by the slip velocity, computed by the law itself without the table.
     #[cold]
     fn by_law(&self, species: &SpeciesTable, square: f64) -> f64 {
@@ -158,8 +179,8 @@ mod tests {
 
     /// The paper's spheres of 406 µm and 1.5 mm in air.
     const SPHERES: [Sphere; 2] = [
-        Sphere { stokes_time: 0.520_687_601, reynolds_per_speed: 406e-6 / 1.515e-5 },
-        Sphere { stokes_time: 7.066_266_793, reynolds_per_speed: 1.5e-3 / 1.515e-5 },
+        Sphere { stokes_time: 0.520_687_601, reynolds_per_speed: 406e-6 / 1.515e-5, fraction: 0.0 },
+        Sphere { stokes_time: 7.066_266_793, reynolds_per_speed: 1.5e-3 / 1.515e-5, fraction: 0.0 },
     ];
 
     #[test]

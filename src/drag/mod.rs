@@ -12,10 +12,12 @@ mod flow;
 mod kick;
 mod schiller_naumann;
 mod stokes;
+mod suspension;
 
 pub use kick::Kick;
 pub use schiller_naumann::SchillerNaumann;
 pub use stokes::Stokes;
+pub use suspension::{SuspensionDrag, SuspensionLaw};
 
 use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
@@ -28,13 +30,25 @@ pub struct Sphere {
     pub stokes_time: f64,
     /// [s/m] Reynolds number divided by slip speed: d/ν.
     pub reynolds_per_speed: f64,
+    /// [-] volume fraction of particles around the sphere; 0 for a single sphere.
+    pub fraction: f64,
 }
 
 impl Sphere {
     /// Returns a sphere of equal material in the same gas that is `ratio` [-] times as large: τ ∝ d², Re ∝ d.
     #[inline]
     pub fn scaled(&self, ratio: f64) -> Self {
-        Self { stokes_time: self.stokes_time * ratio * ratio, reynolds_per_speed: self.reynolds_per_speed * ratio }
+        Self {
+            stokes_time: self.stokes_time * ratio * ratio,
+            reynolds_per_speed: self.reynolds_per_speed * ratio,
+            ..*self
+        }
+    }
+
+    /// Returns the sphere with the volume fraction `fraction` [-] of particles around it.
+    #[inline]
+    pub fn among(&self, fraction: f64) -> Self {
+        Self { fraction, ..*self }
     }
 }
 
@@ -62,7 +76,7 @@ impl Sphere {
 ///     }
 /// }
 ///
-/// let sphere = Sphere { stokes_time: 0.5, reynolds_per_speed: 27.0 };
+/// let sphere = Sphere { stokes_time: 0.5, reynolds_per_speed: 27.0, fraction: 0.0 };
 /// let left = Twice.decay(&sphere, 3.0, 0.1); // of a slip of 3 m/s, after 0.1 s
 /// assert!((left - Stokes.decay(&sphere, 3.0, 0.2)).abs() < 1e-12);
 /// ```
@@ -81,6 +95,12 @@ pub trait DragLaw: std::fmt::Debug + Send + Sync {
     /// Title of the law for use in a sentence.
     fn title(&self) -> String {
         format!("drag law {}", self.name())
+    }
+
+    /// Numbers of cells along x, y and z in which the volume fraction of the particles is computed. `None` if the law
+    /// does not depend on this fraction, so that it is not computed.
+    fn cells(&self) -> Option<[u32; 3]> {
+        None
     }
 
     /// [-] slip Reynolds number above which a warning is given, because the law is far outside its fitted range; also
@@ -132,6 +152,8 @@ pub enum Drag {
     SchillerNaumann(SchillerNaumann),
     /// Stokes drag of creeping flow, whose solution is known in closed form.
     Stokes(Stokes),
+    /// A law for spheres among other spheres.
+    Suspension(SuspensionDrag),
     /// A law that the calling program defines; a case cannot contain it.
     Other(Arc<dyn DragLaw>),
 }
@@ -143,6 +165,7 @@ impl Drag {
         match self {
             Self::SchillerNaumann(law) => law,
             Self::Stokes(law) => law,
+            Self::Suspension(law) => law,
             Self::Other(law) => law.as_ref(),
         }
     }

@@ -102,7 +102,7 @@ mod tests {
     const LAW: SchillerNaumann = SchillerNaumann;
 
     /// The paper's spheres of 1.5 mm in air: Re = 1000 at 10.1 m/s.
-    const LARGE: Sphere = Sphere { stokes_time: 7.066_266_793, reynolds_per_speed: 1.5e-3 / 1.515e-5 };
+    const LARGE: Sphere = Sphere { stokes_time: 7.066_266_793, reynolds_per_speed: 1.5e-3 / 1.515e-5, fraction: 0.0 };
 
     /// Slip speed [m/s] after `duration` [s], by the classical fourth-order Runge-Kutta method for dw/dt = -w/τ(w).
     fn integrate(slip: f64, duration: f64, steps: usize) -> f64 {

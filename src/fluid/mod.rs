@@ -7,6 +7,8 @@
 //! To add a profile, write one file with a function that returns a [`Profile`], and add an arm where a case is
 //! resolved.
 
+mod buoyancy;
+mod fractions;
 mod half_channel;
 mod k_epsilon;
 mod launder_sharma;
@@ -16,6 +18,8 @@ mod profile;
 mod table;
 mod wall_functions;
 
+pub use buoyancy::Buoyancy;
+pub use fractions::LocalFractions;
 pub use k_epsilon::{ChannelFlow, GridNode, KBudget, Section, TurbulenceModel};
 pub use log_law::{LogConstants, LogLaw};
 pub use pipe::Pipe;
@@ -35,16 +39,20 @@ pub struct Fluid {
     pub kinematic_viscosity: f64,
     /// Streamwise gas velocity as a function of y, or of the distance from the axis of a pipe.
     pub profile: Profile,
-    /// Drag law; `None` if the gas exerts no force on the particles.
+    /// Drag law; `None` if the gas exerts no drag on the particles.
     pub drag: Option<Drag>,
+    /// Buoyancy of the particles; `None` if it is left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub buoyancy: Option<Buoyancy>,
 }
 
 impl Fluid {
-    /// Properties of a sphere of this species in this gas on which drag depends.
+    /// Properties of a single sphere of this species in this gas on which drag depends.
     pub fn sphere(&self, species: &Species) -> Sphere {
         Sphere {
             stokes_time: species.density * species.diameter.powi(2) / (18.0 * self.density * self.kinematic_viscosity),
             reynolds_per_speed: species.diameter / self.kinematic_viscosity,
+            fraction: 0.0,
         }
     }
 }

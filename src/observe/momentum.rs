@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 pub struct Balance {
     /// [N] mean drag force of the gas.
     pub drag: Option<Estimate>,
-    /// [N] weight N m g of all N particles along z (negative: against the flow).
+    /// [N] weight of all particles along z, less their buoyancy (negative: against the flow).
     pub weight: f64,
     /// [N] mean shear force of the walls on the particles.
     pub wall: Option<Estimate>,
@@ -75,7 +75,7 @@ impl Observer for MomentumBooks {
     }
 
     fn end(&mut self, simulation: &Simulation) {
-        self.weight = simulation.total_mass() * simulation.scene().gravity.z;
+        self.weight = simulation.weight().z;
     }
 
     plain_data!();

@@ -19,7 +19,7 @@
 
 use super::Observer;
 use crate::exact::Groups;
-use crate::fluid::Fluid;
+use crate::fluid::{Fluid, LocalFractions};
 use crate::schedule::Schedule;
 use crate::simulation::Simulation;
 use crate::statistics::{Estimate, estimate};
@@ -352,11 +352,14 @@ impl Observer for SecondMoments {
             self.given = vec![Vector3::zeros(); particles.len()];
         }
         let half = 0.5 * self.schedule.window;
-        let fall = components(&scene.gravity) * self.schedule.window;
+        let fall = |species| components(&scene.gravity_of(species)) * self.schedule.window;
+        let falls: Vec<_> = scene.species.iter().map(fall).collect();
         let spheres: Vec<_> = match &scene.fluid {
             Some(fluid) => scene.species.iter().map(|species| fluid.sphere(species)).collect(),
             None => Vec::new(),
         };
+        let cells = scene.fluid.as_ref().and_then(|fluid| fluid.drag.as_ref()?.law().cells());
+        let fractions = cells.map(|cells| LocalFractions::of(particles, &scene.domain, cells, None));
         let ledger = &simulation.record.ledger;
         let walls = [ledger.wall_friction_loss, ledger.wall_restitution_loss, ledger.wall_impulse.z];
         let (count, height, reference) = (self.slices, self.height, self.reference);
@@ -366,9 +369,12 @@ impl Observer for SecondMoments {
             let y = particles.position[place].y;
             let species = usize::from(particles.species[place]);
             let size = 2.0 * particles.radius[place] / scene.species[species].diameter;
+            let fraction =
+                |fractions: &LocalFractions| fractions.at(&particles.position[place], particles.radius[place]);
+            let fraction = fractions.as_ref().map_or(0.0, fraction);
             let sphere = |own: &crate::drag::Sphere| match scene.species[species].sizes {
-                Some(_) => own.scaled(size),
-                None => *own,
+                Some(_) => own.scaled(size).among(fraction),
+                None => own.among(fraction),
             };
             let push = scene
                 .fluid
@@ -377,7 +383,8 @@ impl Observer for SecondMoments {
             let push = components(&push.unwrap_or_default());
             let velocity = components(velocity) - reference;
             // velocities half a kick of drag later and earlier, exact to the order of the splitting
-            let before = std::mem::replace(&mut given[particles.id[place] as usize], velocity + push * half) + fall;
+            let before =
+                std::mem::replace(&mut given[particles.id[place] as usize], velocity + push * half) + falls[species];
             let slice = ((y / height * count as f64) as usize).min(count - 1);
             slices.add(slice, row([&velocity, &push, &before, &(velocity - push * half)]));
         }

@@ -74,7 +74,7 @@ pub fn settling_velocity(scene: &Scene) -> Option<Vector3<f64>> {
         return None;
     };
     let down = scene.gravity.try_normalize(0.0)?;
-    Some(Vector3::z() * *gas + down * terminal_slip(drag, fluid, species, scene.gravity.norm()))
+    Some(Vector3::z() * *gas + down * terminal_slip(drag, &fluid.sphere(species), scene.gravity.norm()))
 }
 
 /// Free flight of a sphere between two bounces.

@@ -1,6 +1,7 @@
 //! Physical effects that may matter in a scene, with their sizes, and the decision which of them can be neglected.
 
 use super::RunPrediction;
+use crate::fluid::Fluid;
 use crate::scene::Scene;
 use serde::Serialize;
 
@@ -100,6 +101,14 @@ fn in_gas(scene: &Scene, plan: &RunPrediction, contact: Option<f64>) -> Vec<Effe
     let against_target = |name, measure, number, modelled| against_target(plan, name, measure, number, modelled);
     let turbulent = plan.flow.iter().map(|flow| flow.turbulent_variance).reduce(|a, b| Some(a?.max(b?))).flatten();
     let lightest = scene.species.iter().map(|species| species.density).reduce(f64::min);
+    let floats = scene.fluid.as_ref().is_some_and(|fluid| fluid.buoyancy.is_some());
+    // the gas that a sphere accelerates has half the volume of the sphere
+    let (left_out, measure, share) = if floats {
+        ("added mass", "half the density of the gas over that of the particles", 0.5)
+    } else {
+        ("buoyancy and added mass", "density of the gas over that of the particles", 1.0)
+    };
+    let ratio = |(fluid, lightest): (&Fluid, f64)| share * fluid.density / lightest;
     vec![
         against_target(
             "drag within a contact",
@@ -127,11 +136,6 @@ fn in_gas(scene: &Scene, plan: &RunPrediction, contact: Option<f64>) -> Vec<Effe
             plan.gas.as_ref().map(|gas| gas.collision_rate * response),
             true,
         ),
-        against_target(
-            "buoyancy and added mass",
-            "density of the gas over that of the particles",
-            scene.fluid.as_ref().zip(lightest).map(|(fluid, lightest)| fluid.density / lightest),
-            false,
-        ),
+        against_target(left_out, measure, scene.fluid.as_ref().zip(lightest).map(ratio), false),
     ]
 }

@@ -1,6 +1,6 @@
 //! Response of the particles to the gas, and of the gas to the particles.
 
-use crate::drag::Drag;
+use crate::drag::{Drag, Sphere};
 use crate::fluid::{Fluid, Profile, Section};
 use crate::scene::{Scene, Species};
 use serde::Serialize;
@@ -37,10 +37,14 @@ pub struct Flow {
 /// Response to the gas of each species that has particles. `counts` contains the number of particles of each species.
 pub fn flows(scene: &Scene, counts: &[usize]) -> Vec<Flow> {
     let Some(fluid) = &scene.fluid else { return Vec::new() };
-    let (gravity, height, volume) = (scene.gravity.norm(), scene.domain.size.y, scene.domain.volume());
+    let (height, volume) = (scene.domain.size.y, scene.domain.volume());
     let density = |count: usize| count as f64 / volume;
     let present = scene.species.iter().zip(counts).filter(|(_, count)| **count > 0);
-    present.filter_map(|(species, &count)| flow(fluid, species, density(count), gravity, height)).collect()
+    let fraction = scene.species.iter().zip(counts).map(|(species, &count)| density(count) * species.volume()).sum();
+    let gravity = |species: &Species| scene.gravity_of(species).norm();
+    present
+        .filter_map(|(species, &count)| flow(fluid, species, [density(count), fraction], gravity(species), height))
+        .collect()
 }
 
 /// [m/s] component of the gas velocity against gravity, minus the slip speed at which drag balances the weight. If the
@@ -52,12 +56,19 @@ pub fn lift(scene: &Scene, flows: &[Flow]) -> Option<f64> {
     })
 }
 
-/// Response to the gas of one species, whose particles have the number density `number_density` [1/m³]. The channel has
-/// the width `height` [m], and gravity the magnitude `gravity` [m/s²]. `None` without drag.
-pub fn flow(fluid: &Fluid, species: &Species, number_density: f64, gravity: f64, height: f64) -> Option<Flow> {
+/// Response to the gas of one species, whose particles have the number density `number_density` [1/m³]. All particles
+/// have the volume fraction `fraction` [-]. The channel has the width `height` [m], and gravity the magnitude `gravity`
+/// [m/s²]. `None` without drag.
+pub fn flow(
+    fluid: &Fluid,
+    species: &Species,
+    [number_density, fraction]: [f64; 2],
+    gravity: f64,
+    height: f64,
+) -> Option<Flow> {
     let drag = fluid.drag.as_ref()?;
-    let sphere = fluid.sphere(species);
-    let slip = terminal_slip(drag, fluid, species, gravity);
+    let sphere = fluid.sphere(species).among(fraction);
+    let slip = terminal_slip(drag, &sphere, gravity);
     let bulk = bulk_velocity(fluid, height);
     let channel = fluid.profile.channel_flow();
     Some(Flow {
@@ -94,14 +105,14 @@ pub fn flow(fluid: &Fluid, species: &Species, number_density: f64, gravity: f64,
     })
 }
 
-/// [m/s] terminal slip speed w at which drag balances the weight: w = g τ(w), without buoyancy (the paper's Eq. 1).
-pub fn terminal_slip(drag: &Drag, fluid: &Fluid, species: &Species, gravity: f64) -> f64 {
-    let sphere = fluid.sphere(species);
+/// [m/s] terminal slip speed w of a sphere at which drag balances the weight: w = g τ(w), where the acceleration `gravity` [m/s²]
+/// contains the buoyancy, if any.
+pub fn terminal_slip(drag: &Drag, sphere: &Sphere, gravity: f64) -> f64 {
     // w increases along the interval and g τ(w) does not: bisection between 0 and the slip speed of Stokes drag
     let (mut low, mut high) = (0.0, gravity * sphere.stokes_time);
     for _ in 0..200 {
         let middle = 0.5 * (low + high);
-        if middle < gravity * drag.law().response_time(&sphere, middle) { low = middle } else { high = middle }
+        if middle < gravity * drag.law().response_time(sphere, middle) { low = middle } else { high = middle }
     }
     0.5 * (low + high)
 }
@@ -135,10 +146,11 @@ mod tests {
                 kinematic_viscosity: 1.515e-5,
                 profile: Profile::Uniform(15.9075),
                 drag: Some(Drag::SchillerNaumann(SchillerNaumann)),
+                buoyancy: None,
             };
             let species =
                 Species { name: "P".into(), diameter, density, elasticity: None, sizes: None, inertia_factor: 0.4 };
-            let found = flow(&fluid, &species, 1e7, 9.81, 0.04).expect("there is drag");
+            let found = flow(&fluid, &species, [1e7, 0.0], 9.81, 0.04).expect("there is drag");
             assert!((found.stokes_time / stokes - 1.0).abs() < 1e-8);
             assert!((found.terminal_slip / slip - 1.0).abs() < 1e-8, "{found:?}");
             assert!((found.slip_reynolds / reynolds - 1.0).abs() < 1e-6);
@@ -156,7 +168,7 @@ mod tests {
         let nodes = flow_of_gas.nodes.clone();
         let profile = Profile::Pipe(std::sync::Arc::new(Pipe::new([0.02; 2], flow_of_gas).unwrap()));
         let drag = Some(Drag::SchillerNaumann(SchillerNaumann));
-        let fluid = Fluid { density: 1.205, kinematic_viscosity: viscosity, profile, drag };
+        let fluid = Fluid { density: 1.205, kinematic_viscosity: viscosity, profile, drag, buoyancy: None };
         let tracer = Species {
             name: "T".into(),
             diameter: 1e-7,
@@ -165,7 +177,7 @@ mod tests {
             sizes: None,
             inertia_factor: 0.4,
         };
-        let found = flow(&fluid, &tracer, 1e7, 9.81, diameter).unwrap().turbulent_variance.unwrap();
+        let found = flow(&fluid, &tracer, [1e7, 0.0], 9.81, diameter).unwrap().turbulent_variance.unwrap();
         // circles about the axis through the middles between nodes
         let radius = |y: f64| 0.5 * diameter - y;
         let rings = nodes.windows(3).map(|near| {

@@ -154,8 +154,9 @@ pub fn transient(
 fn response(experiment: &Experiment) -> Option<f64> {
     let fluid = experiment.scene.fluid.as_ref()?;
     let law = fluid.drag.as_ref()?.law();
+    let fraction = experiment.fraction_for_drag();
     let of = experiment.start.iter().map(|population| {
-        let sphere = fluid.sphere(&experiment.scene.species[usize::from(population.species)]);
+        let sphere = fluid.sphere(&experiment.scene.species[usize::from(population.species)]).among(fraction);
         law.response_time(&sphere, population.mean_fluctuation() * 3.0_f64.sqrt())
     });
     of.reduce(f64::min)

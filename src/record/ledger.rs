@@ -35,7 +35,7 @@ const BY_WALLS: usize = 15;
 pub struct Ledger {
     /// [J] work done by drag on the particles.
     pub drag_work: f64,
-    /// [J] work done by gravity on the particles.
+    /// [J] work done by gravity and buoyancy on the particles.
     pub gravity_work: f64,
     /// [J] work done on the particles by walls whose surface moves along itself.
     pub wall_work: f64,
@@ -53,7 +53,7 @@ pub struct Ledger {
     pub contact_time_kept: f64,
     /// [kg m/s] momentum given to the particles by drag.
     pub drag_impulse: Vector3<f64>,
-    /// [kg m/s] momentum given to the particles by gravity.
+    /// [kg m/s] momentum given to the particles by gravity and buoyancy.
     pub gravity_impulse: Vector3<f64>,
     /// [kg m/s] momentum given to the particles by walls.
     pub wall_impulse: Vector3<f64>,

@@ -82,8 +82,13 @@ fn rough_crowd(seed: u64) -> RoughCrowd {
     if gas {
         let profile = Profile::Uniform(0.5);
         // a response time of a few units of time
-        scene.fluid =
-            Some(Fluid { density: 1e-3, kinematic_viscosity: 10.0, profile, drag: Some(Drag::Stokes(Stokes)) });
+        scene.fluid = Some(Fluid {
+            density: 1e-3,
+            kinematic_viscosity: 10.0,
+            profile,
+            drag: Some(Drag::Stokes(Stokes)),
+            buoyancy: None,
+        });
     }
     if !scene.walls.is_empty() {
         scene.gravity = Vector3::new(0.5, -3.0, 1.0);

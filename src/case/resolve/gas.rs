@@ -177,6 +177,7 @@ fn largest_reynolds(experiment: &Experiment, fluid: &Fluid, population: &Populat
             slips.fold(0.0, f64::max)
         }
     };
-    let falling = terminal_slip(drag, fluid, species, scene.gravity.norm());
-    at_start.max(falling) * fluid.sphere(species).reynolds_per_speed
+    let sphere = fluid.sphere(species);
+    let falling = terminal_slip(drag, &sphere, scene.gravity_of(species).norm());
+    at_start.max(falling) * sphere.reynolds_per_speed
 }

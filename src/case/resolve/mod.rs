@@ -86,10 +86,10 @@ pub fn resolve(
     };
     let pairs = crate::scene::Pairs::default();
     let mut scene = crate::scene::Scene { domain, gravity, fluid, walls, contact, pairs, species, rotation: None };
+    resolver.buoyancy(file, &mut scene);
     // the start depends on whether spheres rotate; the actual law is set below, when all surfaces are known
     scene.rotation = Resolver::rotates(file).then_some(Rotation::new(TangentialLaw::Coulomb, ImpactRule::COULOMB));
     let start = resolver.start(file, &scene)?;
-    resolver.warn_of_buoyancy(file, &scene);
     let soft = resolver.soft(file)?;
     scene.pairs = resolver.pairs(file, &scene, &soft)?;
     scene.rotation = resolver.rotation(file, &scene, &soft)?;

@@ -6,7 +6,7 @@ use crate::case::diagnostic::Diagnostic;
 use crate::case::file::{CaseFile, DragFile, FluidFile, ProfileFile, TurbulenceFile};
 use crate::case::quantity::Ratio;
 use crate::domain::Domain;
-use crate::drag::{Drag, SchillerNaumann, Stokes};
+use crate::drag::{Drag, SchillerNaumann, Stokes, SuspensionDrag, SuspensionLaw};
 use crate::fluid::TurbulenceModel;
 use crate::fluid::{Fluid, Profile};
 use crate::scene::{Scene, Species, Surface};
@@ -53,19 +53,17 @@ impl Resolver {
         Ok(gravity)
     }
 
-    /// Warns that buoyancy is neglected, if the density of the fluid makes buoyancy matter.
-    pub(super) fn warn_of_buoyancy(&mut self, file: &CaseFile, scene: &Scene) {
-        /// [-] ratio of buoyancy to weight below which buoyancy is neglected without a warning. It equals the usual
+    /// Adds buoyancy to the scene, unless the case switches it off. In that case a warning is given if the density of the
+    /// fluid makes buoyancy matter.
+    pub(super) fn buoyancy(&mut self, file: &CaseFile, scene: &mut Scene) {
+        /// [-] ratio of buoyancy to weight below which buoyancy is left out without a warning. It equals the usual
         /// margin of comparisons.
         const SMALL: f64 = 0.01;
-        let (Some(fluid), Some(typed)) =
-            (&scene.fluid, file.fluid.as_ref().and_then(|fluid| fluid.value.density.as_ref()))
+        let Some(typed) = file.fluid.as_ref().and_then(|fluid| fluid.value.buoyancy.as_ref()).filter(|on| !on.value)
         else {
-            return;
+            return scene.add_buoyancy();
         };
-        if scene.gravity == Vector3::zeros() {
-            return;
-        }
+        let Some(fluid) = scene.fluid.as_ref().filter(|_| scene.gravity != Vector3::zeros()) else { return };
         for species in &scene.species {
             let lifted = fluid.density / species.density;
             if lifted > SMALL {
@@ -73,10 +71,7 @@ impl Resolver {
                 let message = format!(
                     "buoyancy is left out: in this fluid \"{name}\" has {left:.3} of its weight, and here it has all of it"
                 );
-                let help = format!(
-                    "to weigh what it does there, multiply gravity by {left:.4}; drag and inertia stay as they are"
-                );
-                self.warn(&typed.origin, message, help);
+                self.warn(&typed.origin, message, "leave out `fluid.buoyancy`, which is true by default");
             }
         }
     }
@@ -128,20 +123,53 @@ impl Resolver {
         let nu = self.in_range(viscosity, slip)?;
         let profile = self.profile(fluid, domain, nu, species)?;
         let drag = match &file.drag {
-            Some(drag) => Some(match drag.value {
-                DragFile::SchillerNaumann {} => Drag::SchillerNaumann(SchillerNaumann),
-                DragFile::Stokes {} => Drag::Stokes(Stokes),
-            }),
+            Some(drag) => Some(self.drag(&drag.value, domain, species)?),
             None => {
                 self.warn(
                     &fluid.origin,
-                    "the gas exerts no force: the case has no drag law",
+                    "the gas exerts no drag: the case has no drag law",
                     "add [drag.schiller_naumann]",
                 );
                 None
             }
         };
-        Ok(Some(Fluid { density: rho, kinematic_viscosity: nu, profile, drag }))
+        Ok(Some(Fluid { density: rho, kinematic_viscosity: nu, profile, drag, buoyancy: None }))
+    }
+
+    fn drag(&self, drag: &DragFile, domain: &Domain, species: &[Species]) -> Result<Drag, Diagnostic> {
+        let (law, cells) = match drag {
+            DragFile::SchillerNaumann {} => return Ok(Drag::SchillerNaumann(SchillerNaumann)),
+            DragFile::Stokes {} => return Ok(Drag::Stokes(Stokes)),
+            DragFile::WenYu { cells } => (SuspensionLaw::WenYu, cells),
+            DragFile::Gidaspow { cells } => (SuspensionLaw::Gidaspow, cells),
+            DragFile::Beetstra { cells } => (SuspensionLaw::Beetstra, cells),
+            DragFile::Tenneti { cells } => (SuspensionLaw::Tenneti, cells),
+            DragFile::DiFelice { cells } => (SuspensionLaw::DiFelice, cells),
+        };
+        let cells = self.need(cells, "drag.*.cells")?;
+        Ok(Drag::Suspension(SuspensionDrag { law, cells: self.cells(cells, domain, species)? }))
+    }
+
+    /// Numbers of cells along x, y and z in which volume fractions are computed.
+    fn cells(
+        &self,
+        typed: &Located<[Located<i64>; 3]>,
+        domain: &Domain,
+        species: &[Species],
+    ) -> Result<[u32; 3], Diagnostic> {
+        let largest = species.iter().map(Species::largest).fold(0.0, f64::max);
+        let help =
+            "in a channel, slices such as [1, 20, 1]; the more particles a cell holds, the less their number scatters";
+        let mut cells = [1; 3];
+        for (axis, (count, typed)) in cells.iter_mut().zip(&typed.value).enumerate() {
+            *count = self.whole(typed, 1, 10_000, help)? as u32;
+            let most = (domain.size[axis] / largest).floor().max(1.0);
+            if f64::from(*count) > most {
+                let why = format!("makes cells narrower than the largest particle; allowed: 1 ..= {most}");
+                return Err(self.refuse(typed, why).help(help));
+            }
+        }
+        Ok(cells)
     }
 
     fn profile(

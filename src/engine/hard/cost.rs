@@ -45,10 +45,10 @@ pub fn fallback_cost(
     Some(if population.mixed { one_calendar(population, speeds, window) } else { f64::INFINITY })
 }
 
-/// True if an event queue remains valid after its time window. With drag the queue becomes invalid, because drag
-/// changes the velocities of all particles at the end of each window.
+/// True if an event queue remains valid after its time window. With drag, or with buoyancy of species of different
+/// densities, the queue becomes invalid, because kicks change the velocities at the end of each window.
 pub fn lasts(scene: &Scene) -> bool {
-    scene.fluid.as_ref().is_none_or(|fluid| fluid.drag.is_none())
+    !scene.is_kicked()
 }
 
 /// Cost of moving all particles by one event queue, per particle and simulated time [ns/s].

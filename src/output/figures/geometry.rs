@@ -45,9 +45,9 @@ pub fn geometry(scene: &Scene) -> Figure {
         let points = curve.map(|(y, u)| at(0.0, y, 0.25 * size.z + scale * u));
         series.push(PanelSeries::new("gas velocity, along z", SeriesStyle::Line(1), points));
     }
-    if scene.gravity.z != 0.0 {
+    if scene.gravity_alone().z != 0.0 {
         let (y, from) = (0.5 * size.y, 0.2 * size.z);
-        let end = at(0.0, y, from + arrow * 0.5 * scene.gravity.z.signum());
+        let end = at(0.0, y, from + arrow * 0.5 * scene.gravity_alone().z.signum());
         series.push(PanelSeries::new("gravity", SeriesStyle::Line(4), [at(0.0, y, from), end]));
     }
     let label = |axes: &str| format!("{axes}  [{}m]", prefix.symbol);

@@ -194,7 +194,7 @@ fn series(group: &PanelGroup, time: &TimeAxis) -> Vec<Panel> {
 /// Axis along which most of the motion occurs: that of gravity or, without gravity, that of the largest velocity. If
 /// nothing moves, the result is the streamwise axis.
 fn axis(outcome: &Outcome) -> usize {
-    let gravity = outcome.experiment.scene.gravity;
+    let gravity = outcome.experiment.scene.gravity_alone();
     let speeds =
         outcome.paths.points.iter().fold(Vector3::zeros(), |most: Vector3<f64>, point| most.sup(&point.velocity.abs()));
     match (gravity.norm() > 0.0, speeds.norm() > 0.0) {

@@ -43,7 +43,7 @@ impl GlobalCalendar {
         if !self.ready {
             self.walls = WallContacts::of(scene);
         }
-        let kicked = scene.fluid.as_ref().is_some_and(|fluid| fluid.drag.is_some());
+        let kicked = scene.is_kicked();
         let due = self.shells.renewed - self.sorted_at > SORT_AFTER * self.next_events.len() as u64;
         let change = if outdated || due { Change::Moved } else { self.change(work.particles, scene) };
         match change {

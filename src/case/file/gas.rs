@@ -1,0 +1,146 @@
+//! Keys of the gas, its flow and its drag.
+
+use crate::case::de::Located;
+use crate::case::quantity::{Density, KinematicViscosity, Length, Ratio, Speed};
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+/// Table `[fluid]`: the gas and its flow.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct FluidFile {
+    /// Density of the gas, ρ_f.
+    #[schemars(example = &"1.205 kg/m^3")]
+    #[schemars(extend("x-required" = "always", "x-range" = "1e-4 ..= 3e4 kg/m^3"))]
+    pub density: Option<Located<Density>>,
+    /// Kinematic viscosity of the gas, ν.
+    #[schemars(example = &"1.515e-5 m^2/s")]
+    #[schemars(extend("x-required" = "always", "x-range" = "1e-8 ..= 1e-2 m^2/s"))]
+    pub kinematic_viscosity: Option<Located<KinematicViscosity>>,
+    /// False: leaves out buoyancy, the force -ρ_f V g of the gas on a particle of volume V. Without gravity the key does
+    /// nothing.
+    #[schemars(example = false, extend("default" = true))]
+    pub buoyancy: Option<Located<bool>>,
+    /// Velocity of the gas along z, usually as a function of y. Give exactly one of the tables below.
+    #[schemars(extend("x-required" = "always"))]
+    pub profile: Option<Located<ProfileFile>>,
+}
+
+/// Tables `[drag.*]`: choice of a drag law.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum DragFile {
+    /// Drag law of Schiller and Naumann (1935), which the reference paper uses.
+    SchillerNaumann {},
+    /// Stokes drag of creeping flow, whose solution is known in closed form.
+    Stokes {},
+    /// Drag in suspensions by Wen and Yu (1966).
+    WenYu {
+        /// Numbers of equal cells along x, y and z in which the local volume fraction of the particles is computed. A cell is
+        /// at least as wide as a particle.
+        #[schemars(extend("examples" = [[1, 20, 1]], "x-required" = "always", "x-range" = "1 ..= 10000"))]
+        cells: Option<Located<[Located<i64>; 3]>>,
+    },
+    /// Drag in suspensions by Gidaspow (1994): the law of Ergun where the gas fills less than 0.8 of the volume, and that of Wen
+    /// and Yu elsewhere.
+    Gidaspow {
+        /// Numbers of equal cells along x, y and z in which the local volume fraction of the particles is computed. A cell is
+        /// at least as wide as a particle.
+        #[schemars(extend("examples" = [[1, 20, 1]], "x-required" = "always", "x-range" = "1 ..= 10000"))]
+        cells: Option<Located<[Located<i64>; 3]>>,
+    },
+    /// Drag in suspensions by Beetstra, van der Hoef and Kuipers (2007).
+    Beetstra {
+        /// Numbers of equal cells along x, y and z in which the local volume fraction of the particles is computed. A cell is
+        /// at least as wide as a particle.
+        #[schemars(extend("examples" = [[1, 20, 1]], "x-required" = "always", "x-range" = "1 ..= 10000"))]
+        cells: Option<Located<[Located<i64>; 3]>>,
+    },
+    /// Drag in suspensions by Tenneti, Garg and Subramaniam (2011).
+    Tenneti {
+        /// Numbers of equal cells along x, y and z in which the local volume fraction of the particles is computed. A cell is
+        /// at least as wide as a particle.
+        #[schemars(extend("examples" = [[1, 20, 1]], "x-required" = "always", "x-range" = "1 ..= 10000"))]
+        cells: Option<Located<[Located<i64>; 3]>>,
+    },
+    /// Drag in suspensions by Di Felice (1994).
+    DiFelice {
+        /// Numbers of equal cells along x, y and z in which the local volume fraction of the particles is computed. A cell is
+        /// at least as wide as a particle.
+        #[schemars(extend("examples" = [[1, 20, 1]], "x-required" = "always", "x-range" = "1 ..= 10000"))]
+        cells: Option<Located<[Located<i64>; 3]>>,
+    },
+}
+
+/// Tables `[fluid.profile.*]`: choice of a velocity profile of the gas.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum ProfileFile {
+    /// Uniform velocity: equal everywhere.
+    Uniform {
+        /// Velocity along z; 0 means a gas at rest.
+        #[schemars(example = &"0 m/s")]
+        #[schemars(extend("x-required" = "always", "x-range" = "-1e4 ..= 1e4 m/s"))]
+        velocity: Option<Located<Speed>>,
+    },
+    /// Velocities from a table in a file.
+    Table {
+        /// Name of a CSV file with the columns `y_m,U_m_s`, relative to the folder of the file that contains this key.
+        #[schemars(example = &"gas.csv", extend("x-required" = "always"))]
+        file: Option<Located<String>>,
+    },
+    /// Fully developed turbulent channel flow between y = 0 and y = L_y, from a k-ε model.
+    KEpsilonChannel {
+        /// Reynolds number of the bulk velocity and the full width, U_b L_y/ν. The given range is that of
+        /// `wall_functions`; `launder_sharma` accepts values from 6000 on.
+        #[schemars(example = 42000)]
+        #[schemars(extend("x-required" = "always", "x-range" = "10000 ..= 1e8", "minimum" = 6000))]
+        reynolds_number: Option<Located<Ratio>>,
+        /// Name of the k-ε model.
+        #[schemars(example = &"launder_sharma", extend("default" = "wall_functions"))]
+        model: Option<Located<TurbulenceFile>>,
+    },
+    /// Fully developed turbulent flow along z through a round pipe, from the low-Reynolds-number k-ε model of Launder
+    /// and Sharma. Outside the pipe the gas is at rest. The wall itself is a `[[walls]]` table with a `cylinder`.
+    KEpsilonPipe {
+        /// Reynolds number of the bulk velocity and the diameter, U_b D/ν.
+        #[schemars(example = 42000)]
+        #[schemars(extend("x-required" = "always", "x-range" = "6000 ..= 1e8"))]
+        reynolds_number: Option<Located<Ratio>>,
+        /// Diameter of the pipe, D.
+        #[schemars(example = &"40 mm", extend("x-default" = "L_y", "x-range" = "greater than 0 m"))]
+        diameter: Option<Located<Length>>,
+        /// Coordinates x and y of the pipe axis.
+        #[schemars(extend("examples" = [["20 mm", "20 mm"]], "x-default" = "the middle of the box"))]
+        center: Option<Located<[Located<Length>; 2]>>,
+    },
+    /// The logarithmic law of the wall between y = 0 and y = L_y. Give exactly one of `friction_velocity` and
+    /// `reynolds_number`.
+    LogLaw {
+        /// Friction velocity, u_τ.
+        #[schemars(example = &"0.80 m/s")]
+        #[schemars(extend("x-required" = "or `reynolds_number`", "x-one-of" = "flow rate"))]
+        #[schemars(extend("x-range" = "greater than 0, up to 1e3 m/s"))]
+        friction_velocity: Option<Located<Speed>>,
+        /// Reynolds number of the bulk velocity and the full width, U_b L_y/ν. The friction velocity follows from this
+        /// number.
+        #[schemars(example = 42000, extend("x-range" = "6000 ..= 1e8", "x-one-of" = "flow rate"))]
+        reynolds_number: Option<Located<Ratio>>,
+        /// Von Kármán's constant κ.
+        #[schemars(example = 0.4, extend("default" = 0.41, "x-range" = "0.2 ..= 0.8"))]
+        von_karman: Option<Located<Ratio>>,
+        /// Additive constant B of the law.
+        #[schemars(example = 5.2, extend("default" = 5.0, "x-range" = "-10 ..= 20"))]
+        intercept: Option<Located<Ratio>>,
+    },
+}
+
+/// Name of a k-ε model.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum TurbulenceFile {
+    /// Standard k-ε model with wall functions.
+    WallFunctions,
+    /// Model of Launder and Sharma (1974) for low Reynolds numbers, integrated down to the wall.
+    LaunderSharma,
+}

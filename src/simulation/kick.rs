@@ -1,0 +1,87 @@
+//! Kicks of drag: the gas changes the velocities of all particles, while these stay where they are.
+
+use super::Simulation;
+use crate::drag::Kick;
+use crate::exact::{self, BLOCK, ExactSum};
+use crate::fluid::{LocalFractions, Profile};
+use crate::particles::{CHUNK, Particles};
+use crate::work_sharing;
+use nalgebra::Vector3;
+
+impl Simulation {
+    /// Local volume fractions of the particles of all processes, in `cells` cells along x, y and z.
+    pub(super) fn fractions(&self, cells: [u32; 3]) -> LocalFractions {
+        LocalFractions::of(&self.particles, &self.scene.domain, cells, self.parts())
+    }
+}
+
+/// Applies drag alone to all particles in a gas with the given profile. Returns sums over all particles: the impulse
+/// [kg m/s] of drag along x, y and z, and the work [J] of drag.
+pub fn kick(particles: &mut Particles, profile: &Profile, kick: &Kick) -> [ExactSum; 4] {
+    kick_among(particles, profile, kick, None)
+}
+
+/// Applies [`kick`], by a law that depends on the local volume fractions of the particles if these are given.
+pub(super) fn kick_among(
+    particles: &mut Particles,
+    profile: &Profile,
+    kick: &Kick,
+    fractions: Option<&LocalFractions>,
+) -> [ExactSum; 4] {
+    let Particles { position, velocity, mass, species, radius, .. } = particles;
+    if velocity.len() <= CHUNK {
+        return kick_chunk(velocity, (position, (mass, (species, radius))), (profile, fractions), kick);
+    }
+    let others = position.chunks(CHUNK).zip(mass.chunks(CHUNK).zip(species.chunks(CHUNK).zip(radius.chunks(CHUNK))));
+    let each = |(velocity, others)| kick_chunk(velocity, others, (profile, fractions), kick);
+    work_sharing::map(velocity.chunks_mut(CHUNK).zip(others), each).into_iter().fold(exact::none(), exact::merged)
+}
+
+/// Positions [m], masses [kg], species and radii [m] of the particles of one chunk.
+type Dragged<'a> = (&'a [Vector3<f64>], (&'a [f64], (&'a [u16], &'a [f64])));
+
+/// Applies [`kick`] on one thread, in three short loops over some particles at a time. Each loop does little work per
+/// particle, so that the processor computes several particles at once instead of waiting for one long chain of results.
+fn kick_chunk(
+    velocity: &mut [Vector3<f64>],
+    (position, (mass, (species, radius))): Dragged,
+    (profile, fractions): (&Profile, Option<&LocalFractions>),
+    kick: &Kick,
+) -> [ExactSum; 4] {
+    let slip = |v: &Vector3<f64>, gas: f64| Vector3::new(v.x, v.y, v.z - gas);
+    let (mut gas, mut ratio) = ([0.0; BLOCK], [0.0; BLOCK]);
+    let (mut sums, mut rows) = (exact::none(), [[0.0; 4]; BLOCK]);
+    let asks_sizes = kick.asks_sizes();
+    let kinds = species.chunks(BLOCK).zip(radius.chunks(BLOCK));
+    let others = position.chunks(BLOCK).zip(mass.chunks(BLOCK).zip(kinds));
+    for (velocity, (position, (mass, (species, radius)))) in velocity.chunks_mut(BLOCK).zip(others) {
+        for (gas, x) in gas.iter_mut().zip(position) {
+            *gas = profile.velocity_at(x);
+        }
+        if let Some(fractions) = fractions {
+            let kinds = position.iter().zip(species.iter().zip(radius));
+            for (((ratio, gas), v), (x, (species, radius))) in ratio.iter_mut().zip(gas).zip(&*velocity).zip(kinds) {
+                let fraction = fractions.at(x, *radius);
+                *ratio = kick.change_among(*species, *radius, fraction, slip(v, gas).norm_squared());
+            }
+        } else if asks_sizes {
+            let kinds = species.iter().zip(radius);
+            for (((ratio, gas), v), (species, radius)) in ratio.iter_mut().zip(gas).zip(&*velocity).zip(kinds) {
+                *ratio = kick.change_of(*species, *radius, slip(v, gas).norm_squared());
+            }
+        } else {
+            for (((ratio, gas), v), species) in ratio.iter_mut().zip(gas).zip(&*velocity).zip(species) {
+                *ratio = kick.change(*species, slip(v, gas).norm_squared());
+            }
+        }
+        let rows = &mut rows[..velocity.len()];
+        for ((((v, m), gas), ratio), row) in velocity.iter_mut().zip(mass).zip(gas).zip(ratio).zip(&mut *rows) {
+            let change = slip(v, gas) * ratio;
+            let work = m * change.dot(&(*v + 0.5 * change));
+            *row = [change.x * m, change.y * m, change.z * m, work];
+            *v += change;
+        }
+        exact::add_rows(sums.each_mut(), rows);
+    }
+    sums
+}

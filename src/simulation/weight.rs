@@ -1,0 +1,82 @@
+//! Weight of the particles: its work and impulse, and buoyancy that gives species different accelerations.
+
+use super::Simulation;
+use crate::exact::{self, BLOCK, ExactSum};
+use crate::particles::{CHUNK, Particles};
+use crate::record::Ledger;
+use crate::work_sharing;
+use nalgebra::Vector3;
+
+impl Simulation {
+    /// [N] weight of all particles of all processes, less their buoyancy.
+    pub fn weight(&self) -> Vector3<f64> {
+        if self.scene.differences_in_gravity().is_empty() || self.time == 0.0 {
+            return self.total_mass() * self.scene.gravity;
+        }
+        // the force is constant, so its impulse is proportional to the time
+        self.record.ledger.gravity_impulse / self.time
+    }
+
+    /// Adds the work and the impulse of gravity, in a window of length `window` of which the time `reached` has passed
+    /// [s], to the ledger. `by_walls` [kg m/s] is the momentum that walls have given to the particles in this time.
+    pub(super) fn book_gravity(&mut self, by_walls: Vector3<f64>, [window, reached]: [f64; 2]) {
+        let g = self.scene.gravity;
+        // The work of gravity is computed from the momentum of all particles. Momentum exchanged between particles
+        // cancels; momentum from walls counts as if it were given at the end of the window.
+        let work =
+            g.dot(&self.totals.momentum) * reached + 0.5 * self.totals.mass * g.norm_squared() * reached * reached;
+        let weight = g * (self.totals.mass * reached);
+        self.record.ledger += Ledger {
+            gravity_work: work - g.dot(&by_walls) * (window - reached),
+            gravity_impulse: weight,
+            ..Ledger::default()
+        };
+        self.totals.momentum += weight + by_walls;
+    }
+
+    /// Accelerates each particle for `duration` [s] by that part of weight and buoyancy which its species does not
+    /// share with the densest species. The engine computes the other part.
+    pub(super) fn add_differences_in_gravity(&mut self, duration: f64) {
+        let differences = self.scene.differences_in_gravity();
+        if differences.is_empty() {
+            return;
+        }
+        let began = self.clock.now();
+        let changes: Vec<Vector3<f64>> = differences.iter().map(|difference| difference * duration).collect();
+        let mut sums = accelerate(&mut self.particles, &changes);
+        self.sample().total(&mut sums.each_mut());
+        self.spent.drag += self.clock.now() - began;
+        if self.is_follower() {
+            return;
+        }
+        let [x, y, z, work] = exact::values(&sums);
+        let impulse = Vector3::new(x, y, z);
+        self.record.ledger += Ledger { gravity_impulse: impulse, gravity_work: work, ..Ledger::default() };
+        self.totals.momentum += impulse;
+    }
+}
+
+/// Velocities [m/s], masses [kg] and species of the particles of one chunk.
+type Weighed<'a> = (&'a mut [Vector3<f64>], (&'a [f64], &'a [u16]));
+
+/// Adds the velocity `changes` [m/s] of its species to each particle. Returns sums over all particles: the impulse
+/// [kg m/s] along x, y and z, and the work [J].
+fn accelerate(particles: &mut Particles, changes: &[Vector3<f64>]) -> [ExactSum; 4] {
+    let Particles { velocity, mass, species, .. } = particles;
+    let chunks = velocity.chunks_mut(CHUNK).zip(mass.chunks(CHUNK).zip(species.chunks(CHUNK)));
+    let each = |(velocity, (mass, species)): Weighed| {
+        let (mut sums, mut rows) = (exact::none(), [[0.0; 4]; BLOCK]);
+        let others = mass.chunks(BLOCK).zip(species.chunks(BLOCK));
+        for (velocity, (mass, species)) in velocity.chunks_mut(BLOCK).zip(others) {
+            let rows = &mut rows[..velocity.len()];
+            for (((v, m), species), row) in velocity.iter_mut().zip(mass).zip(species).zip(&mut *rows) {
+                let change = changes[usize::from(*species)];
+                *row = [change.x * m, change.y * m, change.z * m, m * change.dot(&(*v + 0.5 * change))];
+                *v += change;
+            }
+            exact::add_rows(sums.each_mut(), rows);
+        }
+        sums
+    };
+    work_sharing::map(chunks, each).into_iter().fold(exact::none(), exact::merged)
+}
