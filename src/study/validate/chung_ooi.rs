@@ -225,9 +225,9 @@ pub const SPINNING: ValidationCheck = ValidationCheck {
     name: "chung-ooi-6",
     tier: OtherCodes,
     case: "validation/plane",
-    scene: "A ball of aluminium alloy (200 mm) with spin meets a rigid plane at 0.2 m/s, e = 0.5, μ = 0.4, Hertz and Mindlin, displacements remembered, and a tangential dashpot of the damping ratio of the normal one: β, the slip after over that before, turned round.",
+    scene: "A ball of aluminium alloy (200 mm) with spin meets a rigid plane at 0.2 m/s, e = 0.5, μ = 0.4, Hertz and Mindlin, displacements remembered: β, the slip after over that before, turned round.",
     source: "Chung and Ooi (2011), test 6, as digitised in KratosMultiphysics/Kratos@5924ef79, applications/DEMApplication/tests/DEM3D_chung_ooi_tests/paper_data_5_to_8/benchmark8_graph1.dat, third block, taken at v_st = 0.2 m/s tan(5° k).",
-    not_shown: "The tangential law of the paper's codes, which is not stated with the points. Without the dashpot β is up to 0.45 in the middle; at small spins no history of this program comes near the points.",
+    not_shown: "The tangential law of the paper's codes, which is not stated with the points. With a tangential dashpot of the damping ratio of the normal one, ours are within 0.07 of the points from 0.17 m/s on, and 0.26 too high at the smallest slip.",
     takes_minutes: false,
     measure: spinning,
 };
@@ -254,8 +254,6 @@ fn spinning(scene: &CheckScene) -> Result<CheckResult, StudyError> {
             "walls[0].friction=0.4",
             "particles[0].density=2700 kg/m^3",
             "soft.hertz.poissons_ratio=0.33",
-            // c_t/c_n = sqrt(S_t/S_n) = sqrt(4 G*/E*) = sqrt(2 (1 - ν)/(2 - ν)) on a rigid plane, ν = 0.33
-            "soft.tangential.mindlin.dashpot_ratio=0.896",
         ]
         .map(str::to_owned)
         .into();

@@ -78,7 +78,7 @@ fn mfix_exa(scene: &CheckScene) -> Result<CheckResult, StudyError> {
     let times = [5e-3, 50e-3];
     let mut numbers = Vec::new();
     for (model, name, seeds) in
-        [(Model::Hard, "hard", scene.choose(6, 16)), (Model::Soft, "soft, 10 N/m", scene.choose(8, 16))]
+        [(Model::Hard, "hard", scene.choose(5, 16)), (Model::Soft, "soft, 10 N/m", scene.choose(12, 24))]
     {
         let runs = scene.replicas(seeds, |seed| {
             let mut simulation = scene.simulation(model, Some(seed), &[])?;

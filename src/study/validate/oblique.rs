@@ -2,7 +2,6 @@
 
 use super::check::{CheckResult, CheckScene, ValidationCheck, exact, read_off, run_to};
 use crate::experiment::Model;
-use crate::output::ValidationNumber;
 use crate::output::ValidationTier::{Experiments, OtherCodes};
 use crate::output::panel::{Panel, PanelSeries, SeriesPoint, SeriesStyle};
 use crate::runs::StudyError;
@@ -153,6 +152,9 @@ const ANGLES: [(f64, f64); 6] = [
     (60.0571, 57.3652),
 ];
 
+/// Measured quantity: name, unit, points over the angle, and its value of a rebound.
+type MeasuredKind = (&'static str, &'static str, &'static [(f64, f64)], fn(&Rebound) -> f64);
+
 fn measured(scene: &CheckScene) -> Result<CheckResult, StudyError> {
     let sets = [
         "walls[0].elasticity.youngs_modulus=70 GPa",
@@ -161,7 +163,7 @@ fn measured(scene: &CheckScene) -> Result<CheckResult, StudyError> {
     ]
     .map(str::to_owned);
     let (mut numbers, mut found) = (Vec::new(), Vec::new());
-    let kinds: [(&str, &'static str, &[(f64, f64)], fn(&Rebound) -> f64); 3] = [
+    let kinds: [MeasuredKind; 3] = [
         ("v_t'/v_t", "", &RATIOS, |left| left.ratio),
         ("spin", "rad/s", &SPINS, |left| left.spin),
         ("rebound angle", "°", &ANGLES, |left| left.angle),
@@ -170,12 +172,11 @@ fn measured(scene: &CheckScene) -> Result<CheckResult, StudyError> {
         let largest = points.iter().map(|point| point.1).fold(0.0, f64::max);
         for (angle, value) in points {
             let ours = of(&rebound(scene, *angle, &sets)?);
-            let number: ValidationNumber =
-                read_off(format!("{name} at {angle}°"), unit, (*value, 0.01 * largest), ours, 0.05 * largest);
+            let expected = (*value, 0.01 * largest);
+            numbers.push(read_off(format!("{name} at {angle}°"), unit, expected, ours, 0.05 * largest));
             if name == "spin" {
                 found.push(SeriesPoint::at(*angle, ours));
             }
-            numbers.push(number);
         }
     }
     let points = SPINS.iter().map(|(angle, spin)| SeriesPoint { x: *angle, y: *spin, error: Some(6.0) });
