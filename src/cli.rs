@@ -6,7 +6,7 @@
 
 mod comparisons;
 
-pub use comparisons::{Compare, JudgeArguments};
+pub use comparisons::{Compare, JudgeArguments, Validate};
 
 use crate::case::quantity;
 use crate::experiment::Model;
@@ -50,6 +50,8 @@ pub enum Command {
     /// Draws maps that show where each method fails: stability, restitution, overlap, collapse, missed collisions. Each
     /// point of a map is a run.
     Limits(Limits),
+    /// Compares the program with closed forms, with published numbers of other codes, and with experiments.
+    Validate(Validate),
     /// Runs the variants of a case at several values of its keys, and plots the results over these values; an
     /// interrupted sweep is continued when started again.
     Sweep(Sweep),

@@ -81,6 +81,7 @@ mod trajectory; // frames for other programs: bits, surfaces, failures
 mod trust; // the trust sheet of a run, and the halved step
 mod tutorial; // the commands of docs/tutorial.md, and its decision
 mod untrusted; // texts, files and links of others: legible, within their folder, within the memory
+mod validate; // the validation suite: rows, tables, changed references, unknown names
 mod verdict; // equivalent, different or unresolved: how often wrongly, and on which scenes
 mod verdict_scenes; // verdicts on scenes that are frozen, relax, stop, or are sampled at other times
 mod vessels; // vessels smaller than the box: random starts, regions, slabs, and the cost of islands in them

@@ -1,4 +1,4 @@
-//! Arguments of the commands that compare two sides: runs of a case, or files.
+//! Arguments of the commands that compare two sides: runs of a case, files, or runs and published numbers.
 
 use super::{Effort, Input, Keep, Output, Repeats, relative_error};
 use clap::Args;
@@ -62,6 +62,26 @@ pub struct JudgeArguments {
     /// unresolved and none is different.
     #[arg(long)]
     pub exit_code: bool,
+    #[command(flatten)]
+    pub output: Output,
+}
+
+/// Arguments of `diptych validate`.
+#[derive(Clone, Debug, Args)]
+pub struct Validate {
+    /// Uses fewer and shorter runs, and leaves out rows that take minutes: under two minutes on two cores.
+    #[arg(long)]
+    pub quick: bool,
+    /// Runs one row only, by its name; may be repeated [default: all].
+    #[arg(long, value_name = "NAME")]
+    pub only: Vec<String>,
+    /// Also gives the answer by the exit code: 0 if all rows agree or are equivalent, 3 if some are different, 4 if some
+    /// are unresolved and none is different.
+    #[arg(long)]
+    pub exit_code: bool,
+    /// Threads to use; results are the same for any number [default: one per core].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
     #[command(flatten)]
     pub output: Output,
 }

@@ -26,7 +26,7 @@ const REPORT: &str = "report.html";
 
 /// Names of tables that a run may write in addition to [`SUMMARY`]. These files are removed when results are replaced,
 /// so that no file of another run remains.
-const TABLES: [&str; 14] = [
+const TABLES: [&str; 15] = [
     "series.csv",
     "paths.csv",
     "profiles.csv",
@@ -40,6 +40,7 @@ const TABLES: [&str; 14] = [
     "profile.csv",
     "sweep.csv",
     "sensitivity.csv",
+    "validation.csv",
     REPORT,
 ];
 

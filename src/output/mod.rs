@@ -29,6 +29,7 @@ mod state;
 pub mod sweep;
 mod trajectory;
 mod trust;
+mod validation;
 mod verdict;
 
 pub use chart::{
@@ -36,8 +37,9 @@ pub use chart::{
     cheapest,
 };
 pub use documents::{
-    PlanDocument, chart_answers, limits_answers, plan_json, plan_text, sweep_verdicts, write_chart, write_files_study,
-    write_impact, write_limits, write_part, write_sensitivity, write_sensitivity_part, write_study, write_sweep,
+    PlanDocument, chart_answers, limits_answers, plan_json, plan_text, sweep_verdicts, validation_answers, write_chart,
+    write_files_study, write_impact, write_limits, write_part, write_sensitivity, write_sensitivity_part, write_study,
+    write_sweep, write_validation,
 };
 pub use files::{ASIDE, CHECKPOINT, COMMAND, FIGURES, Folder, SUMMARY, put};
 pub use files_study::{FilesQuantity, FilesStudy, SideSummary};
@@ -47,6 +49,7 @@ pub use impact::{Analytic, Bounce, BounceValues, ImpactStudy, ObliqueCurve, Obli
 pub use state::StateFile;
 pub use trajectory::{TRAJECTORY, Trajectory};
 pub use trust::{Expected, Halved, HalvedStep, Judgement, TrustCheck, TrustSheet, Verification};
+pub use validation::{NotValidated, ValidationNumber, ValidationRow, ValidationRule, ValidationStudy, ValidationTier};
 pub use verdict::{Basis, Verdict, overall};
 
 use crate::observe::Frames;

@@ -13,6 +13,7 @@ mod sensitivity;
 mod stress;
 mod sweep;
 mod trust;
+mod validation;
 mod verdict;
 mod work;
 
@@ -24,3 +25,4 @@ pub use plan::{PlanDocument, plan_json, plan_text};
 pub use run::{write_part, write_study};
 pub use sensitivity::{write_sensitivity, write_sensitivity_part};
 pub use sweep::{sweep_verdicts, write_sweep};
+pub use validation::{validation_answers, write_validation};

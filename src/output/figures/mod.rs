@@ -19,6 +19,7 @@ mod profiles;
 mod rows;
 mod sensitivity;
 mod sweep;
+mod validation;
 mod work_precision;
 
 pub use bounces::{normal_velocity, overlap_in_time, slip_after};
@@ -34,6 +35,7 @@ pub(super) use overview::{COST, IN_PER_CENT, in_per_cent, quantities, symbol};
 pub use profiles::{differences, number_density, second_moments, spins, streamwise_velocity};
 pub use sensitivity::sensitivity;
 pub use sweep::sweep;
+pub use validation::validation;
 pub use work_precision::{WITHIN, work_precision};
 
 pub use super::panel::Figure;

@@ -3,11 +3,8 @@
 use crate::engine::Failure;
 use crate::experiment::Experiment;
 use crate::output::limits::{self, Picture};
-use crate::runs::{StudyError, tell};
-use indicatif::{ProgressBar, ProgressStyle};
-use rayon::prelude::*;
-use std::io::{IsTerminal, stderr};
-use std::time::Instant;
+use crate::runs::StudyError;
+use crate::study::points::run_points;
 
 /// Options for running the points of a sweep.
 #[derive(Clone, Copy, Debug)]
@@ -77,23 +74,6 @@ impl Points<'_> {
         points: &[P],
         one: impl Fn(&P) -> Result<R, StudyError> + Sync,
     ) -> Result<Vec<R>, StudyError> {
-        let bar = if self.grid.quiet { ProgressBar::hidden() } else { ProgressBar::new(points.len() as u64) };
-        // if the template is not valid, the default bar is used
-        if let Ok(style) = ProgressStyle::with_template("{bar:16} {pos} of {len} points, {eta} left  {wide_msg}") {
-            bar.set_style(style);
-        }
-        bar.set_message(self.name);
-        let began = Instant::now();
-        let each = points.par_iter().with_max_len(1).map(|point| {
-            let result = one(point);
-            bar.inc(1);
-            result
-        });
-        let results = each.collect();
-        bar.finish_and_clear();
-        if !self.grid.quiet && !stderr().is_terminal() {
-            tell(format_args!("{}: {} points in {:.1} s", self.name, points.len(), began.elapsed().as_secs_f64()));
-        }
-        results
+        run_points(self.name, self.grid.quiet, points, one)
     }
 }

@@ -1,0 +1,213 @@
+//! Results of the validation suite as plain data for the outputs, with one [`ValidationRow`] per comparison.
+
+use super::csv::{CsvTable, number};
+use super::numbers::{significant, with_error};
+use super::panel::Panel;
+use super::{OutputError, Provenance};
+use crate::statistics::{Answer, Estimate};
+use serde::Serialize;
+
+/// Kind of reference with which a row compares.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ValidationTier {
+    /// Exact formulas and converged solutions of the equations that the program solves.
+    ClosedForms,
+    /// Published numbers of other codes and of theories.
+    OtherCodes,
+    /// Measurements.
+    Experiments,
+}
+
+impl ValidationTier {
+    /// All kinds, in the order of the report.
+    pub const ALL: [Self; 3] = [Self::ClosedForms, Self::OtherCodes, Self::Experiments];
+
+    /// Name of the kind in tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::ClosedForms => "closed form",
+            Self::OtherCodes => "other codes and theories",
+            Self::Experiments => "experiment",
+        }
+    }
+}
+
+/// Rule by which a number is judged.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ValidationRule {
+    /// A run without scatter: the number agrees if it deviates by at most the tolerance, else it is different.
+    Tolerance,
+    /// A number with a standard error: Student's t test for a difference, and two one-sided tests for equivalence
+    /// within the margin.
+    Margin,
+}
+
+/// One number of a row, with its reference.
+#[derive(Clone, Debug, Serialize)]
+pub struct ValidationNumber {
+    /// Name of the number within its row.
+    pub name: String,
+    /// Unit of the number; empty if it has none.
+    pub unit: &'static str,
+    /// Reference, with its standard error (0 for an exact one), in the unit of the number.
+    pub reference: Estimate,
+    /// Result of this program, with its standard error (0 without scatter), in the unit of the number.
+    pub ours: Estimate,
+    /// [-] degrees of freedom of the standard error of the result.
+    pub freedom: f64,
+    /// Tolerance or margin, in the unit of the number.
+    pub allowed: f64,
+    /// Rule by which the number is judged.
+    pub rule: ValidationRule,
+    /// Answer for this number.
+    pub answer: Answer,
+}
+
+impl ValidationNumber {
+    /// Difference of the result and the reference, with its standard error, in the unit of the number.
+    pub fn difference(&self) -> Estimate {
+        self.ours.less(self.reference)
+    }
+
+    /// [-] magnitude of the difference over the tolerance or margin.
+    pub fn share(&self) -> f64 {
+        self.difference().value.abs() / self.allowed
+    }
+
+    /// Answer in words, with the number from which it follows.
+    pub fn verdict(&self) -> String {
+        let allowed = with_unit(significant(self.allowed, 2), self.unit);
+        let difference = with_unit(with_error(self.difference()), self.unit);
+        match (self.answer, self.rule) {
+            (Answer::Equivalent, ValidationRule::Tolerance) => format!("agrees within {allowed}"),
+            (Answer::Equivalent, ValidationRule::Margin) => format!("equivalent within {allowed}"),
+            (Answer::Different, _) => format!("different by {difference}"),
+            (Answer::Unresolved, _) => format!("unresolved: {difference}, margin {allowed}"),
+        }
+    }
+}
+
+/// Number with its unit, if it has one.
+fn with_unit(number: String, unit: &str) -> String {
+    if unit.is_empty() { number } else { format!("{number} {unit}") }
+}
+
+/// One comparison of the suite, with its numbers.
+#[derive(Clone, Debug)]
+pub struct ValidationRow {
+    /// Name of the row, for `--only`.
+    pub name: &'static str,
+    /// Kind of the reference.
+    pub tier: ValidationTier,
+    /// Scene in words.
+    pub scene: &'static str,
+    /// Source of the reference, with the place in it.
+    pub source: &'static str,
+    /// Sentence on what the row does not show.
+    pub not_shown: &'static str,
+    /// Name of the built-in case that the row runs, with changes.
+    pub case: &'static str,
+    /// Numbers of the row. Empty if a run stopped.
+    pub numbers: Vec<ValidationNumber>,
+    /// Picture of the row with its caption; `None` if there is none.
+    pub picture: Option<(&'static str, Panel)>,
+    /// Reason why a run of the row stopped early; `None` if none did.
+    pub failure: Option<String>,
+    /// [s] wall time of the row.
+    pub wall_seconds: f64,
+}
+
+impl ValidationRow {
+    /// Answer of the row: the worst answer of its numbers, and `Unresolved` if a run stopped.
+    pub fn answer(&self) -> Answer {
+        let worst = self.numbers.iter().map(|number| number.answer).max();
+        worst.filter(|_| self.failure.is_none()).unwrap_or(Answer::Unresolved)
+    }
+
+    /// Number that deviates most: the largest share of its tolerance or margin among those with the worst answer.
+    pub fn worst(&self) -> Option<&ValidationNumber> {
+        let worst = self.answer();
+        let among = self.numbers.iter().filter(|number| number.answer == worst);
+        among.max_by(|a, b| a.share().total_cmp(&b.share()))
+    }
+
+    /// Answer in a word: "agrees" if all numbers have a tolerance and keep it.
+    pub fn word(&self) -> &'static str {
+        let exact = self.numbers.iter().all(|number| number.rule == ValidationRule::Tolerance);
+        match self.answer() {
+            _ if self.failure.is_some() => "stopped",
+            Answer::Equivalent if exact => "agrees",
+            answer => answer.word(),
+        }
+    }
+}
+
+/// Comparison that the suite does not make.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct NotValidated {
+    /// Name of the comparison.
+    pub name: &'static str,
+    /// Reference that exists, with its source.
+    pub reference: &'static str,
+    /// Reason: what is not built, or not public.
+    pub needs: &'static str,
+}
+
+/// All results of the suite.
+#[derive(Clone, Copy, Debug)]
+pub struct ValidationStudy<'a> {
+    /// Origin of the results: title and command.
+    pub provenance: &'a Provenance,
+    /// Rows in the order of the report.
+    pub rows: &'a [ValidationRow],
+    /// Names of rows that `--quick` leaves out.
+    pub left_out: &'a [&'static str],
+    /// Comparisons that the suite does not make.
+    pub not_validated: &'a [NotValidated],
+    /// True if the suite used shorter runs.
+    pub quick: bool,
+}
+
+impl ValidationStudy<'_> {
+    /// Command that repeats one row.
+    pub fn command(&self, row: &ValidationRow) -> String {
+        format!("diptych validate --only {}{}", row.name, if self.quick { " --quick" } else { "" })
+    }
+
+    /// Answer of all rows together: the worst answer; `None` without rows.
+    pub fn answer(&self) -> Option<Answer> {
+        self.rows.iter().map(ValidationRow::answer).max()
+    }
+}
+
+/// Contents of `validation.csv`: one row per number. The column `allowed` contains the tolerance or the margin, in the
+/// unit of the number.
+///
+/// # Errors
+/// [`OutputError::Csv`] if a row cannot be encoded.
+pub(super) fn table(rows: &[ValidationRow]) -> Result<Vec<u8>, OutputError> {
+    let mut table = CsvTable::new();
+    table.head("row,tier,number,unit,reference,reference_se,ours,ours_se,difference,allowed,rule,verdict")?;
+    for row in rows {
+        for one in &row.numbers {
+            let names = [row.name.to_owned(), row.tier.name().to_owned(), one.name.clone(), one.unit.to_owned()];
+            let values = [
+                Some(one.reference.value),
+                one.reference.error,
+                Some(one.ours.value),
+                one.ours.error,
+                Some(one.difference().value),
+                Some(one.allowed),
+            ];
+            let rule = match one.rule {
+                ValidationRule::Tolerance => "tolerance",
+                ValidationRule::Margin => "margin",
+            };
+            let ends = [rule.to_owned(), one.answer.word().to_owned()];
+            table.row(names.into_iter().chain(values.map(number)).chain(ends))?;
+        }
+    }
+    table.bytes()
+}

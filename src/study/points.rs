@@ -1,0 +1,38 @@
+//! Independent points of a study, which run several at once, with their progress.
+
+use crate::runs::{StudyError, tell};
+use indicatif::{ProgressBar, ProgressStyle};
+use rayon::prelude::*;
+use std::io::{IsTerminal, stderr};
+use std::time::Instant;
+
+/// Runs all points, several at once, and returns their results in the order of the points. The results do not depend on
+/// the threads. `name` stands beside the progress, which is not shown if `quiet` is true.
+///
+/// # Errors
+/// The first error of a point.
+pub fn run_points<P: Sync, R: Send>(
+    name: &str,
+    quiet: bool,
+    points: &[P],
+    one: impl Fn(&P) -> Result<R, StudyError> + Sync,
+) -> Result<Vec<R>, StudyError> {
+    let bar = if quiet { ProgressBar::hidden() } else { ProgressBar::new(points.len() as u64) };
+    // if the template is not valid, the default bar is used
+    if let Ok(style) = ProgressStyle::with_template("{bar:16} {pos} of {len} points, {eta} left  {wide_msg}") {
+        bar.set_style(style);
+    }
+    bar.set_message(name.to_owned());
+    let began = Instant::now();
+    let each = points.par_iter().with_max_len(1).map(|point| {
+        let result = one(point);
+        bar.inc(1);
+        result
+    });
+    let results = each.collect();
+    bar.finish_and_clear();
+    if !quiet && !stderr().is_terminal() {
+        tell(format_args!("{name}: {} points in {:.1} s", points.len(), began.elapsed().as_secs_f64()));
+    }
+    results
+}

@@ -1,0 +1,172 @@
+//! One row of the suite before it runs, and the functions with which rows run their scenes.
+
+use crate::case::{Case, built_in};
+use crate::engine::Failure;
+use crate::experiment::{Experiment, Model};
+use crate::output::panel::Panel;
+use crate::output::{ValidationNumber, ValidationRule, ValidationTier};
+use crate::runs::{StudyError, start};
+use crate::simulation::Simulation;
+use crate::statistics::{Answer, Estimate};
+use rayon::prelude::*;
+
+/// Comparison of the suite: its description, and the function that runs its scene.
+pub struct ValidationCheck {
+    /// Name of the row, for `--only`.
+    pub name: &'static str,
+    /// Kind of the reference.
+    pub tier: ValidationTier,
+    /// Name of the built-in case with the scene, of which the row changes some keys.
+    pub case: &'static str,
+    /// Scene in words.
+    pub scene: &'static str,
+    /// Source of the reference, with the place in it.
+    pub source: &'static str,
+    /// Sentence on what the row does not show.
+    pub not_shown: &'static str,
+    /// True if the row takes minutes, so that `--quick` leaves it out.
+    pub takes_minutes: bool,
+    /// Function that runs the scene and returns the numbers with their references.
+    pub measure: fn(&CheckScene) -> Result<CheckResult, StudyError>,
+}
+
+/// Numbers of a row, with a picture if there is one.
+pub struct CheckResult {
+    /// Numbers with their references, not yet judged.
+    pub numbers: Vec<ValidationNumber>,
+    /// Picture with its caption.
+    pub picture: Option<(&'static str, Panel)>,
+}
+
+impl From<Vec<ValidationNumber>> for CheckResult {
+    fn from(numbers: Vec<ValidationNumber>) -> Self {
+        Self { numbers, picture: None }
+    }
+}
+
+/// Scene of a row, from which its runs are made.
+pub struct CheckScene {
+    case: Case,
+    /// True for fewer and shorter runs.
+    pub quick: bool,
+}
+
+impl CheckScene {
+    /// Scene of a built-in case.
+    ///
+    /// # Errors
+    /// There is no such case, or it cannot be read, which would be an error in the program.
+    pub fn new(case: &str, quick: bool) -> Result<Self, StudyError> {
+        let missing = || StudyError::Failed(format!("error: no built-in case is called `{case}`"));
+        let case = Case::built_in(&built_in::case(case).ok_or_else(missing)?, &[])?;
+        Ok(Self { case, quick })
+    }
+
+    /// Returns `quick` for `--quick`, else `full`.
+    pub fn choose<T>(&self, quick: T, full: T) -> T {
+        if self.quick { quick } else { full }
+    }
+
+    /// Experiment of the scene with a model, a seed and changes of the form `key=value`.
+    ///
+    /// # Errors
+    /// The case refuses a change, which would be an error in the program.
+    pub fn experiment(&self, model: Model, seed: Option<u64>, sets: &[String]) -> Result<Experiment, StudyError> {
+        Ok(self.case.changed(sets, Some(model), seed)?.0)
+    }
+
+    /// Simulation of the scene at its start.
+    ///
+    /// # Errors
+    /// The errors of [`experiment`](Self::experiment), or particles that do not fit.
+    pub fn simulation(&self, model: Model, seed: Option<u64>, sets: &[String]) -> Result<Simulation, StudyError> {
+        let experiment = self.experiment(model, seed, sets)?;
+        Ok(Simulation::new(&experiment, start(&experiment)?))
+    }
+
+    /// Results of runs with `count` seeds, in the order of the seeds.
+    ///
+    /// # Errors
+    /// The first error of a run.
+    pub fn replicas<T: Send>(
+        &self,
+        count: u64,
+        one: impl Fn(u64) -> Result<T, StudyError> + Sync,
+    ) -> Result<Vec<T>, StudyError> {
+        let seeds: Vec<u64> = (1..=count).collect();
+        seeds.into_par_iter().with_max_len(1).map(&one).collect()
+    }
+}
+
+/// Runs a simulation up to `time` [s] in `windows` windows. Afterwards the particles are in the order of their ids.
+///
+/// # Errors
+/// The engine stopped.
+pub fn run_to(simulation: &mut Simulation, time: f64, windows: u64) -> Result<(), StudyError> {
+    let window = (time - simulation.time) / windows as f64;
+    simulation.run(windows, window).map_err(stopped)?;
+    simulation.particles.sort_by_id();
+    Ok(())
+}
+
+/// Failure of an engine as the error of a row.
+pub fn stopped(why: Failure) -> StudyError {
+    StudyError::Failed(why.to_string())
+}
+
+/// Number of a run without scatter, and its tolerance in the unit of the number.
+pub fn exact(
+    name: impl Into<String>,
+    unit: &'static str,
+    reference: f64,
+    ours: f64,
+    tolerance: f64,
+) -> ValidationNumber {
+    ValidationNumber {
+        name: name.into(),
+        unit,
+        reference: Estimate::exact(reference),
+        ours: Estimate::exact(ours),
+        freedom: f64::INFINITY,
+        allowed: tolerance,
+        rule: ValidationRule::Tolerance,
+        answer: Answer::Unresolved,
+    }
+}
+
+/// Number of a run without scatter whose reference has the error `reading` of a measurement or of a digitised picture.
+/// The error and the margin are in the unit of the number.
+pub fn read_off(
+    name: impl Into<String>,
+    unit: &'static str,
+    (reference, reading): (f64, f64),
+    ours: f64,
+    margin: f64,
+) -> ValidationNumber {
+    ValidationNumber {
+        reference: Estimate::new(reference, reading),
+        rule: ValidationRule::Margin,
+        ..exact(name, unit, reference, ours, margin)
+    }
+}
+
+/// Number from several independent runs, compared with a reference within a margin in the unit of the number.
+pub fn averaged(
+    name: impl Into<String>,
+    unit: &'static str,
+    reference: Estimate,
+    runs: impl IntoIterator<Item = f64>,
+    margin: f64,
+) -> ValidationNumber {
+    let runs: Vec<f64> = runs.into_iter().collect();
+    let count = runs.len() as f64;
+    let mean = runs.iter().sum::<f64>() / count;
+    let variance = runs.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (count - 1.0);
+    ValidationNumber {
+        reference,
+        ours: Estimate::new(mean, (variance / count).sqrt()),
+        freedom: count - 1.0,
+        rule: ValidationRule::Margin,
+        ..exact(name, unit, reference.value, mean, margin)
+    }
+}

@@ -1,0 +1,37 @@
+//! Rows of touching balls, hit at one end.
+
+use super::check::{CheckResult, CheckScene, ValidationCheck, exact, run_to};
+use crate::experiment::Model;
+use crate::output::ValidationTier::ClosedForms;
+use crate::runs::StudyError;
+
+/// Newton's cradle.
+pub const CRADLE: ValidationCheck = ValidationCheck {
+    name: "cradle",
+    tier: ClosedForms,
+    case: "cradle",
+    scene: "One ball at 1 m/s hits four that touch, e = 1: velocities of all five afterwards, with linear springs and with hard spheres.",
+    source: "Equations of five masses and linear springs that only push, solved independently to eight digits; hard spheres pass the impulse on, one collision after the other.",
+    not_shown: "Which of the two a real cradle follows: its contacts are those of Hertz, and its first ball moves back less.",
+    takes_minutes: false,
+    measure: cradle,
+};
+
+/// [m/s] velocities of the balls with linear springs.
+const SPRINGS: [f64; 5] = [-0.13227948, -0.07532917, -0.03101083, 0.29621775, 0.94240173];
+
+fn cradle(scene: &CheckScene) -> Result<CheckResult, StudyError> {
+    let mut numbers = Vec::new();
+    // second order in ω_0 Δt = π/200: 2.5e-4 of the speed, for each of the contacts that a ball has at once
+    for (model, name, expected, tolerance) in
+        [(Model::Soft, "springs", SPRINGS, 1e-3), (Model::Hard, "hard", [0.0, 0.0, 0.0, 0.0, 1.0], 1e-12)]
+    {
+        let mut simulation = scene.simulation(model, None, &[])?;
+        run_to(&mut simulation, 3e-4, 3)?;
+        for (k, expected) in expected.into_iter().enumerate() {
+            let found = simulation.particles.velocity[k].x;
+            numbers.push(exact(format!("v of ball {}, {name}", k + 1), "m/s", expected, found, tolerance));
+        }
+    }
+    Ok(numbers.into())
+}
