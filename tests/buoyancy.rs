@@ -279,7 +279,7 @@ fn buoyancy_gives_the_same_bits_on_any_number_of_threads_and_processes() {
         ("soft", &local, mixture(stokes.clone(), 3000, 0.03)),
         ("hard", &islands, mixture(stokes.clone(), 3000, 0.03)),
         ("hybrid", &hybrid, mixture(stokes, 3000, 0.03)),
-        ("queue", &queue, mixture(None, 800, 0.2)),
+        ("queue", &queue, mixture(None, 800, 0.25)),
     ];
     for (name, engine, of) in ways {
         let alone = shared(1, &of, engine);
@@ -296,7 +296,7 @@ fn buoyancy_gives_the_same_bits_on_any_number_of_threads_and_processes() {
 /// The event queue of all particles predicts anew after kicks of buoyancy: it agrees with the islands of each window.
 #[test]
 fn the_event_queue_of_all_particles_sees_kicks_of_buoyancy() {
-    let (scene, start) = mixture(None, 800, 0.2);
+    let (scene, start) = mixture(None, 800, 0.25);
     let [one, many] = [Hard::new(), Hard::with_islands()].map(|engine| {
         // some 20 collisions, before the growth of rounding errors becomes visible
         try_run(&scene, start.clone(), Box::new(engine), 4e-5, 8).0

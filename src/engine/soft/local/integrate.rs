@@ -82,7 +82,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         for k in 0..self.scratch.contacts.len() {
             let Contact { slot, touch, .. } = self.scratch.contacts[k];
             let moment = FrameTime::in_free_fall(time);
-            let met = self.encounter(slot as usize, moment);
+            let met = self.encounter(slot as usize, &touch.couple, moment);
             let force = if self.rotates() {
                 self.force_at_stage(k, &touch, &met, (moment, dt, weight))
             } else {

@@ -297,7 +297,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
 
     /// Present gap [m] of a slot and its rate [m/s].
     fn gap(&self, slot: usize) -> (f64, f64) {
-        let met = self.encounter(slot, self.moment());
+        let met = self.encounter(slot, &self.scratch.touches[slot].couple, self.moment());
         (met.gap, met.normal_velocity)
     }
 
@@ -408,7 +408,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         rates.add(dt, remaining, self.scene, &mut self.island.log);
         self.island.events += 1;
         for k in 0..self.scratch.contacts.len() {
-            let met = self.encounter(self.scratch.contacts[k].slot as usize, self.moment());
+            let (_, met) = self.met(k);
             self.deepen(k, &met, dt)?;
         }
         Ok(())

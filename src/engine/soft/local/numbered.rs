@@ -3,7 +3,7 @@
 //! encounters in the order of distance.
 
 use super::{InstantaneousRule, IslandRun};
-use crate::encounter::{Encounter, FrameTime, Other};
+use crate::encounter::{Couple, Encounter, FrameTime, Other};
 use crate::engine::soft::contact::Contact;
 use crate::engine::soft::wall_contacts::{are_of_one_wall, encounters, is_numbered_by_distance, matched};
 use nalgebra::Vector3;
@@ -12,13 +12,14 @@ use nalgebra::Vector3;
 const APART: f64 = 1.0;
 
 impl<I: InstantaneousRule> IslandRun<'_, I> {
-    /// Encounter of the two bodies of a slot at the time `moment`.
+    /// Encounter of the two bodies of a slot at the time `moment`. A contact may name its bodies in the other order than
+    /// its slot: `couple` is the order of the result.
     #[inline(always)]
-    pub(super) fn encounter(&self, slot: usize, moment: FrameTime) -> Encounter {
+    pub(super) fn encounter(&self, slot: usize, couple: &Couple, moment: FrameTime) -> Encounter {
         if self.follows_normals(slot) {
             return self.encounter_by_normal(slot, moment);
         }
-        self.scratch.touches[slot].couple.meet(self.particles, self.scene, moment)
+        couple.meet(self.particles, self.scene, moment)
     }
 
     /// True if spheres rotate, and the slot is of a wall that numbers its contacts by distance.

@@ -95,7 +95,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         self.scratch.sliding.clear();
         for k in 0..self.scratch.contacts.len() {
             let Contact { slot, touch, course } = self.scratch.contacts[k];
-            let met = self.encounter(slot as usize, self.moment());
+            let met = self.encounter(slot as usize, &touch.couple, self.moment());
             self.open_springs(&touch, &course, &met);
         }
     }

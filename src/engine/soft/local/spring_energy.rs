@@ -43,7 +43,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
     /// Contact `k`: its bodies, and their encounter now.
     pub(super) fn met(&self, k: usize) -> (TouchingPair, Encounter) {
         let Contact { slot, touch, .. } = self.scratch.contacts[k];
-        (touch, self.encounter(slot as usize, self.moment()))
+        (touch, self.encounter(slot as usize, &touch.couple, self.moment()))
     }
 
     /// [J] energies of the springs of contact `k`: of the tangential one, of the rolling and of the twisting one.

@@ -18,7 +18,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         let begun = ContactState::beginning(began, -rate, &touch, self.scene, &self.engine.law);
         let mut course = ContactState { overlap: -gap, growth: -rate, ..begun };
         if self.rotates() {
-            let met = self.encounter(slot, self.moment());
+            let met = self.encounter(slot, &touch.couple, self.moment());
             course.normal = self.is_by_distance(slot).then(|| met.normal.cast());
             let surfaces = SurfaceMotion::of(&touch.couple, touch.reach, &met, (self.particles, self.scene));
             course.first_slip = Some(surfaces.slip.cast());
