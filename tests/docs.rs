@@ -325,7 +325,7 @@ fn documents_name_commands_and_files_that_exist() {
 /// True if the text in brackets is a unit: "-", or symbols with powers, joined by spaces and slashes, as in `kg m/s` or
 /// `1/s²`.
 fn is_unit(text: &str) -> bool {
-    let known = ["1", "m", "s", "ns", "kg", "N", "J", "W", "Pa", "K", "rad", "px", "byte"];
+    let known = ["1", "m", "s", "ns", "kg", "N", "J", "W", "Pa", "K", "rad", "°", "px", "byte"];
     let without_power = |symbol: &str| {
         let symbol = symbol.split_once('^').map_or(symbol, |(symbol, _)| symbol);
         symbol.trim_matches(['(', ')']).trim_end_matches(['²', '³', '⁴', '⁵', '⁶']).to_owned()

@@ -21,12 +21,14 @@ fn three_balls_stand_where_statics_says_so() {
     let rough = f64::to_radians(15.0).tan();
     let root = (-2.0 * 3f64.sqrt() + (12.0 + 3.0_f64).sqrt()) / 3.0;
     let (standing, fallen) = (1.0 + 3f64.sqrt(), 1.0);
-    for model in [Model::Soft, Model::Hybrid] {
+    let ways = [(Model::Soft, "local"), (Model::Soft, "uniform"), (Model::Hybrid, "auto")];
+    for (model, stepping) in ways {
         for (rotates, limit) in [(true, rough), (false, root)] {
             for (share, expected) in [(1.03, standing), (0.96, fallen)] {
                 let friction = share * limit;
                 let set = |key: &str| format!("{key}.friction={friction}");
-                let sets = [set("contact"), set("walls[0]"), format!("contact.rotation={rotates}")];
+                let stepping = format!("soft.stepping={stepping}");
+                let sets = [set("contact"), set("walls[0]"), format!("contact.rotation={rotates}"), stepping];
                 let found = height(model, &sets);
                 assert!((found - expected).abs() < 0.1, "{model:?}, rotation {rotates}, μ {friction}: {found} mm");
             }
