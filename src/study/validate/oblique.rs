@@ -10,17 +10,17 @@ use crate::runs::StudyError;
 const SPEED: f64 = 3.9;
 
 /// A ball after an impact.
-pub(super) struct Rebound {
+pub(super) struct PlateRebound {
     /// [-] velocity along the plate over that before.
-    pub ratio: f64,
+    pub(super) ratio: f64,
     /// [rad/s] spin, positive if the ball rolls forward.
-    pub spin: f64,
+    pub(super) spin: f64,
     /// [°] angle of the centre's path from the normal.
-    pub angle: f64,
+    pub(super) angle: f64,
 }
 
 /// The ball after an impact at `angle` [°] from the normal, as a soft sphere.
-pub(super) fn rebound(scene: &CheckScene, angle: f64, sets: &[String]) -> Result<Rebound, StudyError> {
+pub(super) fn rebound(scene: &CheckScene, angle: f64, sets: &[String]) -> Result<PlateRebound, StudyError> {
     let (sin, cos) = angle.to_radians().sin_cos();
     let mut sets = sets.to_vec();
     sets.push(format!("particles[0].at[0].velocity[0]={} m/s", SPEED * sin));
@@ -30,7 +30,7 @@ pub(super) fn rebound(scene: &CheckScene, angle: f64, sets: &[String]) -> Result
     // a gap of 10 µm, and a contact of 12 to 20 µs
     run_to(&mut simulation, 1e-5 / (SPEED * cos) + 3e-5, 1)?;
     let v = simulation.particles.velocity[0];
-    Ok(Rebound {
+    Ok(PlateRebound {
         ratio: v.x / (SPEED * sin),
         spin: -simulation.particles.spin_of(0).z,
         angle: v.x.atan2(v.y).to_degrees(),
@@ -153,7 +153,7 @@ const ANGLES: [(f64, f64); 6] = [
 ];
 
 /// Measured quantity: name, unit, points over the angle, and its value of a rebound.
-type MeasuredKind = (&'static str, &'static str, &'static [(f64, f64)], fn(&Rebound) -> f64);
+type MeasuredKind = (&'static str, &'static str, &'static [(f64, f64)], fn(&PlateRebound) -> f64);
 
 fn measured(scene: &CheckScene) -> Result<CheckResult, StudyError> {
     let sets = [
