@@ -12,11 +12,11 @@ const SPEED: f64 = 3.9;
 /// A ball after an impact.
 pub(super) struct PlateRebound {
     /// [-] velocity along the plate over that before.
-    pub ratio: f64,
+    pub(super) ratio: f64,
     /// [rad/s] spin, positive if the ball rolls forward.
-    pub spin: f64,
+    pub(super) spin: f64,
     /// [°] angle of the centre's path from the normal.
-    pub angle: f64,
+    pub(super) angle: f64,
 }
 
 /// The ball after an impact at `angle` [°] from the normal, as a soft sphere.
