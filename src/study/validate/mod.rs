@@ -1,8 +1,8 @@
 //! `diptych validate`: comparisons with closed forms, with published numbers of other codes and theories, and with
 //! experiments.
 //!
-//! A row is a [`check::ValidationCheck`]: a description with the source of the reference, and a function that runs the
-//! scene of a built-in case. Rows are in the files of this folder by topic. The list [`CHECKS`] contains all rows.
+//! A row is a `ValidationCheck`: a description with the source of the reference, and a function that runs the
+//! scene of a built-in case. Rows are in the files of this folder by topic. The list `CHECKS` contains all rows.
 
 mod answers;
 mod bounces;
