@@ -1,7 +1,7 @@
 //! Buoyancy: falls against MFIX and against closed forms, mixtures of densities, the ledger, threads and processes.
 
 use crate::soak::{Crowd, books, crowd, energy_of_impacts, engines};
-use crate::support::{Crew, case, close, diptych, empty, plane, random, small, surface, try_run, words};
+use crate::support::{case, close, diptych, empty, plane, random, shared, small, surface, try_run, words};
 use diptych::contact_law::ContactLaw;
 use diptych::engine::distributed::Distributed;
 use diptych::engine::hard::Hard;
@@ -245,26 +245,6 @@ fn mixture(drag: Option<Drag>, count: usize, fraction: f64) -> (Scene, Particles
     (scene, start)
 }
 
-/// Fingerprint, impulse of gravity and work of gravity of a run that `size` threads share in place of processes.
-fn shared(
-    size: usize,
-    (scene, start): &(Scene, Particles),
-    engine: &(dyn Fn() -> Box<dyn Distributed> + Sync),
-) -> (u64, Vector3<f64>, f64) {
-    let simulation = || Simulation::with_distributed_engine(scene.clone(), start.clone(), engine());
-    let mut crew = Crew::of(size);
-    let lead = crew.remove(0);
-    std::thread::scope(|scope| {
-        for communicator in crew {
-            scope.spawn(|| simulation().shared(communicator, 0).follow(&mut |_, _, _| {}));
-        }
-        let mut simulation = simulation().shared(lead, 0);
-        simulation.run(30, 1e-4).unwrap();
-        let ledger = simulation.record.ledger.clone();
-        (simulation.fingerprint(), ledger.gravity_impulse, ledger.gravity_work)
-    })
-}
-
 #[test]
 fn buoyancy_gives_the_same_bits_on_any_number_of_threads_and_processes() {
     let stokes = Some(Drag::Stokes(Stokes));
@@ -282,13 +262,14 @@ fn buoyancy_gives_the_same_bits_on_any_number_of_threads_and_processes() {
         ("queue", &queue, mixture(None, 800, 0.25)),
     ];
     for (name, engine, of) in ways {
-        let alone = shared(1, &of, engine);
+        let on = |size| shared(size, &of, engine, (3e-3, 30), |end| (end.fingerprint(), end.record.ledger.to_array()));
+        let alone = on(1);
         for size in [2, 3] {
-            assert_eq!(shared(size, &of, engine), alone, "{name} on {size}");
+            assert_eq!(on(size), alone, "{name} on {size}");
         }
         let pool = |threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         for threads in [1, 3] {
-            assert_eq!(pool(threads).install(|| shared(1, &of, engine)), alone, "{name}, {threads} threads");
+            assert_eq!(pool(threads).install(|| on(1)), alone, "{name}, {threads} threads");
         }
     }
 }

@@ -4,7 +4,6 @@
 mod uniform;
 
 use crate::support::*;
-use diptych::communicator::Communicator;
 use diptych::contact_law::ContactLaw;
 use diptych::encounter::Couple;
 use diptych::engine::Counters;
@@ -149,28 +148,6 @@ fn islands() -> Box<dyn Distributed> {
     Box::new(Hard::with_islands())
 }
 
-/// Runs a simulation shared by threads in place of processes.
-fn shared(
-    size: usize,
-    (scene, start): &(Scene, Particles),
-    engine: &(dyn Fn() -> Box<dyn Distributed> + Sync),
-    (duration, windows): (f64, u64),
-) -> (Particles, Counters) {
-    let simulation = |communicator: Arc<dyn Communicator>| {
-        Simulation::with_distributed_engine(scene.clone(), start.clone(), engine()).shared(communicator, 0)
-    };
-    let mut crew = Crew::of(size);
-    let lead = crew.remove(0);
-    std::thread::scope(|scope| {
-        for communicator in crew {
-            scope.spawn(|| simulation(communicator).follow(&mut |_, _, _| {}));
-        }
-        let mut simulation = simulation(lead);
-        simulation.run(windows, duration / windows as f64).unwrap();
-        (simulation.state(), simulation.counters())
-    })
-}
-
 fn same_bits_over_processes(
     name: &str,
     of: &(Scene, Particles),
@@ -181,7 +158,7 @@ fn same_bits_over_processes(
     let (bits, counts) = (alone.state().fingerprint(), counts(&alone.counters()));
     println!("{name}: {:?}", alone.counters());
     for size in [1, 2, 3, 4, 12] {
-        let (particles, counters) = shared(size, of, engine, (duration, windows));
+        let (particles, counters) = shared(size, of, engine, (duration, windows), |end| (end.state(), end.counters()));
         assert_eq!(self::counts(&counters), counts, "{name} on {size}");
         assert_eq!(particles.len(), of.1.len());
         assert_eq!(particles.fingerprint(), bits, "{name} on {size}");

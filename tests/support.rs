@@ -4,6 +4,7 @@ use diptych::case::Case;
 use diptych::communicator::Communicator;
 use diptych::contact_law::ContactLaw;
 use diptych::domain::Domain;
+use diptych::engine::distributed::Distributed;
 use diptych::engine::hard::{Hard, SteppedHard};
 use diptych::engine::soft::Soft;
 use diptych::engine::{Engine, Failure};
@@ -18,6 +19,7 @@ use diptych::simulation::Simulation;
 use diptych::walls::{Plane, Wall, WallGeometry};
 use nalgebra::Vector3;
 use std::path::Path;
+use std::sync::Arc;
 
 /// The paper's small particle: 406 um, 1038 kg/m3.
 pub fn small() -> Species {
@@ -313,7 +315,7 @@ pub fn words(bytes: &[u8]) -> String {
 /// Communicator of one of several threads, which take the place of processes that share a run.
 pub struct Crew {
     rank: usize,
-    room: std::sync::Arc<Room>,
+    room: Arc<Room>,
 }
 
 /// Memory that the threads share.
@@ -325,10 +327,10 @@ struct Room {
 
 impl Crew {
     /// Communicators of `size` threads.
-    pub fn of(size: usize) -> Vec<std::sync::Arc<dyn Communicator>> {
+    pub fn of(size: usize) -> Vec<Arc<dyn Communicator>> {
         let post = std::sync::Mutex::new(vec![Vec::new(); size]);
-        let room = std::sync::Arc::new(Room { barrier: std::sync::Barrier::new(size), post });
-        (0..size).map(|rank| std::sync::Arc::new(Self { rank, room: room.clone() }) as _).collect()
+        let room = Arc::new(Room { barrier: std::sync::Barrier::new(size), post });
+        (0..size).map(|rank| Arc::new(Self { rank, room: room.clone() }) as _).collect()
     }
 }
 
@@ -369,4 +371,27 @@ impl Communicator for Crew {
             *value = all.iter().map(of).fold(f64::NEG_INFINITY, f64::max);
         }
     }
+}
+
+/// Runs a simulation that `size` threads share in place of processes; returns what `see` finds at its end.
+pub fn shared<T>(
+    size: usize,
+    (scene, start): &(Scene, Particles),
+    engine: &(dyn Fn() -> Box<dyn Distributed> + Sync),
+    (duration, windows): (f64, u64),
+    see: impl FnOnce(&mut Simulation) -> T,
+) -> T {
+    let simulation = |communicator: Arc<dyn Communicator>| {
+        Simulation::with_distributed_engine(scene.clone(), start.clone(), engine()).shared(communicator, 0)
+    };
+    let mut crew = Crew::of(size);
+    let lead = crew.remove(0);
+    std::thread::scope(|scope| {
+        for communicator in crew {
+            scope.spawn(|| simulation(communicator).follow(&mut |_, _, _| {}));
+        }
+        let mut simulation = simulation(lead);
+        simulation.run(windows, duration / windows as f64).unwrap();
+        see(&mut simulation)
+    })
 }

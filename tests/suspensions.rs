@@ -1,6 +1,6 @@
 //! Drag in suspensions: laws against numbers computed apart, packed beds, hindered settling, local fractions, bits.
 
-use crate::support::{Crew, case, close, empty, plane, random, small, surface};
+use crate::support::{case, close, empty, plane, random, shared, small, surface};
 use diptych::contact_law::ContactLaw;
 use diptych::drag::{Drag, DragLaw, SchillerNaumann, Sphere, SuspensionDrag, SuspensionLaw};
 use diptych::engine::distributed::Distributed;
@@ -14,14 +14,6 @@ use diptych::predict::flow::{flows, terminal_slip};
 use diptych::scene::Scene;
 use diptych::simulation::Simulation;
 use nalgebra::Vector3;
-
-const LAWS: [SuspensionLaw; 5] = [
-    SuspensionLaw::WenYu,
-    SuspensionLaw::Gidaspow,
-    SuspensionLaw::Beetstra,
-    SuspensionLaw::Tenneti,
-    SuspensionLaw::DiFelice,
-];
 
 /// Points (φ, Re) of the table below: dilute and dense, slow and fast, also beyond Re = 1000.
 const POINTS: [(f64, f64); 5] = [(0.05, 0.1), (0.1, 10.0), (0.3, 100.0), (0.5, 1.0), (0.6, 2000.0)];
@@ -37,7 +29,7 @@ const FORCES: [[f64; 5]; 5] = [
 
 #[test]
 fn forces_have_the_published_values() {
-    for (law, wanted) in LAWS.into_iter().zip(FORCES) {
+    for (law, wanted) in SuspensionLaw::ALL.into_iter().zip(FORCES) {
         for ((phi, re), wanted) in POINTS.into_iter().zip(wanted) {
             // nine printed digits
             close(&format!("{law:?}, {phi}, {re}"), law.force(phi, re), wanted, 6e-9 * wanted);
@@ -63,7 +55,7 @@ fn laws_become_that_of_a_single_sphere() {
             close("Di Felice", SuspensionLaw::DiFelice.force(0.0, re) / alone, 1.04, 0.09);
         }
         // the limit is approached, not jumped to: the term of slowest decay is that with the root of φ or its third root
-        for law in LAWS {
+        for law in SuspensionLaw::ALL {
             let (near, at) = (law.force(1e-9, re), law.force(0.0, re));
             assert!((near / at - 1.0).abs() < 1e-3, "{law:?}, {re}: {near} {at}");
         }
@@ -143,26 +135,6 @@ fn suspension(law: SuspensionLaw, cells: [u32; 3], count: usize, phi: f64) -> (S
     (scene, start)
 }
 
-/// Fingerprint, impulse and work of drag of a run that `size` threads share in place of processes.
-fn shared(
-    size: usize,
-    (scene, start): &(Scene, Particles),
-    engine: &(dyn Fn() -> Box<dyn Distributed> + Sync),
-) -> (u64, Vector3<f64>, f64) {
-    let simulation = || Simulation::with_distributed_engine(scene.clone(), start.clone(), engine());
-    let mut crew = Crew::of(size);
-    let lead = crew.remove(0);
-    std::thread::scope(|scope| {
-        for communicator in crew {
-            scope.spawn(|| simulation().shared(communicator, 0).follow(&mut |_, _, _| {}));
-        }
-        let mut simulation = simulation().shared(lead, 0);
-        simulation.run(20, 1e-4).unwrap();
-        let ledger = simulation.record.ledger.clone();
-        (simulation.fingerprint(), ledger.drag_impulse, ledger.drag_work)
-    })
-}
-
 #[test]
 fn local_fractions_give_the_same_bits_on_any_number_of_threads_and_processes() {
     let of = suspension(SuspensionLaw::Beetstra, [3, 4, 2], 3000, 0.05);
@@ -173,13 +145,14 @@ fn local_fractions_give_the_same_bits_on_any_number_of_threads_and_processes() {
     let islands = || Box::new(Hard::with_islands()) as Box<dyn Distributed>;
     let ways: [&(dyn Fn() -> Box<dyn Distributed> + Sync); 2] = [&local, &islands];
     for engine in ways {
-        let alone = shared(1, &of, engine);
+        let on = |size| shared(size, &of, engine, (2e-3, 20), |end| (end.fingerprint(), end.record.ledger.to_array()));
+        let alone = on(1);
         for size in [2, 3] {
-            assert_eq!(shared(size, &of, engine), alone, "{size} processes");
+            assert_eq!(on(size), alone, "{size} processes");
         }
         for threads in [1, 3] {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            assert_eq!(pool.install(|| shared(1, &of, engine)), alone, "{threads} threads");
+            assert_eq!(pool.install(|| on(1)), alone, "{threads} threads");
         }
     }
 }

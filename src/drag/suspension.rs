@@ -49,6 +49,9 @@ fn single(re: f64) -> f64 {
 }
 
 impl SuspensionLaw {
+    /// All laws.
+    pub const ALL: [Self; 5] = [Self::WenYu, Self::Gidaspow, Self::Beetstra, Self::Tenneti, Self::DiFelice];
+
     /// [-] dimensionless drag force F at a volume fraction `phi` of particles and a Reynolds number `re` = ε w d/ν.
     pub fn force(self, phi: f64, re: f64) -> f64 {
         let e = 1.0 - phi;
@@ -155,18 +158,10 @@ impl DragLaw for SuspensionDrag {
 mod tests {
     use super::*;
 
-    const LAWS: [SuspensionLaw; 5] = [
-        SuspensionLaw::WenYu,
-        SuspensionLaw::Gidaspow,
-        SuspensionLaw::Beetstra,
-        SuspensionLaw::Tenneti,
-        SuspensionLaw::DiFelice,
-    ];
-
     /// The short integration of kicks agrees with the adaptive one, which is accurate to 1e-12.
     #[test]
     fn short_kicks_agree_with_adaptive_ones() {
-        for law in LAWS {
+        for law in SuspensionLaw::ALL {
             let drag = SuspensionDrag { law, cells: [1; 3] };
             for fraction in [0.0, 0.01, 0.3, 0.6] {
                 let sphere = Sphere { stokes_time: 0.5, reynolds_per_speed: 27.0, fraction };

@@ -117,6 +117,12 @@ impl ContactBlock {
         self.slots.start > slot as usize
     }
 
+    /// True if `slot` is one of the block's slots.
+    #[cfg(test)]
+    pub fn holds(&self, slot: u32) -> bool {
+        self.slots.contains(&(slot as usize))
+    }
+
     /// Takes over a contact of one of the block's slots. The contact may name its bodies in the other order than the
     /// list.
     pub fn put(&mut self, contact: &Contact, list: &NeighbourList) {

@@ -389,3 +389,28 @@ impl Contacts {
         (self.rates, self.losses) = (Rates::default(), FrictionLosses::default());
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::encounter::AtWall;
+    use crate::neighbours::NearWall;
+
+    /// Contacts of one particle with one wall are in one block, and a slot is found in the block that holds it. Seven
+    /// contacts of a particle do not divide the size of a block.
+    #[test]
+    fn no_border_parts_the_contacts_of_a_particle_with_a_wall() {
+        let near = |k: u32| NearWall { particle: k / 7, at: AtWall { wall: 0, which: k % 7 } };
+        let slots = 3 * CHUNK as u32 + 3;
+        let mut list = NeighbourList::default();
+        list.walls.extend((0..slots).map(near));
+        let (size, mut all) = (block_size(&list), blocks(&list));
+        assert_eq!(all.len(), 4);
+        for slot in 0..slots {
+            let one = std::ptr::from_ref(block_of(&mut all, slot, size));
+            let first = std::ptr::from_ref(block_of(&mut all, slot - slot % 7, size));
+            assert!(std::ptr::eq(one, first), "{slot}");
+            assert!(block_of(&mut all, slot, size).holds(slot), "{slot}");
+        }
+    }
+}

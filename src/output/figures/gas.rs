@@ -10,7 +10,7 @@ use crate::output::panel::{Panel, PanelSeries, SeriesPoint, SeriesStyle};
 
 /// Points (y⁺, U⁺) of a direct numerical simulation of channel flow at Re_τ = 1000.512, u_τ = 0.0500256 U_b: Lee and
 /// Moser 2015, J. Fluid Mech. 774, 395-415.
-const DNS: [(f64, f64); 9] = [
+pub const CHANNEL_DNS: [(f64, f64); 9] = [
     (5.0, 4.829),
     (10.0, 8.434),
     (30.0, 13.453),
@@ -100,7 +100,7 @@ fn wall_units(profile: &Profile, flow: &ChannelFlow) -> Panel {
         let nodes = flow.nodes.iter().map(|node| (node.y / wall_unit, node.u / flow.friction_velocity));
         all.push(series("its nodes", SeriesStyle::Points(0), nodes.collect()));
     }
-    all.push(series("DNS, Lee and Moser 2015", SeriesStyle::Points(1), DNS.to_vec()));
+    all.push(series("DNS, Lee and Moser 2015", SeriesStyle::Points(1), CHANNEL_DNS.to_vec()));
     let top = all.iter().flat_map(|series| &series.points).fold(0.0, |top: f64, point| top.max(point.y));
     Panel {
         x_label: "y⁺ = y u_τ/ν  [–]".into(),

@@ -4,6 +4,7 @@ use super::check::{CheckResult, CheckScene, ValidationCheck, averaged, exact, st
 use crate::experiment::Model;
 use crate::fluid::{Profile, TurbulenceModel};
 use crate::output::ValidationTier::{Experiments, OtherCodes};
+use crate::output::figures::CHANNEL_DNS;
 use crate::output::panel::{Panel, PanelSeries, SeriesPoint, SeriesStyle};
 use crate::runs::StudyError;
 use crate::statistics::Estimate;
@@ -51,18 +52,6 @@ pub const CHANNEL_GAS: ValidationCheck = ValidationCheck {
     measure: channel_gas,
 };
 
-/// Distance from the wall and mean velocity, both in wall units.
-const DNS: [(f64, f64); 8] = [
-    (5.0, 4.829),
-    (10.0, 8.434),
-    (30.0, 13.453),
-    (100.0, 16.454),
-    (200.0, 18.199),
-    (300.0, 19.319),
-    (500.0, 20.857),
-    (998.0, 22.593),
-];
-
 fn channel_gas(_: &CheckScene) -> Result<CheckResult, StudyError> {
     // the channel of the paper: U_b, 2h, ν
     let (bulk, height, viscosity) = (15.9075, 0.04, 1.515e-5);
@@ -73,7 +62,7 @@ fn channel_gas(_: &CheckScene) -> Result<CheckResult, StudyError> {
     let at = |plus: f64| profile.velocity(plus * viscosity / friction) / friction;
     // 5 %: what models of this kind are expected to keep
     let numbers: Vec<_> =
-        DNS.iter().map(|(plus, u)| exact(format!("U+ at y+ = {plus}"), "", *u, at(*plus), 0.05 * u)).collect();
+        CHANNEL_DNS.iter().map(|(plus, u)| exact(format!("U+ at y+ = {plus}"), "", *u, at(*plus), 0.05 * u)).collect();
     let line = (0..=100).map(|k| 2.0 * 500f64.powf(f64::from(k) / 100.0)).map(|plus| SeriesPoint::at(plus, at(plus)));
     let panel = Panel {
         x_label: "y+  [-]".into(),
@@ -81,7 +70,11 @@ fn channel_gas(_: &CheckScene) -> Result<CheckResult, StudyError> {
         log_x: true,
         series: vec![
             PanelSeries::new("Launder-Sharma", SeriesStyle::Line(0), line),
-            PanelSeries::new("direct simulation", SeriesStyle::Winner, DNS.map(|(plus, u)| SeriesPoint::at(plus, u))),
+            PanelSeries::new(
+                "direct simulation",
+                SeriesStyle::Winner,
+                CHANNEL_DNS.map(|(plus, u)| SeriesPoint::at(plus, u)),
+            ),
         ],
         ..Panel::default()
     };
