@@ -66,6 +66,27 @@ fn ball_dropped_on_a_soft_floor() {
 }
 
 #[test]
+fn energy_of_a_ball_in_a_deep_contact_is_booked_at_the_order_of_local_steps() {
+    // Half of a contact has passed. Gravity works on the momentum that the floor gives, which grows within each step. With
+    // friction the step is that of all contacts of an island, without friction that of a contact alone.
+    for friction in [0.0, 0.3] {
+        for steps in [50.0, 100.0, 1000.0] {
+            let (mut scene, ball) = dropped(mfix_ball(), 1.0, 0.5);
+            scene.walls[0].surface.friction = friction;
+            let time = LinearSpring { stiffness: 5e4 }.contact_time(ball.mass[0], 1.0);
+            let done = run(&scene, ball, local(5e4, time / steps, Integrator::VelocityVerlet), 0.31, 1);
+            assert!(done.elastic_energy() > 0.3 * done.energy(), "the contact is deep");
+            let residual = done.record.ledger.residual(0.0, done.energy()) / done.energy();
+            // a step of the classical Runge-Kutta method takes x^6/72 of the energy of an oscillator, with phase x; up to
+            // 0.6 of a contact has passed, and rounding is 1e-15 for each of its four stages
+            let x = std::f64::consts::PI / steps;
+            let bound = 0.6 * steps * (x.powi(6) / 72.0 + 4e-15);
+            assert!(residual.abs() < bound, "{friction} {steps} {residual:e} {bound:e}");
+        }
+    }
+}
+
+#[test]
 fn paper_sized_ball_dropped_on_a_floor() {
     // oracle C1: S from 20 mm, k = 3000 N/m; some 400 steps in the contact
     let fall = 0.06386599136;

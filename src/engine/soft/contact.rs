@@ -290,6 +290,8 @@ pub struct Rates {
     pub wall_friction: f64,
     pub wall_work: f64,
     pub wall_force: Vector3<f64>,
+    /// [N] first moment of `wall_force` about the middle of the step, over the step's length squared.
+    pub wall_force_moment: Vector3<f64>,
     pub wall_normal_force: f64,
     pub pair_virial: Matrix3<f64>,
 }
@@ -408,6 +410,7 @@ impl std::ops::AddAssign for Rates {
         self.wall_friction += other.wall_friction;
         self.wall_work += other.wall_work;
         self.wall_force += other.wall_force;
+        self.wall_force_moment += other.wall_force_moment;
         self.wall_normal_force += other.wall_normal_force;
         self.pair_virial += other.pair_virial;
     }
@@ -420,8 +423,10 @@ pub struct AlongNormal {
     pub restitution_power: f64,
     /// [N] force along the normal.
     pub force: f64,
+    /// [N] first moment of the force about the middle of the step, over the step's length squared.
+    pub force_moment: f64,
     /// [N m] normal force times distance of the centres, for the virial of pairs.
-    pub moment: f64,
+    pub virial: f64,
 }
 
 impl Rates {
@@ -430,21 +435,23 @@ impl Rates {
         if couple.is_wall() {
             let (power, force) = (sums.restitution_power, sums.force);
             let wall_force = normal * force;
-            Self { wall_restitution: power, wall_force, wall_normal_force: force, ..Self::default() }
+            let wall_force_moment = normal * sums.force_moment;
+            Self { wall_restitution: power, wall_force, wall_force_moment, wall_normal_force: force, ..Self::default() }
         } else {
-            let pair_virial = normal * normal.transpose() * sums.moment;
+            let pair_virial = normal * normal.transpose() * sums.virial;
             Self { pair_restitution: sums.restitution_power, pair_virial, ..Self::default() }
         }
     }
 
-    /// Adds the rates of a contact with a weight [-].
+    /// Adds the rates of a contact with the weights [-] of a stage in means over the step and in first moments.
     #[inline]
-    pub fn count(&mut self, couple: &Couple, force: &ContactForce, weight: f64) {
+    pub fn count(&mut self, couple: &Couple, force: &ContactForce, [weight, moment]: [f64; 2]) {
         if couple.is_wall() {
             self.wall_restitution += weight * force.restitution_power;
             self.wall_friction += weight * force.friction_power;
             self.wall_work += weight * force.wall_power;
             self.wall_force += force.on_i * weight;
+            self.wall_force_moment += force.on_i * moment;
             self.wall_normal_force += weight * force.normal;
         } else {
             self.pair_restitution += weight * force.restitution_power;
@@ -453,7 +460,8 @@ impl Rates {
         }
     }
 
-    /// Books these powers and forces for `time` [s], `remaining` [s] before the end of the window.
+    /// Books these powers and forces for a step of `time` [s], whose middle is `remaining` [s] before the end of the
+    /// window.
     #[inline]
     pub fn add(&self, time: f64, remaining: f64, scene: &Scene, log: &mut Log) {
         let ledger = &mut log.ledger;
@@ -466,7 +474,8 @@ impl Rates {
         let impulse = self.wall_force * time;
         ledger.wall_impulse += impulse;
         ledger.wall_normal_impulse += self.wall_normal_force * time;
-        // for the rest of the window gravity does work on the momentum that walls add
-        ledger.gravity_work += scene.gravity.dot(&impulse) * remaining;
+        // For the rest of the window gravity does work on the momentum that walls add. Momentum that is added late in
+        // the step has less time.
+        ledger.gravity_work += scene.gravity.dot(&(impulse * remaining - self.wall_force_moment * (time * time)));
     }
 }

@@ -155,6 +155,7 @@ impl ContactSums {
             wall_friction: w[7],
             wall_work: w[4],
             wall_force: Vector3::new(w[0], w[1], w[2]),
+            wall_force_moment: Vector3::zeros(),
             wall_normal_force: w[5],
             pair_virial: Matrix3::from_columns(
                 &[[p[0], p[1], p[2]], [p[4], p[5], p[6]], [p[8], p[9], p[10]]].map(Vector3::from),

@@ -70,7 +70,8 @@ impl IsolatedContact<'_> {
             acceleration = force / self.touch.spring.effective_mass + turn * turn / now.distance + self.gravity;
             sums.restitution_power -= stage.weight * (viscous * now.rate);
             sums.force += stage.weight * force;
-            sums.moment += stage.weight * (force * now.distance);
+            sums.force_moment += stage.moment * force;
+            sums.virial += stage.weight * (force * now.distance);
             moved += now.rate * stage.weight;
             kicked += acceleration * stage.weight;
             turned += self.spin / (now.distance * now.distance) * stage.weight;

@@ -12,19 +12,24 @@ pub struct RungeKuttaStage {
     pub at: f64,
     /// [-] weight of the stage in the mean over the step.
     pub weight: f64,
+    /// [-] weight of the stage in the first moment of a force about the middle of the step, over the step's length squared. A
+    /// force that grows linearly from F₀ to F₁ has the moment (F₁ - F₀)/12.
+    pub moment: f64,
 }
 
 /// Classical Runge-Kutta method of fourth order.
 pub const FOURTH_ORDER: [RungeKuttaStage; 4] = [
-    RungeKuttaStage { at: 0.0, weight: 1.0 / 6.0 },
-    RungeKuttaStage { at: 0.5, weight: 1.0 / 3.0 },
-    RungeKuttaStage { at: 0.5, weight: 1.0 / 3.0 },
-    RungeKuttaStage { at: 1.0, weight: 1.0 / 6.0 },
+    RungeKuttaStage { at: 0.0, weight: 1.0 / 6.0, moment: -1.0 / 12.0 },
+    RungeKuttaStage { at: 0.5, weight: 1.0 / 3.0, moment: 0.0 },
+    RungeKuttaStage { at: 0.5, weight: 1.0 / 3.0, moment: 0.0 },
+    RungeKuttaStage { at: 1.0, weight: 1.0 / 6.0, moment: 1.0 / 12.0 },
 ];
 
 /// Heun's method of second order.
-pub const HEUN: [RungeKuttaStage; 2] =
-    [RungeKuttaStage { at: 0.0, weight: 0.5 }, RungeKuttaStage { at: 1.0, weight: 0.5 }];
+pub const HEUN: [RungeKuttaStage; 2] = [
+    RungeKuttaStage { at: 0.0, weight: 0.5, moment: -1.0 / 12.0 },
+    RungeKuttaStage { at: 1.0, weight: 0.5, moment: 1.0 / 12.0 },
+];
 
 impl<I: InstantaneousRule> IslandRun<'_, I> {
     /// Moves all particles by `dt` [s] with the present contacts; returns the mean powers and wall forces.
@@ -54,7 +59,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
                     self.turn_to_stage(stage.at * dt);
                 }
             }
-            self.accelerations(start + stage.at * dt, dt, stage.weight, &mut rates);
+            self.accelerations(start + stage.at * dt, dt, stage, &mut rates);
             let scratch = &mut *self.scratch;
             for k in 0..count {
                 scratch.moved[k] += self.particles.velocity[k] * stage.weight;
@@ -75,7 +80,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         rates
     }
 
-    fn accelerations(&mut self, time: f64, dt: f64, weight: f64, rates: &mut Rates) {
+    fn accelerations(&mut self, time: f64, dt: f64, stage: &RungeKuttaStage, rates: &mut Rates) {
         self.scratch.acceleration.fill(Vector3::zeros());
         self.scratch.turning.fill(Vector3::zeros());
         self.island.force_evaluations += self.scratch.contacts.len() as u64;
@@ -84,11 +89,11 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
             let moment = FrameTime::in_free_fall(time);
             let met = self.encounter(slot as usize, &touch.couple, moment);
             let force = if self.rotates() {
-                self.force_at_stage(k, &touch, &met, (moment, dt, weight))
+                self.force_at_stage(k, &touch, &met, (moment, dt, stage.weight))
             } else {
                 touch.force(&self.engine.law, &met, (self.particles, self.scene), moment, [dt, 0.0])
             };
-            rates.count(&touch.couple, &force, weight);
+            rates.count(&touch.couple, &force, [stage.weight, stage.moment]);
             let i = touch.couple.i as usize;
             self.scratch.acceleration[i] += force.on_i / self.particles.mass[i];
             if let Some(j) = touch.couple.j() {
