@@ -54,16 +54,7 @@ fn cloud(count: usize) -> Particles {
 
 /// The paper's 406 um and 1.5 mm.
 fn spheres(gas: &Fluid) -> [Sphere; 2] {
-    [(406e-6, 1038.0), (1.5e-3, 1032.0)].map(|(diameter, density)| {
-        gas.sphere(&Species {
-            name: String::new(),
-            diameter,
-            density,
-            elasticity: None,
-            sizes: None,
-            inertia_factor: 0.4,
-        })
-    })
+    [(406e-6, 1038.0), (1.5e-3, 1032.0)].map(|(diameter, density)| gas.sphere(&Species::new("", diameter, density)))
 }
 
 /// Time until another core has seen a word and has answered, a thousand times. Two cores that share a cache answer
@@ -141,14 +132,7 @@ const JITTER: f64 = 0.999;
 
 /// A periodic cube with case D's volume fraction of 1e-2, or any other, and no gas.
 fn cube(count: usize, volume_fraction: f64) -> Scene {
-    let species = Species {
-        name: String::new(),
-        diameter: DIAMETER,
-        density: DENSITY,
-        elasticity: None,
-        sizes: None,
-        inertia_factor: 0.4,
-    };
+    let species = Species::new("", DIAMETER, DENSITY);
     let side = (count as f64 * species.volume() / volume_fraction).cbrt();
     Scene {
         domain: Domain::new(Vector3::repeat(side), [true; 3]),

@@ -13,14 +13,7 @@ fn scene() -> Scene {
         contact: Surface { restitution: 0.9, friction: 0.0 },
         pairs: Default::default(),
         rotation: None,
-        species: vec![Species {
-            name: "glass".into(),
-            diameter: 2e-4,
-            density: 2500.0,
-            elasticity: None,
-            sizes: None,
-            inertia_factor: 0.4,
-        }],
+        species: vec![Species::new("glass", 2e-4, 2500.0)],
     }
 }
 

@@ -25,14 +25,7 @@ impl DragLaw for CliftGauvin {
 
 /// One sphere from rest in a uniform wind.
 pub fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let sphere = Species {
-        name: "polystyrene".into(),
-        diameter: 1.5e-3,
-        density: 1032.0,
-        elasticity: None,
-        sizes: None,
-        inertia_factor: 0.4,
-    };
+    let sphere = Species::new("polystyrene", 1.5e-3, 1032.0);
     let (profile, drag) = (Profile::Uniform(15.0), Some(Drag::Other(Arc::new(CliftGauvin))));
     let air = Fluid { density: 1.205, kinematic_viscosity: 1.515e-5, profile, drag, buoyancy: None };
     let domain = Domain::new(Vector3::repeat(0.1), [true; 3]);

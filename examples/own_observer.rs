@@ -20,14 +20,7 @@ impl Observer for Cooling {
 
 /// 125 glass spheres that lose a fifth of their normal speed at every collision.
 pub fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let glass = Species {
-        name: "glass".into(),
-        diameter: 2e-4,
-        density: 2500.0,
-        elasticity: None,
-        sizes: None,
-        inertia_factor: 0.4,
-    };
+    let glass = Species::new("glass", 2e-4, 2500.0);
     let mut particles = Particles::default();
     for k in 0..125 {
         let place = Vector3::new((k % 5) as f64, (k / 5 % 5) as f64, (k / 25) as f64) * 4e-4;

@@ -50,13 +50,45 @@ pub enum Spheres {
     Hybrid(ContactLaw),
 }
 
+/// Reference of the comparison of a variant.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum Reference {
+    /// Another variant, by its name.
+    Variant(String),
+    /// A table of values, such as measurements.
+    Table(ReferenceTable),
+}
+
+/// Table of values with which averages of a variant are compared.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ReferenceTable {
+    /// Name of the table in sentences.
+    pub name: String,
+    /// Values, in the order of the table.
+    pub points: Vec<ReferencePoint>,
+}
+
+/// One value of a table.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ReferencePoint {
+    /// Name of the quantity: a column of `profiles.csv`, or an average over the whole scene.
+    pub quantity: String,
+    /// [m] distance y from the lower side of the domain; `None` for an average over the whole scene.
+    pub y: Option<f64>,
+    /// Value in the SI unit of the quantity.
+    pub value: f64,
+    /// Standard error in the SI unit of the quantity; `None` if the table states none.
+    pub standard_error: Option<f64>,
+}
+
 /// All data on which a simulation depends, in SI units.
 #[derive(Clone, Debug, Serialize)]
 pub struct Experiment {
     /// Name of the variant.
     pub name: String,
-    /// Name of the variant with which this one is compared, if the case names one.
-    pub against: Option<String>,
+    /// Reference with which this variant is compared, if the case names one.
+    pub against: Option<Reference>,
     /// The scene, which every engine reads.
     pub scene: Scene,
     /// Initial state of the particles.

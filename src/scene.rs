@@ -165,6 +165,11 @@ fn is_solid(factor: &f64) -> bool {
 }
 
 impl Species {
+    /// A species of solid spheres of one size: diameter [m] and density [kg/m³].
+    pub fn new(name: impl Into<String>, diameter: f64, density: f64) -> Self {
+        Self { name: name.into(), diameter, density, elasticity: None, sizes: None, inertia_factor: SOLID_SPHERE }
+    }
+
     /// [m³] volume of one sphere, π d³/6; the mean volume where sizes differ.
     pub fn volume(&self) -> f64 {
         std::f64::consts::PI / 6.0 * self.diameter.powi(3)
@@ -206,7 +211,7 @@ impl Species {
 ///     contact: surface,
 ///     pairs: Default::default(),
 ///     rotation: None,
-///     species: vec![Species { name: "glass".into(), diameter: 1e-3, density: 2500.0, elasticity: None, sizes: None, inertia_factor: 0.4 }],
+///     species: vec![Species::new("glass", 1e-3, 2500.0)],
 /// };
 /// assert!((scene.species[0].mass() - 1.309e-6).abs() < 1e-9); // kg
 /// ```

@@ -53,7 +53,7 @@ const TABULATE: usize = 1000;
 /// #     contact: Surface { restitution: 0.5, friction: 0.0 },
 /// #     pairs: Default::default(),
 /// #     rotation: None,
-/// #     species: vec![Species { name: "sphere".into(), diameter: 1.0, density: 1.0, elasticity: None, sizes: None, inertia_factor: 0.4 }],
+/// #     species: vec![Species::new("sphere", 1.0, 1.0)],
 /// # };
 /// // two spheres of 1 m and 1 kg, 2 m apart, approach at 1 m/s; the scene's restitution is 0.5
 /// let mut particles = Particles::default();

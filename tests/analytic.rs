@@ -375,24 +375,7 @@ fn no_slip_no_friction() {
 #[test]
 fn oblique_impact_of_two_sizes_without_rotation() {
     // oracle B6, "rotation off": 0.2 mm of 1038 kg/m3 against 0.75 mm (radii) of 1032 kg/m3
-    let sizes = [
-        Species {
-            name: "1".into(),
-            diameter: 0.4e-3,
-            density: 1038.0,
-            elasticity: None,
-            sizes: None,
-            inertia_factor: 0.4,
-        },
-        Species {
-            name: "2".into(),
-            diameter: 1.5e-3,
-            density: 1032.0,
-            elasticity: None,
-            sizes: None,
-            inertia_factor: 0.4,
-        },
-    ];
+    let sizes = [Species::new("1", 0.4e-3, 1038.0), Species::new("2", 1.5e-3, 1032.0)];
     let mut scene = empty([0.01, 0.01, 0.01], [false; 3], sizes[0].clone(), surface(0.94, 0.325));
     scene.species = sizes.to_vec();
     let n = Vector3::new(2.0, -1.0, 2.0) / 3.0;

@@ -198,3 +198,16 @@ fn independent_runs_are_tested_as_the_textbooks_say() {
     // three tests were made
     same_chance(found.chance, 1.593_555_025_540_848_4e-4);
 }
+
+/// Two stated values are independent: the variance of their sum is the sum of their variances.
+#[test]
+fn stated_values_have_their_errors_and_are_independent() {
+    for (one, other) in [(0, 1), (1, 2), (5, 1022)] {
+        let (a, b) = (Batches::of_stated(3.0, 0.3, one), Batches::of_stated(-1.0, 0.4, other));
+        let estimate = a.estimate().unwrap();
+        // the scatter of 1024 made-up runs gives the error itself, but for rounding
+        assert!((estimate.value - 3.0).abs() < 1e-12 && (estimate.error.unwrap() - 0.3).abs() < 1e-9, "{estimate:?}");
+        let sum = Batches::join([&a, &b]).unwrap().project(&[vec![1.0, 1.0]]).estimate().unwrap();
+        assert!((sum.value - 2.0).abs() < 1e-12 && (sum.error.unwrap() - 0.5).abs() < 1e-9, "{sum:?}");
+    }
+}

@@ -19,7 +19,7 @@ fn dropped(species: Species, restitution: f64, height: f64) -> (Scene, Particles
 }
 
 fn mfix_ball() -> Species {
-    Species { name: "ball".into(), diameter: 0.2, density: 2600.0, elasticity: None, sizes: None, inertia_factor: 0.4 }
+    Species::new("ball", 0.2, 2600.0)
 }
 
 /// Height of the apex of the present flight [m].
@@ -172,14 +172,7 @@ fn a_hard_ball_that_comes_to_rest_is_reported() {
 fn two_stacked_particles_squeezed_between_walls() {
     // oracle C3: all contacts exist at the start; (y1, v1, y2, v2)
     let build = |e: f64| {
-        let species = [20000.0, 10000.0].map(|density| Species {
-            name: "C3".into(),
-            diameter: 1e-3,
-            density,
-            elasticity: None,
-            sizes: None,
-            inertia_factor: 0.4,
-        });
+        let species = [20000.0, 10000.0].map(|density| Species::new("C3", 1e-3, density));
         let mut scene = empty([0.01, 0.0018, 0.01], [false; 3], species[0].clone(), surface(e, 0.0));
         scene.species = species.to_vec();
         scene.gravity = Vector3::new(0.0, -9.80665, 0.0);

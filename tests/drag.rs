@@ -13,14 +13,7 @@ fn sphere(diameter: f64, density: f64) -> Sphere {
     let drag = Some(Drag::SchillerNaumann(SchillerNaumann));
     let fluid =
         Fluid { density: 1.205, kinematic_viscosity: 1.515e-5, profile: Profile::Uniform(0.0), drag, buoyancy: None };
-    fluid.sphere(&Species {
-        name: String::new(),
-        diameter,
-        density,
-        elasticity: None,
-        sizes: None,
-        inertia_factor: 0.4,
-    })
+    fluid.sphere(&Species::new("", diameter, density))
 }
 
 fn small() -> Sphere {

@@ -2,7 +2,7 @@
 
 use crate::made_up::outcome;
 use crate::support::{empty, experiment, small, surface};
-use diptych::experiment::{AverageFrom, Model};
+use diptych::experiment::{AverageFrom, Model, Reference};
 use diptych::outcome::Outcome;
 use diptych::output::{figures, references};
 use diptych::placement::initial_state;
@@ -10,7 +10,7 @@ use diptych::study::execute;
 
 fn named(name: &str, model: Model, against: Option<&str>) -> Outcome {
     let mut outcome = outcome(name, model, 3);
-    outcome.experiment.against = against.map(String::from);
+    outcome.experiment.against = against.map(|name| Reference::Variant(name.into()));
     outcome
 }
 

@@ -18,7 +18,7 @@ const EDGE: f64 = 0.04;
 const STIFFNESS: f64 = 2e4;
 
 fn ball(diameter: f64) -> Species {
-    Species { name: "ball".into(), diameter, density: 2500.0, elasticity: None, sizes: None, inertia_factor: 0.4 }
+    Species::new("ball", diameter, 2500.0)
 }
 
 /// A scene with one wall, or a body of several walls, at its middle.

@@ -197,14 +197,15 @@ fn a_bed_without_restitution_comes_to_rest() {
 
 /// Hybrid spheres under their weight come to rest as soft spheres do.
 fn comes_to_rest(restitution: f64) -> Simulation {
+    const COUNT: usize = 150;
     let d = small().diameter;
-    let side = 8.0 * d;
+    let side = 6.0 * d;
     let surface = surface(restitution, 0.3);
     let mut scene = empty([side, 30.0 * d, side], [true, false, true], small(), surface);
     scene.gravity = Vector3::new(0.0, -50.0, 0.0);
     scene.walls =
         vec![plane([0.0; 3], [0.0, 1.0, 0.0], surface), plane([0.0, 30.0 * d, 0.0], [0.0, -1.0, 0.0], surface)];
-    let particles = random(&scene, 260, 0.1, 3);
+    let particles = random(&scene, COUNT, 0.1, 3);
     let (_, alone) = try_run(&scene, particles.clone(), hard(), 0.08, 40);
     assert!(matches!(alone, Err(Failure::InelasticCollapse { .. })), "{alone:?}");
     let k = 100.0;
@@ -213,9 +214,9 @@ fn comes_to_rest(restitution: f64) -> Simulation {
     let speed =
         |done: &Simulation| (2.0 * done.particles.kinetic_energy() / done.particles.mass.iter().sum::<f64>()).sqrt();
     assert!(speed(&done) < 5e-3 && speed(&soft) < 5e-3, "{} {} m/s", speed(&done), speed(&soft));
-    let height = |done: &Simulation| done.particles.position.iter().map(|x| x.y).sum::<f64>() / 260.0;
+    let height = |done: &Simulation| done.particles.position.iter().map(|x| x.y).sum::<f64>() / COUNT as f64;
     // both beds are random: the height of the centre of so few spheres is equal within a few hundredths
-    close("height of the bed", height(&done) / height(&soft), 1.0, 0.04);
+    close("height of the bed", height(&done) / height(&soft), 1.0, 0.05);
     done
 }
 
@@ -362,42 +363,42 @@ fn intruder(model: Model) -> Simulation {
 /// model. At six other positions the depths differed by 0.003 ± 0.006 mm, and by 0.014 mm between two runs.
 #[test]
 fn an_intruder_sinks_as_deep_as_among_soft_spheres() {
-    let sink = |model: Model| {
+    let sink = |model: Model, windows: &[u64]| {
         let mut simulation = intruder(model);
         let (momentum, energy) = (simulation.particles.momentum(), simulation.energy());
-        // at 2, 17 and 18 ms
-        let heights = [40, 300, 20].map(|windows| {
-            simulation.run(windows, 5e-5).unwrap();
-            let ball = simulation.particles.species.iter().position(|&species| species == 1).unwrap();
-            simulation.particles.position[ball].y
-        });
+        let heights: Vec<f64> = windows
+            .iter()
+            .map(|&windows| {
+                simulation.run(windows, 5e-5).unwrap();
+                let ball = simulation.particles.species.iter().position(|&species| species == 1).unwrap();
+                simulation.particles.position[ball].y
+            })
+            .collect();
         assert!(momentum_residual(&simulation, momentum) < 1e-12);
         // the work of sliding friction is computed as if no other force acted on the two, as for a dashpot
         // (docs/theory/model.md)
         assert!(energy_residual(&simulation, energy).abs() < 0.05, "{}", energy_residual(&simulation, energy));
         heights
     };
-    let (soft, hybrid) = (sink(Model::Soft), sink(Model::Hybrid));
+    // at 2, 17 and 18 ms; soft spheres, which take most of the time, at 2 ms only
+    let (soft, heights) = (sink(Model::Soft, &[40]), sink(Model::Hybrid, &[40, 300, 20]));
     // at 2 ms, before small differences have grown
-    assert!((soft[0] - hybrid[0]).abs() < 1e-7, "{} {}", soft[0], hybrid[0]);
-    for heights in [&soft, &hybrid] {
-        // 3.2 mm deep, and stopped: in the last millisecond it moves less than a fiftieth of its motion in each of the
-        // first two
-        assert!((heights[2] - 13.25e-3).abs() < 1e-4, "{}", heights[2]);
-        assert!(heights[1] - heights[2] < 0.02 * 0.5 * (16.45e-3 - heights[0]), "{heights:?}");
-    }
-    assert!((soft[2] - hybrid[2]).abs() < 6.0 * 1.4e-5, "{} {}", soft[2], hybrid[2]);
+    assert!((soft[0] - heights[0]).abs() < 1e-7, "{} {}", soft[0], heights[0]);
+    // 3.2 mm deep, as among soft spheres, and stopped: in the last millisecond it moves less than a fiftieth of its motion
+    // in each of the first two
+    assert!((heights[2] - 13.25e-3).abs() < 1e-4, "{}", heights[2]);
+    assert!(heights[1] - heights[2] < 0.02 * 0.5 * (16.45e-3 - heights[0]), "{heights:?}");
 }
 
 /// The work of sliding friction is computed as if no other force acted on the two, which has an error of first order in
 /// the time step. With three times as many steps a third remains unexplained, plus chance. Measured: 3.8 % and 1.7 % of
-/// the energy after 5 ms.
+/// the energy after 5 ms; the test ends after 2 ms.
 #[test]
 fn the_unexplained_energy_of_an_intruder_falls_with_the_time_step() {
     let residual = |steps: f64| {
         let mut simulation = intruder_with(Model::Soft, &[format!("soft.steps_per_contact={steps}")]);
         let energy = simulation.energy();
-        simulation.run(100, 5e-5).unwrap();
+        simulation.run(40, 5e-5).unwrap();
         energy_residual(&simulation, energy).abs()
     };
     let (coarse, fine) = (residual(20.0), residual(60.0));

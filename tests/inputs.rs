@@ -6,7 +6,7 @@
 
 use diptych::case::{Case, Diagnostic, parameters};
 use diptych::contact_law::ContactLaw;
-use diptych::experiment::{Amount, Experiment, Model, TimeStep};
+use diptych::experiment::{Amount, Experiment, Model, Reference, TimeStep};
 use nalgebra::Vector3;
 use proptest::prelude::*;
 use std::path::{Path, PathBuf};
@@ -266,7 +266,7 @@ fn variants_of_a_comparison() {
         let found = case(&text, &[]).variants(None);
         found.map(|all| all.into_iter().map(|(one, _)| one.against).collect::<Vec<_>>()).map_err(|e| e.to_string())
     };
-    assert_eq!(against("", "against = \"a\"").unwrap(), [None, Some("a".to_owned())]);
+    assert_eq!(against("", "against = \"a\"").unwrap(), [None, Some(Reference::Variant("a".into()))]);
     let error = against("", "against = \"c\"").unwrap_err();
     assert!(error.contains("no variant is called \"c\"") && error.contains("\"a\", \"b\""), "{error}");
     let error = against("against = \"b\"", "against = \"a\"").unwrap_err();

@@ -1,5 +1,8 @@
 //! The command `judge`: series of any program, output of LAMMPS, tables with standard errors, messages about bad files.
 
+mod against_table;
+mod formats;
+
 use crate::support::{diptych, words};
 use diptych::cli::{JudgeArguments, Output};
 use diptych::statistics::Answer;
@@ -41,7 +44,7 @@ fn series(folder: &Path, name: &str, count: usize, means: &[f64], seed: u64) -> 
     put(folder, name, &(text + "\n"))
 }
 
-fn put(folder: &Path, name: &str, text: &str) -> String {
+pub fn put(folder: &Path, name: &str, text: &str) -> String {
     let path = folder.join(name);
     std::fs::write(&path, text).unwrap();
     path.display().to_string()
@@ -52,7 +55,7 @@ fn input(name: &str) -> String {
 }
 
 /// Runs `diptych judge` with further arguments; returns exit code, output, and the folder of results.
-fn judged(place: &Path, arguments: &[&str]) -> (i32, String, PathBuf) {
+pub fn judged(place: &Path, arguments: &[&str]) -> (i32, String, PathBuf) {
     let out = place.join("out");
     let folder = out.display().to_string();
     let mut all = vec!["judge", "--exit-code", "--overwrite", "--out", &folder];
@@ -61,7 +64,7 @@ fn judged(place: &Path, arguments: &[&str]) -> (i32, String, PathBuf) {
     (output.status.code().unwrap(), words(&output.stdout) + &words(&output.stderr), out)
 }
 
-fn summary(folder: &Path) -> Value {
+pub fn summary(folder: &Path) -> Value {
     serde_json::from_str(&std::fs::read_to_string(folder.join("summary.json")).unwrap()).unwrap()
 }
 

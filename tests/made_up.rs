@@ -43,14 +43,7 @@ fn scene() -> Scene {
         contact: Surface { restitution: 1.0, friction: 0.0 },
         pairs: Default::default(),
         rotation: None,
-        species: vec![Species {
-            name: "polystyrene, 406 um".into(),
-            diameter: 406e-6,
-            density: 1038.0,
-            elasticity: None,
-            sizes: None,
-            inertia_factor: 0.4,
-        }],
+        species: vec![Species::new("polystyrene, 406 um", 406e-6, 1038.0)],
     }
 }
 

@@ -23,12 +23,12 @@ use std::sync::Arc;
 
 /// The paper's small particle: 406 um, 1038 kg/m3.
 pub fn small() -> Species {
-    Species { name: "S".into(), diameter: 406e-6, density: 1038.0, elasticity: None, sizes: None, inertia_factor: 0.4 }
+    Species::new("S", 406e-6, 1038.0)
 }
 
 /// The paper's large particle: 1.5 mm, 1032 kg/m3.
 pub fn large() -> Species {
-    Species { name: "L".into(), diameter: 1.5e-3, density: 1032.0, elasticity: None, sizes: None, inertia_factor: 0.4 }
+    Species::new("L", 1.5e-3, 1032.0)
 }
 
 /// A surface.
@@ -174,14 +174,7 @@ pub fn try_run(
 
 /// A species of diameter 1 m and mass 1 kg, for reduced units.
 pub fn unit() -> Species {
-    Species {
-        name: "unit".into(),
-        diameter: 1.0,
-        density: 6.0 / std::f64::consts::PI,
-        elasticity: None,
-        sizes: None,
-        inertia_factor: 0.4,
-    }
+    Species::new("unit", 1.0, 6.0 / std::f64::consts::PI)
 }
 
 /// Edge of the cube in which `count` spheres of diameter `d` [m] fill the fraction `phi`.

@@ -176,14 +176,7 @@ fn islands_in_round_vessels_cost_no_more_in_long_windows() {
         Cavity::Pipe { axle, radius: 0.0035 },
     ];
     let smooth = surface(1.0, 0.0);
-    let species = Species {
-        name: "bead".into(),
-        diameter: 3e-4,
-        density: 2500.0,
-        elasticity: None,
-        sizes: None,
-        inertia_factor: 0.4,
-    };
+    let species = Species::new("bead", 3e-4, 2500.0);
     for room in rooms {
         let vessel = Wall::new(WallGeometry::Hollow(Hollow::new(room)), smooth);
         let empty = crate::support::empty([0.02; 3], [false, false, true], species.clone(), smooth);

@@ -29,6 +29,7 @@ pub use rotation::{HistoryFile, ImpactRuleFile, RollingFile, TangentialFile, Twi
 pub use sizes::{ByFile, SizesFile};
 pub use walls::{BoxFile, ConeFile, CuboidFile, CylinderFile, MeshFile, PlaneFile, SphereFile, WallFile};
 
+use super::against::AgainstFile;
 use super::de::Located;
 use super::fluctuation::FluctuationFile;
 use super::quantity::{Acceleration, Density, Length, Pressure, Ratio, Speed, Spin, Stiffness, Time};
@@ -374,9 +375,11 @@ pub struct CompareFile {
     /// Collision model of the variant.
     #[schemars(example = &"soft", extend("x-default" = "`run.model`"))]
     pub model: Option<Located<Model>>,
-    /// Name of the variant with which this variant is compared.
+    /// Reference of this variant: the name of another variant, or `{ table = "points.csv" }`. Such a table has the columns
+    /// `quantity`, `value` and `standard_error`, and `y` for values at a distance from the lower side. Quantities are
+    /// columns of `profiles.csv`, or `granular_temperature`, `pair_impact_rate` and `wall_impact_rate` without `y`.
     #[schemars(example = &"hard", extend("x-default" = "the first hard one, or else the first"))]
-    pub against: Option<Located<String>>,
+    pub against: Option<Located<AgainstFile>>,
     // the value is taken from the tree of the case, which contains the source positions
     /// Keys that differ from the case, by their full names.
     #[schemars(with = "Option<std::collections::BTreeMap<String, serde_json::Value>>")]

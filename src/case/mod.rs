@@ -7,6 +7,7 @@
 //! Every value keeps its source position through all steps, so that each message contains file and line. A new key
 //! requires a field in [`mod@file`], and a check in the corresponding file of `resolve/`.
 
+mod against;
 mod bare;
 pub mod built_in;
 pub mod de;
@@ -32,6 +33,7 @@ mod written;
 pub use describe::{describe, describe_variants};
 pub use diagnostic::{Diagnostic, Severity, SourceLocation};
 pub use parameters::parameters;
+pub use resolve::{ParticleFrame, particle_frames};
 pub use source::{Origin, Source, SourceKind, Sources};
 pub use sweep::SweepAxis;
 pub use written::Variant;
@@ -39,6 +41,7 @@ pub use written::Variant;
 use crate::experiment::{Experiment, Model, Trajectories};
 use crate::legible::quote;
 use crate::schedule::align;
+use against::AgainstFile;
 use bare::bare_numbers;
 use built_in::BuiltIn;
 pub use de::nearest;
@@ -201,7 +204,7 @@ impl Case {
             let merged = self.merged(case.clone(), &settings)?;
             let model = variant.value.model.as_ref().map(|model| model.value);
             let typed = variant.value.name.as_ref();
-            let against = variant.value.against.as_ref().map(|name| name.value.clone());
+            let against = variant.value.against.clone();
             let choice = VariantChoice { model, seed, name: typed.map(|name| name.value.clone()), against };
             let (experiment, warnings) = merged.resolve(&choice)?;
             if !names.insert(experiment.name.clone()) {
@@ -212,7 +215,9 @@ impl Case {
             variants.push((experiment, warnings));
         }
         for against in list.iter().filter_map(|variant| variant.value.against.as_ref()) {
-            self.check_reference(against, &variants)?;
+            if let AgainstFile::Variant(name) = &against.value {
+                self.check_reference((name, &against.origin), &variants)?;
+            }
         }
         align(&mut variants.iter_mut().map(|(experiment, _)| experiment).collect::<Vec<_>>());
         Ok(variants)
@@ -246,10 +251,9 @@ impl Case {
     }
 
     /// Checks that a reference variant exists and is not itself compared with a further variant.
-    fn check_reference(&self, against: &de::Located<String>, variants: &[Checked]) -> Result<(), Diagnostic> {
-        let name = &against.value;
-        let error = |message: String, help: String| Err(self.sources.error(&against.origin, message).help(help));
-        match variants.iter().find(|(experiment, _)| experiment.name == *name) {
+    fn check_reference(&self, (name, origin): (&str, &Origin), variants: &[Checked]) -> Result<(), Diagnostic> {
+        let error = |message: String, help: String| Err(self.sources.error(origin, message).help(help));
+        match variants.iter().find(|(experiment, _)| experiment.name == name) {
             None => {
                 let names: Vec<_> = variants.iter().map(|(experiment, _)| format!("\"{}\"", experiment.name)).collect();
                 error(format!("no variant is called \"{name}\""), format!("there are {}", names.join(", ")))

@@ -197,7 +197,7 @@ impl std::fmt::Display for Parameter {
 /// use diptych::contact_law::{Bodies, ContactLaw};
 /// use diptych::{Species, Surface};
 ///
-/// let glass = Species { name: "glass".into(), diameter: 1e-3, density: 2500.0, elasticity: None, sizes: None, inertia_factor: 0.4 };
+/// let glass = Species::new("glass", 1e-3, 2500.0);
 /// let law = ContactLaw::linear(1000.0); // N/m
 /// let spring = law.between(&Bodies::alike(&glass, &Surface { restitution: 1.0, friction: 0.0 }));
 /// // without damping a contact of two spheres lasts π sqrt(M/k_n), M half the mass of one

@@ -49,7 +49,7 @@ pub struct Window {
 /// #     contact: Surface { restitution: 1.0, friction: 0.0 },
 /// #     pairs: Default::default(),
 /// #     rotation: None,
-/// #     species: vec![Species { name: "sphere".into(), diameter: 1.0, density: 1.0, elasticity: None, sizes: None, inertia_factor: 0.4 }],
+/// #     species: vec![Species::new("sphere", 1.0, 1.0)],
 /// # };
 /// # let mut particles = Particles::default();
 /// # particles.push(Vector3::repeat(5.0), Vector3::zeros(), 0.5, 1.0, 0);

@@ -1,6 +1,7 @@
 //! Time series of averages over all particles.
 
 use super::{Needs, Observer, plain_data};
+use crate::domain::Domain;
 use crate::experiment::Experiment;
 use crate::particles::Sample;
 use crate::record::FrictionLosses;
@@ -115,24 +116,39 @@ impl Row {
     }
 
     fn of(simulation: &Simulation, slices: usize) -> Self {
-        let domain = &simulation.scene().domain;
-        let spread = VelocitySpread::about(simulation.mean_velocity(), simulation.sample(), slices, domain.size.y);
-        let sums = MassSums::of(simulation.sample());
+        let (time, sample) = (simulation.time, simulation.sample());
         let touching = simulation.touching();
-        let centre = |axis: usize| (!domain.periodic[axis] && sums.mass > 0.0).then(|| sums.moment[axis] / sums.mass);
         Self {
-            time: simulation.time,
-            temperature: spread.components(),
-            velocity: spread.mean(),
-            kinetic_energy: sums.kinetic_energy,
             elastic_energy: simulation.elastic_energy(),
-            rotation: RotationSums::of(simulation.sample(), sums.mass),
             friction: FrictionSums::of(simulation),
-            momentum: sums.momentum,
             pair_impacts: simulation.record.pairs.count,
             wall_impacts: simulation.record.walls.count,
             coordination: touching.ends as f64 / simulation.count().max(1) as f64,
             largest_overlap: touching.largest_overlap,
+            ..Self::of_sample(time, sample, simulation.mean_velocity(), (&simulation.scene().domain, slices))
+        }
+    }
+
+    /// Averages over particles at `time` [s] without contacts and impacts, which are 0. The temperature is relative to
+    /// the mean velocities of equal slices of the domain along y, whose number follows the domain. `reference` [m/s] is
+    /// a velocity near the mean.
+    pub fn of_sample(time: f64, sample: Sample, reference: Vector3<f64>, (domain, slices): (&Domain, usize)) -> Self {
+        let spread = VelocitySpread::about(reference, sample, slices, domain.size.y);
+        let sums = MassSums::of(sample);
+        let centre = |axis: usize| (!domain.periodic[axis] && sums.mass > 0.0).then(|| sums.moment[axis] / sums.mass);
+        Self {
+            time,
+            temperature: spread.components(),
+            velocity: spread.mean(),
+            kinetic_energy: sums.kinetic_energy,
+            elastic_energy: 0.0,
+            rotation: RotationSums::of(sample, sums.mass),
+            friction: None,
+            momentum: sums.momentum,
+            pair_impacts: 0,
+            wall_impacts: 0,
+            coordination: 0.0,
+            largest_overlap: 0.0,
             centre: std::array::from_fn(centre),
         }
     }

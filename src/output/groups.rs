@@ -1,19 +1,19 @@
 //! Groups of variants: the reference of each variant, and the variants that share a panel.
 
-use crate::experiment::Model;
+use crate::experiment::{Model, Reference};
 use crate::outcome::Outcome;
 
 /// Largest number of variants that readers can distinguish in one panel; there are as many dash patterns and markers.
 pub(super) const TOLD_APART: usize = 6;
 
 /// Index of the reference of each variant. The reference is the variant named by `against`. A variant that others name
-/// is its own reference. All other variants are compared with the first hard variant, or with the first variant if none
+/// is its own reference, and so is a variant that is compared with a table. All other variants are compared with the first hard variant, or with the first variant if none
 /// is hard.
 pub fn references(outcomes: &[Outcome]) -> Vec<usize> {
     let rest = outcomes.iter().position(|outcome| outcome.experiment.model() == Model::Hard).unwrap_or(0);
     // a variant whose reference has not been run yet is its own reference
     let against = |(place, outcome): (usize, &Outcome)| {
-        let name = outcome.experiment.against.as_ref()?;
+        let Reference::Variant(name) = outcome.experiment.against.as_ref()? else { return Some(place) };
         Some(outcomes.iter().position(|other| other.experiment.name == *name).unwrap_or(place))
     };
     let named: Vec<Option<usize>> = outcomes.iter().enumerate().map(against).collect();

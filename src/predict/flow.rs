@@ -148,8 +148,7 @@ mod tests {
                 drag: Some(Drag::SchillerNaumann(SchillerNaumann)),
                 buoyancy: None,
             };
-            let species =
-                Species { name: "P".into(), diameter, density, elasticity: None, sizes: None, inertia_factor: 0.4 };
+            let species = Species::new("P", diameter, density);
             let found = flow(&fluid, &species, [1e7, 0.0], 9.81, 0.04).expect("there is drag");
             assert!((found.stokes_time / stokes - 1.0).abs() < 1e-8);
             assert!((found.terminal_slip / slip - 1.0).abs() < 1e-8, "{found:?}");
@@ -169,14 +168,7 @@ mod tests {
         let profile = Profile::Pipe(std::sync::Arc::new(Pipe::new([0.02; 2], flow_of_gas).unwrap()));
         let drag = Some(Drag::SchillerNaumann(SchillerNaumann));
         let fluid = Fluid { density: 1.205, kinematic_viscosity: viscosity, profile, drag, buoyancy: None };
-        let tracer = Species {
-            name: "T".into(),
-            diameter: 1e-7,
-            density: 1000.0,
-            elasticity: None,
-            sizes: None,
-            inertia_factor: 0.4,
-        };
+        let tracer = Species::new("T", 1e-7, 1000.0);
         let found = flow(&fluid, &tracer, [1e7, 0.0], 9.81, diameter).unwrap().turbulent_variance.unwrap();
         // circles about the axis through the middles between nodes
         let radius = |y: f64| 0.5 * diameter - y;

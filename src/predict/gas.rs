@@ -378,8 +378,7 @@ mod tests {
         ] {
             let law = ContactLaw::linear(stiffness);
             let density = mass / (PI / 6.0 * f64::powi(diameter, 3));
-            let species =
-                Species { name: "S".into(), diameter, density, elasticity: None, sizes: None, inertia_factor: 0.4 };
+            let species = Species::new("S", diameter, density);
             let found = softness(&law, &species, t);
             assert!((found - shrink).abs() < 6e-5, "{found}");
             assert!((stiffening_for(&law, &species, t, 2.0 * found) - 1.0).abs() < 1e-12);

@@ -14,6 +14,10 @@ const SAME_LENGTH: f64 = 1.25;
 /// a useful error.
 pub const FEWEST_RUNS: usize = 3;
 
+/// Largest number of stated values whose errors are independent: one less than the number of runs that are made up for
+/// each, a power of two. With so many runs Student's distribution is the normal one within 0.2 %.
+pub const MOST_STATED: usize = 1023;
+
 /// Several averages over a run, or over the replicas of a run, with their values in each block of time.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Batches {
@@ -68,12 +72,13 @@ impl Batches {
     }
 
     /// Value with a stated standard error, in the unit of the value. The error is taken as known from very many
-    /// independent runs: the blocks are made up so that they have this mean and this error of the mean.
-    pub fn of_stated(value: f64, error: f64) -> Self {
-        /// Number of made-up runs. With so many, Student's distribution is the normal one within 0.2 %.
-        const RUNS: usize = 1000;
-        let apart = error * ((RUNS - 1) as f64).sqrt();
-        let blocks = (0..RUNS).map(|run| if run % 2 == 0 { value + apart } else { value - apart }).collect();
+    /// independent runs: the blocks are made up so that they have this mean and this error of the mean. The errors of
+    /// two values are independent if their numbers, below [`MOST_STATED`], differ.
+    pub fn of_stated(value: f64, error: f64, number: usize) -> Self {
+        let apart = error * (MOST_STATED as f64).sqrt();
+        // Walsh functions: each has as many runs above as below the value, and any two are orthogonal
+        let is_above = |run: usize| (run & (1 + number % MOST_STATED)).count_ones() % 2 == 0;
+        let blocks = (0..=MOST_STATED).map(|run| if is_above(run) { value + apart } else { value - apart }).collect();
         Self { values: vec![value], ..Self::of_runs(vec![blocks]) }
     }
 

@@ -16,7 +16,7 @@ mod steady;
 mod temperature;
 mod work_precision;
 
-pub use batches::{Batches, FEWEST_RUNS};
+pub use batches::{Batches, FEWEST_RUNS, MOST_STATED};
 pub use comparison::{Answer, Comparison, ErrorLevels, Judged, LEVEL, compare, holm};
 pub use difference::{Deviation, EQUIVALENCE_LEVEL, Observable, Tested, student_bound, two_sided};
 pub use errors::{Estimate, FEWEST_BLOCKS, estimate};

@@ -85,6 +85,16 @@ impl VelocitySpread {
         (freedom > 0.0).then(|| squares / freedom)
     }
 
+    /// Averages of each slice along y: number of particles, mean velocity [m/s], and parts of the granular temperature
+    /// [m²/s²] relative to this mean along x, y and z. Means need one particle, temperatures two.
+    pub fn of_slices(&self) -> impl Iterator<Item = (f64, Option<Vector3<f64>>, Option<Vector3<f64>>)> + '_ {
+        self.slices.iter().map(|slice| {
+            let mean = (slice.count > 0.0).then(|| self.reference + slice.sum / slice.count);
+            let alone = Self { reference: self.reference, slices: vec![*slice] };
+            (slice.count, mean, alone.components())
+        })
+    }
+
     /// [m²/s²] granular temperature T, the mean of [`components`](Self::components).
     pub fn temperature(&self) -> Option<f64> {
         self.components().map(|components| components.sum() / 3.0)
@@ -112,6 +122,8 @@ mod tests {
         let one = VelocitySpread::of(&particles, 1, 1.0);
         assert!((one.temperature().unwrap() - (4.0 + 100.0) / 9.0).abs() < 1e-12);
         assert!((one.components().unwrap() - Vector3::new(4.0, 0.0, 100.0) / 3.0).norm() < 1e-12);
+        let each: Vec<_> = VelocitySpread::of(&particles, 2, 1.0).of_slices().collect();
+        assert_eq!(each[1], (2.0, Some(Vector3::new(0.0, 0.0, 110.0)), Some(Vector3::new(2.0, 0.0, 0.0))));
         // relative to the mean of all particles, for any slices: squares of ±1 and ±5
         let two = VelocitySpread::of(&particles, 2, 1.0);
         assert!((two.variance() - 26.0).abs() < 1e-12 && (two.mean() - Vector3::new(0.0, 0.0, 105.0)).norm() < 1e-12);

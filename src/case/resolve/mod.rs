@@ -9,6 +9,7 @@ mod output;
 mod overlap;
 mod pairs;
 mod places;
+mod reference;
 mod region;
 mod rotation;
 mod scene;
@@ -27,12 +28,14 @@ use super::quantity::Quantity;
 use super::rules::{is_within, range};
 use super::source::{Origin, SourceKind, Sources};
 use super::tree::CaseNode;
+use crate::case::against::AgainstFile;
 use crate::experiment::{Experiment, Model, Trajectories};
 use crate::rotation::{ImpactRule, Rotation, TangentialLaw};
 use nalgebra::Vector3;
 use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
 
+pub use foreign::{ParticleFrame, particle_frames};
 pub(super) use table::leads_out;
 pub(crate) use table::read_text;
 use table::{read_bytes, text_of};
@@ -46,8 +49,8 @@ pub struct VariantChoice {
     pub seed: Option<u64>,
     /// Name of the variant; `None` means the name of its model.
     pub name: Option<String>,
-    /// Name of the variant with which this variant is compared, if the case gives one.
-    pub against: Option<String>,
+    /// Reference of this variant, if the case gives one.
+    pub against: Option<Located<AgainstFile>>,
 }
 
 /// State of the conversion of a case: its texts, its warnings and its model.
@@ -98,8 +101,8 @@ pub fn resolve(
     let run = resolver.run(file, choice, &soft)?;
     let statistics = resolver.statistics(file)?;
     let name = choice.name.clone().unwrap_or_else(|| model_name(resolver.model).to_string());
-    let experiment =
-        Experiment { name, against: choice.against.clone(), scene, start, soft, hard, hybrid, run, statistics };
+    let against = choice.against.as_ref().map(|against| resolver.reference(&against.value, &scene)).transpose()?;
+    let experiment = Experiment { name, against, scene, start, soft, hard, hybrid, run, statistics };
     resolver.check_step(file, &experiment)?;
     resolver.check_stability(file, &experiment)?;
     resolver.check_length(file, &experiment)?;

@@ -132,19 +132,24 @@ fn of_as_many(batches: Option<Batches>, counts: Option<(usize, usize)>) -> Optio
     }
 }
 
-fn number(name: Cow<'static, str>, unit: &'static str, (scale, scale_is): Scale, part: Option<Batches>) -> Observable {
+pub(super) fn number(
+    name: Cow<'static, str>,
+    unit: &'static str,
+    (scale, scale_is): Scale,
+    part: Option<Batches>,
+) -> Observable {
     let (places, parity, fixed_mean, parts) = (Vec::new(), Parity::Even, false, vec![part]);
     Observable { name, unit, places, parity, fixed_mean, scale, scale_is, parts }
 }
 
 /// Scale of differences, and its name in words.
-type Scale = (f64, &'static str);
+pub(super) type Scale = (f64, &'static str);
 
 /// Scale of differences in a column, in the unit of the column. For the density, a normal stress and T_r it is their
 /// mean. For the shear stress and the mean spin it is the largest magnitude. For U it is the mean slip between gas and particles or,
 /// without gas, the mean velocity past walls; or the agitation if that is larger. These do not depend on the frame of
 /// reference. `None` without samples, or if nothing moves.
-fn scale(column: &SliceColumn, reference: &Outcome) -> Option<Scale> {
+pub(super) fn scale(column: &SliceColumn, reference: &Outcome) -> Option<Scale> {
     let table = &reference.profiles;
     let known: Vec<(f64, f64)> = (0..table.slices.len())
         .filter_map(|slice| Some((table.slices[slice].y, *table.batches(slice, *column)?.values.first()?)))

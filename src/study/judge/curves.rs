@@ -36,7 +36,7 @@ fn agitation(row: &Row) -> Option<f64> {
 /// Compares two variants by curves over the time that both have completed.
 pub fn judge(runs: &[ReplicaRuns; 2], asked: Criteria) -> Finding {
     let all: [Vec<&Outcome>; 2] = [0, 1].map(|k| std::iter::once(runs[k].outcome).chain(runs[k].others).collect());
-    let why = unsteady([runs[0].outcome, runs[1].outcome]);
+    let why = unsteady(&[runs[0].outcome, runs[1].outcome]);
     let times = common(&all);
     if times.is_empty() {
         return nothing(&why);

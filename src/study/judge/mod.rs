@@ -8,6 +8,7 @@ mod averages;
 mod curves;
 mod paths;
 mod shifts;
+mod table;
 mod words;
 
 pub use shifts::{ShiftReference, Shifts, widened};
@@ -35,7 +36,7 @@ const CLOSE: f64 = 1.1;
 /// their softness (docs/theory/softness.md).
 const DILUTE: f64 = 0.03;
 
-/// Compares every variant that has a reference other than itself, in a single test. `others` holds the replicas of each
+/// Compares every variant that has a reference other than itself, or a table as its reference, in a single test. `others` holds the replicas of each
 /// variant except the first; the averages of the outcome already include them. `margin` [-] is relative to the scale of
 /// each observable.
 pub fn judge(outcomes: &[Outcome], others: &[Vec<Outcome>], margin: f64) -> Vec<Verdict> {
@@ -50,7 +51,7 @@ pub fn judge_at(outcomes: &[Outcome], others: &[Vec<Outcome>], asked: Criteria) 
         let runs = [place, reference].map(|one| ReplicaRuns { outcome: &outcomes[one], others: replicas(one) });
         one(&runs, asked)
     });
-    judged.collect()
+    judged.chain(outcomes.iter().filter_map(|outcome| table::judge(outcome, asked))).collect()
 }
 
 /// Margin and error levels of a comparison.
@@ -82,7 +83,7 @@ struct Finding {
 
 fn one(runs: &[ReplicaRuns; 2], asked: Criteria) -> Verdict {
     let [variant, reference] = [runs[0].outcome, runs[1].outcome];
-    let found = stopped(runs, found(runs, asked));
+    let found = stopped(&[variant, reference], found(runs, asked));
     let names = [&variant.experiment.name, &reference.experiment.name];
     let mut further = Vec::new();
     further.extend([variant, reference].into_iter().filter_map(how_it_stopped));
@@ -123,14 +124,13 @@ fn found(runs: &[ReplicaRuns; 2], asked: Criteria) -> Finding {
 
 /// The finding, in which the answer "equivalent" becomes "unresolved" if a run stopped early. Such runs cannot show
 /// equivalence.
-fn stopped(runs: &[ReplicaRuns; 2], found: Finding) -> Finding {
-    let Some(stopped) = runs.iter().map(|one| one.outcome).find(|one| one.failure.is_some()) else { return found };
+fn stopped(runs: &[&Outcome], found: Finding) -> Finding {
+    let Some(stopped) = runs.iter().find(|one| one.failure.is_some()) else { return found };
     if found.answer != Answer::Equivalent {
         return found;
     }
     let name = &stopped.experiment.name;
-    let sentence =
-        format!("unresolved: \"{name}\" stopped before its end; what there is of both is {}", found.sentence);
+    let sentence = format!("unresolved: \"{name}\" stopped before its end; what there is of it is {}", found.sentence);
     Finding { answer: Answer::Unresolved, sentence, ..found }
 }
 
@@ -227,8 +227,8 @@ fn longer(run: &Outcome, stretch: f64) -> String {
 }
 
 /// Description of the runs that are not steady, with the reasons. Such runs are not compared by averages over time.
-fn unsteady(runs: [&Outcome; 2]) -> String {
-    let why = runs.into_iter().filter_map(|one| {
+fn unsteady(runs: &[&Outcome]) -> String {
+    let why = runs.iter().filter_map(|one| {
         let predicate = words::not_steady(&one.steadiness)?;
         Some(format!("\"{}\" {predicate}", one.experiment.name))
     });

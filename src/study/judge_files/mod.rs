@@ -1,10 +1,12 @@
 //! `diptych judge`: compares two sides whose data are files of any program, with the tests of `compare`.
 
+mod frames;
 mod pairs;
 mod quantity;
 mod settings;
 mod side;
 mod table;
+mod thermo;
 
 use super::judge::{answer_in_words, pair};
 use crate::case::Sources;
@@ -45,6 +47,7 @@ pub fn judge_files(args: &JudgeArguments) -> Result<Option<Answer>, StudyError> 
     let paths = [&sides[0], &sides[1]].map(|side| side.paths.join(", "));
     let comparisons = verdicts(&measured, &names);
     notes.extend(remarks(&measured, &sides));
+    notes.extend(sides.iter().flat_map(JudgeSide::warnings));
     let folder = folder(&args.output, &first_file(&sides[0]), "judge")?;
     let sentences: Vec<String> = comparisons.iter().map(|one| one.sentence.clone()).collect();
     let quantities: Vec<FilesQuantity> = measured.into_iter().map(|one| one.summary).collect();

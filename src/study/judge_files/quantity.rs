@@ -157,7 +157,7 @@ fn average(
     let bare = bare(columns, k, side);
     let (series, replicas) = match side {
         MeasuredSide::Point(point) => {
-            let batches = point.error.map(|error| Batches::of_stated(point.value, error));
+            let batches = point.error.map(|error| Batches::of_stated(point.value, error, 0));
             return Ok(SideAverage { summary: SideSummary { mean: Some(*point), ..bare }, batches });
         }
         MeasuredSide::Series(series, replicas) => (series, replicas),

@@ -6,6 +6,9 @@ use crate::case::{Diagnostic, Sources, read_text, tree};
 use serde::Deserialize;
 use std::path::Path;
 
+/// Largest number of slices: each has seven columns.
+const MOST_SLICES: u32 = 1000;
+
 /// Whole file `judge.toml`.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -37,6 +40,8 @@ pub struct SideFile {
     pub time_unit: Option<Located<String>>,
     /// Start of averaging, in the unit of the column of times.
     pub from: Option<Located<f64>>,
+    /// Number of equal slices along y in which the particles of a trajectory are averaged.
+    pub slices: Option<Located<u32>>,
 }
 
 /// Table `[[quantities]]`.
@@ -96,6 +101,12 @@ impl JudgeFile {
             if !(scale.value > 0.0 && scale.value.is_finite()) {
                 let message = format!("`{}` = {} is no scale", scale.path, sources.typed(&scale.origin));
                 return Err(sources.error(&scale.origin, message).help("a scale is a number greater than 0"));
+            }
+        }
+        for slices in [&file.a, &file.b].into_iter().filter_map(|side| side.slices.as_ref()) {
+            if !(1..=MOST_SLICES).contains(&slices.value) {
+                let message = format!("`{}` = {} is no number of slices", slices.path, slices.value);
+                return Err(sources.error(&slices.origin, message).help(format!("1 to {MOST_SLICES} slices")));
             }
         }
         Ok((file, text.to_string()))

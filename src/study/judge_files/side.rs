@@ -9,10 +9,10 @@ use std::ops::Range;
 use std::path::Path;
 
 /// Names of columns of times, the preferred ones first.
-const TIMES: [&str; 8] = ["t_s", "time_s", "time", "Time", "t", "Step", "TimeStep", "step"];
+const TIMES: [&str; 9] = ["t_s", "time_s", "time", "Time", "t", "Step", "TimeStep", "step", "frame"];
 
-/// Names of columns that count time steps.
-const STEPS: [&str; 3] = ["Step", "TimeStep", "step"];
+/// Names of columns that count time steps, or the instants of a file.
+const STEPS: [&str; 4] = ["Step", "TimeStep", "step", "frame"];
 
 /// Columns of a table of points that are not part of the label of a point.
 const POINT: [&str; 2] = ["value", "standard_error"];
@@ -93,8 +93,10 @@ impl JudgeSide {
                 format!("name it on the command line, or as `files = [...]` in the table `[{key}]` of --settings");
             return Err(Diagnostic::about("diptych judge", message).help(help));
         }
-        let tables: Vec<NumberTable> =
-            names.iter().map(|name| NumberTable::read(name, sources)).collect::<Result<_, _>>()?;
+        let tables: Vec<NumberTable> = names
+            .iter()
+            .map(|name| NumberTable::read(name, file.slices.as_ref(), sources))
+            .collect::<Result<_, _>>()?;
         let name = file.name.clone().unwrap_or_else(|| {
             let first =
                 Path::new(&names[0]).file_name().map_or(names[0].as_str().into(), |name| name.to_string_lossy());
@@ -112,6 +114,19 @@ impl JudgeSide {
             SideData::Series(SeriesFiles::of(tables, file, sources)?)
         };
         Ok(Self { name, paths: names, data })
+    }
+
+    /// Warnings about the files of the side.
+    pub fn warnings(&self) -> Vec<String> {
+        let SideData::Series(series) = &self.data else { return Vec::new() };
+        let of = |one: &TimedTable| {
+            one.table
+                .warnings
+                .iter()
+                .map(|warning| format!("`{}`: {}.", one.table.name, warning.message))
+                .collect::<Vec<_>>()
+        };
+        series.replicas.iter().flat_map(of).collect()
     }
 }
 

@@ -1,5 +1,7 @@
-//! Reads tables of numbers that any program wrote: CSV, thermo output of LAMMPS, and files of its `fix ave/time`.
+//! Reads tables of numbers that any program wrote: CSV, thermo output of LAMMPS, files of its `fix ave/time`, and
+//! averages over the particles of a trajectory.
 
+use crate::case::de::Located;
 use crate::case::{Diagnostic, Origin, Sources, nearest, read_text};
 use crate::legible::quote;
 use std::collections::BTreeMap;
@@ -21,7 +23,9 @@ pub struct NumberTable {
     /// True if the file is output of LAMMPS.
     pub is_lammps: bool,
     /// Index of the text in the list of sources.
-    source: usize,
+    pub(super) source: usize,
+    /// Warnings about the file.
+    pub warnings: Vec<Diagnostic>,
     /// Numbers of each column; not-a-number for a cell that contains none.
     numbers: Vec<Vec<f64>>,
     /// Cells that contain no number, by row and column.
@@ -31,18 +35,19 @@ pub struct NumberTable {
 }
 
 impl NumberTable {
-    /// Reads a file, or `series.csv` of a folder of results. `argument` may have the form `FOLDER:VARIANT`.
+    /// Reads a file, or `series.csv` of a folder of results. `argument` may have the form `FOLDER:VARIANT`. `slices` is
+    /// the number of slices in which the particles of a trajectory are averaged.
     ///
     /// # Errors
-    /// The file cannot be read, or is no table.
-    pub fn read(argument: &str, sources: &mut Sources) -> Result<Self, Diagnostic> {
+    /// The file cannot be read, or is no table; slices of a file without particles.
+    pub fn read(argument: &str, slices: Option<&Located<u32>>, sources: &mut Sources) -> Result<Self, Diagnostic> {
         let path = Path::new(argument);
         let split = argument.rsplit_once(':').filter(|(folder, _)| !path.exists() && Path::new(folder).exists());
         let (place, variant) = split.map_or((argument, None), |(folder, variant)| (folder, Some(variant)));
         let path = if Path::new(place).is_dir() { Path::new(place).join(SERIES) } else { Path::new(place).to_owned() };
         let text = read_text(&path).map_err(|why| {
             Diagnostic::about(path.display().to_string(), format!("cannot read `{}`: {why}", path.display())).help(
-                "a side is a CSV file, output of LAMMPS, or a folder of results; several files are separated by commas",
+                "a side is a CSV file, output of LAMMPS, a trajectory, or a folder of results; several files are separated by commas",
             )
         })?;
         let source = sources.add_file(&path, text.clone());
@@ -51,20 +56,23 @@ impl NumberTable {
             columns: Vec::new(),
             is_lammps: false,
             source,
+            warnings: Vec::new(),
             numbers: Vec::new(),
             texts: BTreeMap::new(),
             lines: Vec::new(),
         };
         let lines = lines_of(&text);
-        if let Some(header) = lines.iter().rev().find(|line| words(&text[(*line).clone()]).next() == Some("Step")) {
-            table.is_lammps = true;
-            table.thermo(&text, &lines, &text[header.clone()], sources)?;
-        } else if let Some(header) =
-            lines.iter().find(|line| text[(*line).clone()].trim_start().starts_with("# TimeStep"))
-        {
-            table.is_lammps = true;
-            table.averages(&text, &lines, header, sources)?;
-        } else {
+        let is_trajectory = table.trajectory(&text, slices.map(|slices| slices.value as usize), sources)?;
+        if let Some(slices) = slices.filter(|_| !is_trajectory) {
+            let message =
+                format!("`{}`: `{argument}` contains no particles that could be averaged in slices", slices.path);
+            return Err(sources
+                .error(&slices.origin, message)
+                .help("leave it out; dumps and extended XYZ contain particles"));
+        }
+        table.is_lammps =
+            !is_trajectory && (table.thermo(&text, &lines, sources)? || table.averages(&text, &lines, sources)?);
+        if !is_trajectory && !table.is_lammps {
             table.csv(&text, sources)?;
         }
         if table.lines.is_empty() {
@@ -74,46 +82,10 @@ impl NumberTable {
         table.of_variant(variant)
     }
 
-    /// Rows of all blocks of a thermo log that have the header of the last block. A block begins after its header and
-    /// ends at `Loop time`.
-    fn thermo(
-        &mut self,
-        text: &str,
-        lines: &[Range<usize>],
-        header: &str,
-        sources: &Sources,
-    ) -> Result<(), Diagnostic> {
-        self.head(words(header).map(str::to_owned).collect());
-        let wanted: Vec<&str> = words(header).collect();
-        let mut inside = false;
-        for (place, line) in lines.iter().enumerate() {
-            let row = &text[line.clone()];
-            match words(row).next() {
-                Some("Step") => inside = words(row).eq(wanted.iter().copied()),
-                Some("Loop") => inside = false,
-                // warnings of LAMMPS stand between the rows
-                Some(first) if inside && first.parse::<f64>().is_ok() => {
-                    let cells: Vec<String> = words(row).map(str::to_owned).collect();
-                    // the last line of a run that goes on may be incomplete
-                    if cells.len() != wanted.len() && place + 1 == lines.len() {
-                        continue;
-                    }
-                    self.row(&cells, line.clone(), sources)?;
-                }
-                _ => {}
-            }
-        }
-        Ok(())
-    }
-
-    /// Rows of a file of `fix ave/time` for scalars.
-    fn averages(
-        &mut self,
-        text: &str,
-        lines: &[Range<usize>],
-        header: &Range<usize>,
-        sources: &Sources,
-    ) -> Result<(), Diagnostic> {
+    /// Rows of a file of `fix ave/time` for scalars. Returns false if the file is none.
+    fn averages(&mut self, text: &str, lines: &[Range<usize>], sources: &Sources) -> Result<bool, Diagnostic> {
+        let is_header = |line: &&Range<usize>| text[(*line).clone()].trim_start().starts_with("# TimeStep");
+        let Some(header) = lines.iter().find(is_header) else { return Ok(false) };
         self.head(words(text[header.clone()].trim_start().trim_start_matches('#')).map(str::to_owned).collect());
         if self.columns.iter().any(|column| column == "Number-of-rows") {
             let origin = Origin { source: self.source, span: header.clone() };
@@ -126,7 +98,7 @@ impl NumberTable {
                 self.row(&words(row).map(str::to_owned).collect::<Vec<_>>(), line.clone(), sources)?;
             }
         }
-        Ok(())
+        Ok(true)
     }
 
     /// Rows of a CSV table. The separator is a comma, or a semicolon or a tab if the header has no comma.
@@ -164,12 +136,12 @@ impl NumberTable {
         Ok(())
     }
 
-    fn head(&mut self, columns: Vec<String>) {
+    pub(super) fn head(&mut self, columns: Vec<String>) {
         self.numbers = vec![Vec::new(); columns.len()];
         self.columns = columns;
     }
 
-    fn row(&mut self, cells: &[String], line: Range<usize>, sources: &Sources) -> Result<(), Diagnostic> {
+    pub(super) fn row(&mut self, cells: &[String], line: Range<usize>, sources: &Sources) -> Result<(), Diagnostic> {
         if cells.len() != self.columns.len() {
             let (found, wanted) = (cells.len(), self.columns.len());
             let message = format!("the line has {found} fields where the header has {wanted}");
@@ -287,7 +259,7 @@ fn list(names: &[String]) -> String {
     text
 }
 
-fn words(line: &str) -> impl Iterator<Item = &str> {
+pub(super) fn words(line: &str) -> impl Iterator<Item = &str> {
     line.split_whitespace()
 }
 

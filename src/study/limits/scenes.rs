@@ -19,15 +19,7 @@ pub const STIFFNESS: f64 = 3000.0;
 
 /// [kg] mass of the paper's small particle.
 pub fn mass() -> f64 {
-    Species {
-        name: String::new(),
-        diameter: DIAMETER,
-        density: DENSITY,
-        elasticity: None,
-        sizes: None,
-        inertia_factor: 0.4,
-    }
-    .mass()
+    Species::new("", DIAMETER, DENSITY).mass()
 }
 
 /// A simulation of an experiment at its start.

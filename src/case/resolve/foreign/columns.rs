@@ -1,19 +1,27 @@
 //! Recognizes the columns of a particle file of another program by their usual names.
 
-use super::{COLUMNS, Lines};
+use super::{COLUMNS, ForeignReader, Lines};
 use crate::case::diagnostic::Diagnostic;
-use crate::case::resolve::Resolver;
 
-/// Index in [`COLUMNS`] of the species of a particle.
-pub const SPECIES: usize = 7;
-/// Index in [`COLUMNS`] of the x component of the position. The next three constants are those of velocity, spin and
-/// momentum.
+/// Index in [`COLUMNS`] of the x component of the position. The indices below are those of other properties; vectors
+/// have three columns.
 const POSITION: usize = 0;
-const VELOCITY: usize = 3;
-const SPIN: usize = 9;
-const MOMENTUM: usize = 15;
-/// Index in [`COLUMNS`] of the mass.
-const MASS: usize = 14;
+/// Index of the velocity.
+pub const VELOCITY: usize = 3;
+/// Index of the diameter.
+pub const DIAMETER: usize = 6;
+/// Index of the species.
+pub const SPECIES: usize = 7;
+/// Index of the spin.
+pub const SPIN: usize = 9;
+/// Index of the radius.
+pub const RADIUS: usize = 12;
+/// Index of the density.
+pub const DENSITY: usize = 13;
+/// Index of the mass.
+pub const MASS: usize = 14;
+/// Index of the momentum.
+pub const MOMENTUM: usize = 15;
 /// Names of columns that count periodic images of the box. These columns are ignored, because positions within the box
 /// are enough.
 const IMAGES: [&str; 4] = ["ix", "iy", "iz", "image"];
@@ -62,11 +70,11 @@ fn meaning(name: &str, width: usize) -> Option<Meaning> {
         };
     }
     let one = match plain.as_str() {
-        "diameter" | "diam" => Some(6),
+        "diameter" | "diam" => Some(DIAMETER),
         "species" | "element" => Some(SPECIES),
         "id" | "identifier" | "particleidentifier" => Some(8),
-        "radius" => Some(12),
-        "density" | "rho" => Some(13),
+        "radius" => Some(RADIUS),
+        "density" | "rho" => Some(DENSITY),
         "mass" | "masses" => Some(MASS),
         _ => None,
     };
@@ -155,7 +163,7 @@ impl Layout {
     }
 }
 
-impl Resolver {
+impl ForeignReader<'_> {
     /// Refuses a layout that lacks a component of the position, velocity or momentum. Warns about columns that are
     /// ignored.
     pub(super) fn check_layout(&mut self, lines: &Lines, number: usize, layout: &mut Layout) -> Result<(), Diagnostic> {

@@ -4,18 +4,21 @@
 //! Format: LAMMPS documentation, command `dump`, <https://docs.lammps.org/dump.html>.
 
 use super::columns::Layout;
-use super::{Cells, ForeignStart, Lines};
+use super::{Cells, ForeignInstant, ForeignReader, ForeignStart, Lines};
 use crate::case::diagnostic::Diagnostic;
-use crate::case::resolve::Resolver;
 use nalgebra::Vector3;
 
 const HELP: &str = "a dump of atoms in text has the items TIMESTEP, NUMBER OF ATOMS, BOX BOUNDS and ATOMS";
 
 /// Items of one instant in a dump.
 #[derive(Clone, Default)]
-struct DumpFrame {
+pub(super) struct DumpFrame {
     /// Index of the first line of the instant.
-    first: usize,
+    pub first: usize,
+    /// [s] time of the instant.
+    time: Option<f64>,
+    /// Number of the time step.
+    step: Option<f64>,
     /// Number of atoms given in the dump, and index of the line with this number.
     count: Option<(usize, usize)>,
     /// [m] lower and upper corner of the box.
@@ -26,12 +29,31 @@ struct DumpFrame {
     atoms: Option<usize>,
 }
 
-impl Resolver {
+/// The present instant. A file that does not begin with a time step has one without it.
+fn instant_of(instants: &mut Vec<DumpFrame>, number: usize) -> &mut DumpFrame {
+    if instants.is_empty() {
+        instants.push(DumpFrame { first: number, ..DumpFrame::default() });
+    }
+    let last = instants.len() - 1;
+    &mut instants[last]
+}
+
+impl ForeignReader<'_> {
     /// Reads the particles of the last instant in a dump.
     pub(super) fn dump(&mut self, lines: &Lines) -> Result<ForeignStart, Diagnostic> {
-        let instant = self.last_instant_of_dump(lines)?;
+        let instants = self.dump_instants(lines)?;
+        let Some(last) = instants.last() else { return Err(self.wrong(lines, 0, "the file is empty", HELP)) };
+        if instants.len() > 1 {
+            let message = format!("the file holds {} instants, the last is taken", instants.len());
+            self.warn(&lines.origin(last.first), message, "save one instant, if another is meant");
+        }
+        Ok(self.dump_instant(lines, last)?.start)
+    }
+
+    /// Reads the particles of one instant.
+    pub(super) fn dump_instant(&mut self, lines: &Lines, instant: &DumpFrame) -> Result<ForeignInstant, Diagnostic> {
         let (Some((count, _)), Some(header)) = (instant.count, instant.atoms) else {
-            return Err(self.wrong(lines, instant.first, "the last instant has no atoms", HELP));
+            return Err(self.wrong(lines, instant.first, "this instant has no atoms", HELP));
         };
         let mut layout = Layout::default();
         for name in lines.get(header).split_whitespace().skip(2) {
@@ -59,12 +81,14 @@ impl Resolver {
         };
         let rows = (header + 1..header + 1 + count).map(row).collect::<Result<_, _>>()?;
         let edges = instant.bounds.map(|[low, high]| high - low);
-        Ok(ForeignStart { rows, edges, periodic: instant.bounds.map(|_| instant.periodic), counted: layout.counted })
+        let periodic = instant.bounds.map(|_| instant.periodic.clone());
+        let start = ForeignStart { rows, edges, periodic, counted: layout.counted };
+        Ok(ForeignInstant { start, time: instant.time, step: instant.step, first: instant.first })
     }
 
-    /// Reads the items of all instants, and returns those of the last instant.
-    fn last_instant_of_dump(&mut self, lines: &Lines) -> Result<DumpFrame, Diagnostic> {
-        let (mut instant, mut instants, mut units, mut number) = (DumpFrame::default(), 0, false, 0);
+    /// Reads the items of all instants, without the lines of the atoms.
+    pub(super) fn dump_instants(&mut self, lines: &Lines) -> Result<Vec<DumpFrame>, Diagnostic> {
+        let (mut instants, mut time, mut units, mut number) = (Vec::<DumpFrame>::new(), None, false, 0);
         while number < lines.count() {
             let line = lines.get(number).trim();
             let item = line.strip_prefix("ITEM:").map(str::trim);
@@ -81,10 +105,12 @@ impl Resolver {
                     ));
                 }
                 Some("TIMESTEP") => {
-                    instants += 1;
-                    instant = DumpFrame { first: number, ..DumpFrame::default() };
+                    let step = self.cell(lines, number + 1, lines.get(number + 1).trim(), "the time step")?;
+                    let (first, time) = (number, time.take());
+                    instants.push(DumpFrame { first, step: Some(step), time, ..DumpFrame::default() });
                 }
-                Some("TIME") => {}
+                // LAMMPS writes the time before the time step
+                Some("TIME") => time = Some(self.cell(lines, number + 1, lines.get(number + 1).trim(), "the time")?),
                 Some("UNITS") => {
                     units = true;
                     let named = lines.get(number + 1).trim();
@@ -95,14 +121,16 @@ impl Resolver {
                 }
                 Some("NUMBER OF ATOMS") => {
                     let count = self.cell(lines, number + 1, lines.get(number + 1).trim(), "the number of atoms")?;
-                    instant.count = Some((count, number + 1));
+                    instant_of(&mut instants, number).count = Some((count, number + 1));
                 }
                 Some(item) if item.starts_with("BOX BOUNDS") => {
                     let (corners, periodic) = self.bounds(lines, number, item)?;
+                    let instant = instant_of(&mut instants, number);
                     (instant.bounds, instant.periodic) = (Some(corners), periodic);
                     length = 4;
                 }
                 Some(item) if item.starts_with("ATOMS") => {
+                    let instant = instant_of(&mut instants, number);
                     instant.atoms = Some(number);
                     length = 1 + self.atoms_of_dump(lines, number, instant.count)?;
                 }
@@ -116,11 +144,7 @@ impl Resolver {
         if !units {
             self.warn_of_units(lines, 0, "LAMMPS writes them with `dump_modify units yes`");
         }
-        if instants > 1 {
-            let message = format!("the file holds {instants} instants, the last is taken");
-            self.warn(&lines.origin(instant.first), message, "save one instant, if another is meant");
-        }
-        Ok(instant)
+        Ok(instants)
     }
 
     /// Number of lines with atoms after the header. If fewer lines follow than the dump announced, the file was cut

@@ -2,19 +2,12 @@
 //!
 //! Format: LAMMPS documentation, command `read_data`, <https://docs.lammps.org/read_data.html>.
 
-use super::columns::SPECIES;
-use super::{Cells, ForeignStart, ID, Lines};
+use super::columns::{DENSITY, DIAMETER, MASS, SPECIES, SPIN};
+use super::{Cells, ForeignReader, ForeignStart, ID, Lines};
 use crate::case::diagnostic::Diagnostic;
-use crate::case::resolve::Resolver;
 use nalgebra::Vector3;
 use rustc_hash::FxHashMap;
 use std::ops::Range;
-
-/// Indices in [`COLUMNS`](super::COLUMNS) of properties that a data file gives.
-const DIAMETER: usize = 6;
-const SPIN: usize = 9;
-const DENSITY: usize = 13;
-const MASS: usize = 14;
 
 /// Columns of a section `Atoms`, and the lines of the section.
 #[derive(Clone)]
@@ -48,7 +41,7 @@ struct Outline<'a> {
     left: Vec<&'a str>,
 }
 
-impl Resolver {
+impl ForeignReader<'_> {
     /// Reads the particles of a data file.
     pub(super) fn lammps(&mut self, lines: &Lines) -> Result<ForeignStart, Diagnostic> {
         match lines.get(0).split_once("units = ").map(|(_, units)| units.trim()) {

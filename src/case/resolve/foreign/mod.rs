@@ -3,14 +3,17 @@
 
 mod columns;
 mod dump;
+mod frames;
 mod lammps;
 mod xyz;
 
 use super::Resolver;
 use super::table::DataTable;
 use crate::case::diagnostic::Diagnostic;
-use crate::case::source::Origin;
+use crate::case::source::{Origin, Sources};
 use crate::legible::quote;
+pub use frames::{ParticleFrame, particle_frames};
+
 use columns::SPECIES;
 use csv::StringRecord;
 use nalgebra::Vector3;
@@ -39,8 +42,8 @@ pub(super) enum Foreign {
 }
 
 impl Foreign {
-    /// Recognizes the format from the content of a file, or else from its name. `None` means a CSV table.
-    pub(super) fn of(name: &str, text: &str) -> Option<Self> {
+    /// Recognizes a format with the particles of several instants from the first lines of a file.
+    fn of_frames(text: &str) -> Option<Self> {
         let mut lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
         let first = lines.next().unwrap_or("");
         if first.starts_with("ITEM:") {
@@ -48,6 +51,14 @@ impl Foreign {
         }
         if first.parse::<u64>().is_ok() && lines.next().is_some_and(|second| second.contains('=')) {
             return Some(Self::Xyz);
+        }
+        None
+    }
+
+    /// Recognizes the format from the content of a file, or else from its name. `None` means a CSV table.
+    pub(super) fn of(name: &str, text: &str) -> Option<Self> {
+        if let Some(format) = Self::of_frames(text) {
+            return Some(format);
         }
         let counts = |line: &str| {
             line.split_whitespace().nth(1) == Some("atoms")
@@ -107,6 +118,24 @@ struct ForeignStart {
     counted: bool,
 }
 
+/// Particles of one instant in a file of another program.
+struct ForeignInstant {
+    start: ForeignStart,
+    /// [s] time of the instant, if the file gives it.
+    time: Option<f64>,
+    /// Number of the time step, if the file gives it.
+    step: Option<f64>,
+    /// Index of the first line of the instant.
+    first: usize,
+}
+
+/// Reader of the files of other programs, with the warnings so far.
+struct ForeignReader<'a> {
+    /// Texts of all files, for messages.
+    sources: &'a Sources,
+    warnings: Vec<Diagnostic>,
+}
+
 impl Resolver {
     /// Reads an initial state of another program. `kinds` are the names of the species in the case.
     pub(super) fn foreign_table(
@@ -115,20 +144,34 @@ impl Resolver {
         (source, text): (usize, &str),
         kinds: &[&str],
     ) -> Result<DataTable, Diagnostic> {
-        let lines = Lines::of(source, text);
-        let mut read = match format {
-            Foreign::Xyz => self.xyz(&lines)?,
-            Foreign::Lammps => self.lammps(&lines)?,
-            Foreign::Dump => self.dump(&lines)?,
-        };
-        self.name_kinds(&mut read, kinds)?;
-        self.sort_by_ids(&mut read)?;
+        let mut reader = ForeignReader { sources: &self.sources, warnings: Vec::new() };
+        let read = reader.start(format, &Lines::of(source, text), kinds)?;
+        for warning in reader.warnings {
+            // a file that several species name is read once for each of them, but one warning is enough
+            if !self.warnings.contains(&warning) {
+                self.warnings.push(warning);
+            }
+        }
         let known = |column: usize| read.rows.iter().any(|(cells, _)| !cells[column].is_empty());
         let columns = (0..COLUMNS.len()).map(|column| known(column).then_some(column)).collect();
         let edges = read.edges.map(|edges| ("box_m".to_owned(), format!("{:?} {:?} {:?}", edges.x, edges.y, edges.z)));
         let head = edges.into_iter().chain(read.periodic.map(|axes| ("periodic".to_owned(), axes))).collect();
         let rows = read.rows.into_iter().map(|(cells, origin)| (StringRecord::from(cells.to_vec()), origin)).collect();
         Ok(DataTable { saved: false, foreign: true, head, columns, units: vec![None; COLUMNS.len()], rows })
+    }
+}
+
+impl ForeignReader<'_> {
+    /// Reads an initial state: particles in the order of ids, with the names of their species.
+    fn start(&mut self, format: Foreign, lines: &Lines, kinds: &[&str]) -> Result<ForeignStart, Diagnostic> {
+        let mut read = match format {
+            Foreign::Xyz => self.xyz(lines)?,
+            Foreign::Lammps => self.lammps(lines)?,
+            Foreign::Dump => self.dump(lines)?,
+        };
+        self.name_kinds(&mut read, kinds)?;
+        self.sort_by_ids(&mut read)?;
+        Ok(read)
     }
 
     /// Writes the name of its species into each row. If the case has one species, all rows belong to that species.
@@ -195,6 +238,14 @@ impl Resolver {
         let mut rows: Vec<Option<(Cells, Origin)>> = std::mem::take(&mut read.rows).into_iter().map(Some).collect();
         read.rows = numbered.into_iter().filter_map(|(_, place)| rows[place].take()).collect();
         Ok(())
+    }
+
+    /// Adds a warning, unless there is one with these words: all instants of a file may give the same reason.
+    fn warn(&mut self, origin: &Origin, message: impl Into<String>, help: impl Into<String>) {
+        let warning = self.sources.warning(origin, message).help(help);
+        if self.warnings.iter().all(|known| known.message != warning.message) {
+            self.warnings.push(warning);
+        }
     }
 
     /// Creates an error about a line of the file.

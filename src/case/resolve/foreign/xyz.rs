@@ -2,9 +2,8 @@
 //! every instant.
 
 use super::columns::Layout;
-use super::{Cells, ForeignStart, Lines};
+use super::{Cells, ForeignInstant, ForeignReader, ForeignStart, Lines};
 use crate::case::diagnostic::Diagnostic;
-use crate::case::resolve::Resolver;
 use nalgebra::Vector3;
 
 const HELP: &str = "an extended XYZ file begins with the number of particles, then a line such as \
@@ -18,22 +17,30 @@ struct Header {
     edges: Option<Vector3<f64>>,
     /// Axes along which the box is periodic.
     periodic: Option<String>,
+    /// [s] time of the instant.
+    time: Option<f64>,
+    /// Number of the time step.
+    step: Option<f64>,
     layout: Layout,
 }
 
-impl Resolver {
+impl ForeignReader<'_> {
     /// Reads the particles of the last instant in a file.
     pub(super) fn xyz(&mut self, lines: &Lines) -> Result<ForeignStart, Diagnostic> {
-        let (first, count) = self.last_instant(lines)?;
-        let header = self.header(lines, first + 1)?;
-        let row = |number: usize| self.particle(lines, number, &header).map(|cells| (cells, lines.origin(number)));
-        let rows = (first + 2..first + 2 + count).map(row).collect::<Result<_, Diagnostic>>()?;
-        Ok(ForeignStart { rows, edges: header.edges, periodic: header.periodic, counted: header.layout.counted })
+        let instants = self.xyz_instants(lines)?;
+        let Some(&(first, count)) = instants.last() else {
+            return Err(self.wrong(lines, 0, "the file is empty", HELP));
+        };
+        if instants.len() > 1 {
+            let message = format!("the file holds {} instants, the last is taken", instants.len());
+            self.warn(&lines.origin(first), message, "save one instant, if another is meant");
+        }
+        Ok(self.xyz_instant(lines, (first, count))?.start)
     }
 
-    /// Index of the first line of the last instant, and its number of particles.
-    fn last_instant(&mut self, lines: &Lines) -> Result<(usize, usize), Diagnostic> {
-        let (mut first, mut instants) = (0, 1);
+    /// Index of the first line of each instant, and its number of particles.
+    pub(super) fn xyz_instants(&self, lines: &Lines) -> Result<Vec<(usize, usize)>, Diagnostic> {
+        let (mut first, mut instants) = (0, Vec::new());
         loop {
             let count = self.cell(lines, first, lines.get(first).trim(), "the number of particles");
             let count: usize = count.map_err(|error| error.help(HELP))?;
@@ -43,15 +50,26 @@ impl Resolver {
                 let message = format!("{count} particles are announced, {there} lines follow");
                 return Err(self.wrong(lines, first, message, "the file was cut short?"));
             }
+            instants.push((first, count));
             if (end..lines.count()).all(|number| lines.get(number).trim().is_empty()) {
-                if instants > 1 {
-                    let message = format!("the file holds {instants} instants, the last is taken");
-                    self.warn(&lines.origin(first), message, "save one instant, if another is meant");
-                }
-                return Ok((first, count));
+                return Ok(instants);
             }
-            (first, instants) = (end, instants + 1);
+            first = end;
         }
+    }
+
+    /// Reads the particles of one instant.
+    pub(super) fn xyz_instant(
+        &mut self,
+        lines: &Lines,
+        (first, count): (usize, usize),
+    ) -> Result<ForeignInstant, Diagnostic> {
+        let header = self.header(lines, first + 1)?;
+        let row = |number: usize| self.particle(lines, number, &header).map(|cells| (cells, lines.origin(number)));
+        let rows = (first + 2..first + 2 + count).map(row).collect::<Result<_, Diagnostic>>()?;
+        let start =
+            ForeignStart { rows, edges: header.edges, periodic: header.periodic, counted: header.layout.counted };
+        Ok(ForeignInstant { start, time: header.time, step: header.step, first })
     }
 
     /// Reads the line of `key=value` pairs, which describes an instant.
@@ -86,7 +104,11 @@ impl Resolver {
         let periodic = key("pbc").map(of_axis);
         let mut layout = self.layout(lines, number, key("Properties").unwrap_or("species:S:1:pos:R:3"))?;
         self.check_layout(lines, number, &mut layout)?;
-        Ok(Header { origin: corner.unwrap_or_default(), edges, periodic, layout })
+        let number_of = |name: &str| -> Result<Option<f64>, Diagnostic> {
+            key(name).map(|text| self.cell(lines, number, text, name)).transpose()
+        };
+        let (time, step) = (number_of("Time")?, number_of("Timestep")?);
+        Ok(Header { origin: corner.unwrap_or_default(), edges, periodic, time, step, layout })
     }
 
     /// Layout of the lines of particles, from the entry `Properties`: `name:type:columns` for each property.

@@ -1,0 +1,56 @@
+//! Key `against` of a variant: the name of another variant, or a table of values.
+
+use super::de::Located;
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde::Deserialize;
+use serde::de::{MapAccess, Visitor};
+use std::borrow::Cow;
+
+/// Reference of a variant, as typed in the case.
+#[derive(Clone, Debug)]
+pub enum AgainstFile {
+    /// Name of another variant.
+    Variant(String),
+    /// File with a table of values, relative to the case.
+    Table(Located<String>),
+}
+
+/// Table `{ table = "points.csv" }`.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct TableFile {
+    table: Located<String>,
+}
+
+impl<'de> Deserialize<'de> for AgainstFile {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct NameOrTable;
+        impl<'de> Visitor<'de> for NameOrTable {
+            type Value = AgainstFile;
+
+            fn expecting(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+                f.write_str("the name of a variant, or { table = \"points.csv\" }")
+            }
+
+            fn visit_str<E: serde::de::Error>(self, name: &str) -> Result<AgainstFile, E> {
+                Ok(AgainstFile::Variant(name.to_owned()))
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<AgainstFile, A::Error> {
+                let table = TableFile::deserialize(serde::de::value::MapAccessDeserializer::new(map))?.table;
+                Ok(AgainstFile::Table(table))
+            }
+        }
+        deserializer.deserialize_any(NameOrTable)
+    }
+}
+
+impl JsonSchema for AgainstFile {
+    fn schema_name() -> Cow<'static, str> {
+        "NameOrTable".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        json_schema!({ "type": ["string", "object"], "properties": { "table": { "type": "string" } } })
+    }
+}

@@ -1,0 +1,131 @@
+//! Averages over the particles of each instant of a trajectory, as a table with the columns of `series.csv`.
+
+use super::table::NumberTable;
+use crate::case::{Diagnostic, ParticleFrame, Sources, particle_frames};
+use crate::domain::Domain;
+use crate::observe::{Row, SERIES_COLUMNS};
+use crate::statistics::VelocitySpread;
+use nalgebra::Vector3;
+
+/// Column of the number of particles.
+const COUNT: &str = "particles";
+
+/// Columns of `series.csv` that need velocities only.
+const OF_VELOCITIES: [&str; 7] = [
+    "granular_temperature_m2_s2",
+    "Txx_m2_s2",
+    "Tyy_m2_s2",
+    "Tzz_m2_s2",
+    "mean_velocity_x_m_s",
+    "mean_velocity_y_m_s",
+    "mean_velocity_z_m_s",
+];
+
+/// Columns of `series.csv` that also need masses. Those of rotation are empty without spins.
+const OF_MASSES: [&str; 12] = [
+    "kinetic_energy_J",
+    "momentum_x_kg_m_s",
+    "momentum_y_kg_m_s",
+    "momentum_z_kg_m_s",
+    "centre_of_mass_x_m",
+    "centre_of_mass_y_m",
+    "centre_of_mass_z_m",
+    "rotational_energy_J",
+    "rotational_temperature_m2_s2",
+    "Rxx_m2_s2",
+    "Ryy_m2_s2",
+    "Rzz_m2_s2",
+];
+
+/// A column of a trajectory's table, and its value at an instant.
+type Column = (String, Option<f64>);
+
+impl NumberTable {
+    /// Fills the table from a text with the particles of several instants. Returns false if the text has another format.
+    /// With `slices`, the box is divided into as many slices along y: temperatures are relative to their mean velocities,
+    /// and each slice has columns of its own.
+    ///
+    /// # Errors
+    /// A line that cannot be read, or slices without a box.
+    pub(super) fn trajectory(
+        &mut self,
+        text: &str,
+        slices: Option<usize>,
+        sources: &Sources,
+    ) -> Result<bool, Diagnostic> {
+        let Some((frames, warnings)) = particle_frames((self.source, text), sources)? else {
+            return Ok(false);
+        };
+        self.warnings = warnings;
+        let times = Times::of(&frames);
+        for (place, frame) in frames.iter().enumerate() {
+            if slices.is_some_and(|slices| slices > 1) && frame.domain.is_none() {
+                let message = "the particles of this instant have no box that slices could divide";
+                let help = "leave out `slices`, or write the box (XYZ: `Lattice`, dump: BOX BOUNDS)";
+                return Err(sources.error(&frame.origin, message).help(help));
+            }
+            let columns = columns(frame, slices.unwrap_or(1));
+            if place == 0 {
+                self.head(
+                    [times.column.to_owned()].into_iter().chain(columns.iter().map(|one| one.0.clone())).collect(),
+                );
+            }
+            let cells = columns.iter().map(|(_, value)| value.map_or(String::new(), |value| format!("{value:?}")));
+            let time = times.at(frame, place);
+            self.row(
+                &[format!("{time:?}")].into_iter().chain(cells).collect::<Vec<_>>(),
+                frame.origin.span.clone(),
+                sources,
+            )?;
+        }
+        Ok(true)
+    }
+}
+
+/// Times of the instants of a file.
+struct Times {
+    /// Name of the column.
+    column: &'static str,
+}
+
+impl Times {
+    /// Times [s] if all instants give them; otherwise time steps, or numbers of instants.
+    fn of(frames: &[ParticleFrame]) -> Self {
+        let column = if frames.iter().all(|frame| frame.time.is_some()) {
+            "time_s"
+        } else if frames.iter().all(|frame| frame.step.is_some()) {
+            "Step"
+        } else {
+            "frame"
+        };
+        Self { column }
+    }
+
+    fn at(&self, frame: &ParticleFrame, place: usize) -> f64 {
+        let given = if self.column == "time_s" { frame.time } else { frame.step };
+        given.filter(|_| self.column != "frame").unwrap_or(place as f64)
+    }
+}
+
+/// Averages over the particles of one instant.
+fn columns(frame: &ParticleFrame, slices: usize) -> Vec<Column> {
+    // without a box nothing is periodic, and one slice holds all particles
+    let domain = frame.domain.clone().unwrap_or_else(|| Domain::new(Vector3::repeat(f64::INFINITY), [false; 3]));
+    let particles = &frame.particles;
+    let row = Row::of_sample(0.0, particles.into(), particles.mean_velocity(), (&domain, slices));
+    let wanted = |key: &&str| OF_VELOCITIES.contains(key) || frame.has_masses && OF_MASSES.contains(key);
+    let mut all = vec![(COUNT.to_owned(), Some(particles.len() as f64))];
+    all.extend(SERIES_COLUMNS.iter().filter(|one| wanted(&one.key)).map(|one| (one.key.to_owned(), (one.of)(&row))));
+    if slices > 1 {
+        let spread = VelocitySpread::of(particles, slices, domain.size.y);
+        for (number, (count, mean, temperature)) in spread.of_slices().enumerate() {
+            let mut push = |name: &str, value: Option<f64>| all.push((format!("{name}[{}]", number + 1), value));
+            push(COUNT, Some(count));
+            for (axis, letter) in ["x", "y", "z"].into_iter().enumerate() {
+                push(&format!("mean_velocity_{letter}_m_s"), mean.map(|mean| mean[axis]));
+                push(&format!("T{letter}{letter}_m2_s2"), temperature.map(|parts| parts[axis]));
+            }
+        }
+    }
+    all
+}
