@@ -29,7 +29,7 @@ impl<'de> Deserialize<'de> for AgainstFile {
             type Value = AgainstFile;
 
             fn expecting(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
-                f.write_str("the name of a variant, or { table = \"points.csv\" }")
+                f.write_str("a name, such as \"hard\", or { table = \"points.csv\" }")
             }
 
             fn visit_str<E: serde::de::Error>(self, name: &str) -> Result<AgainstFile, E> {
@@ -51,6 +51,11 @@ impl JsonSchema for AgainstFile {
     }
 
     fn json_schema(_: &mut SchemaGenerator) -> Schema {
-        json_schema!({ "type": ["string", "object"], "properties": { "table": { "type": "string" } } })
+        let table = json_schema!({
+            "type": "string",
+            "description": "File with a table of values, relative to the case.",
+            "examples": ["points.csv"]
+        });
+        json_schema!({ "type": ["string", "object"], "properties": { "table": table } })
     }
 }

@@ -63,7 +63,7 @@ fn a_run_is_compared_with_the_values_of_a_table() {
     assert_eq!(names, ["granular temperature", "uu"], "{judged}");
     // a table that is 30 % too high: (1 - 1.3)/1.3 = -23 % of its value
     let (code, said, _) = compared(place, TABLE, &table(1.3, &one_percent), "5%");
-    assert!(code == 3 && said.contains("different by -23"), "{code} {said}");
+    assert!(code == 3 && said.contains("different by −23"), "{code} {said}");
     // without standard errors nothing is equivalent
     let (code, said, _) = compared(place, TABLE, &table(1.0, ""), "10%");
     assert!(code == 4 && said.contains("unresolved"), "{code} {said}");
@@ -88,7 +88,7 @@ fn tables_that_cannot_be_a_reference_are_refused() {
         (TABLE, "", ["case.toml:", "0 values", "1 to 1023"]),
         ("{ table = \"none.csv\" }", "", ["case.toml:", "none.csv", "no such file"]),
         ("{ tabel = \"points.csv\" }", "", ["case.toml:", "tabel", "table"]),
-        ("7", "", ["case.toml:", "the name of a variant", "points.csv"]),
+        ("7", "", ["case.toml:", "where a name, such as \"hard\"", "points.csv"]),
         ("\"other\"", "", ["case.toml:", "no variant is called \"other\"", "gas"]),
     ] {
         let (code, said, folder) = compared(place, against, &format!("{head}{rows}"), "5%");

@@ -5,7 +5,7 @@ use super::{Criteria, Finding, how_it_stopped, longer, stopped, unsteady, words}
 use crate::experiment::{Reference, ReferencePoint, ReferenceTable};
 use crate::outcome::Outcome;
 use crate::output::{Basis, Verdict};
-use crate::statistics::{Answer, Batches, Observable, Parity, SliceColumn, compare, slice_column};
+use crate::statistics::{Answer, Batches, Observable, Parity, SliceColumn, U, compare, slice_column};
 
 /// Compares a variant with its table; `None` if its reference is not a table.
 pub fn judge(outcome: &Outcome, asked: Criteria) -> Option<Verdict> {
@@ -73,13 +73,20 @@ fn observables(outcome: &Outcome, table: &ReferenceTable) -> Vec<(Observable, Ob
     pairs
 }
 
-/// A profile; `None` if the run has no scale for it, as without samples.
+/// A profile; `None` if it has no scale, as a velocity without samples. The scale of a velocity is that of the run, such
+/// as the mean slip, because velocities depend on the frame of reference.
 fn profile(
     outcome: &Outcome,
     column: SliceColumn,
     mut points: Vec<(usize, &ReferencePoint)>,
 ) -> Option<(Observable, Observable)> {
-    let (scale, scale_is) = scale(&column, outcome)?;
+    let magnitudes = points.iter().map(|(_, point)| point.value.abs());
+    let of_table = magnitudes.sum::<f64>() / points.len() as f64;
+    let (scale, scale_is) =
+        if column == U { scale(&U, outcome)? } else { (of_table, "the mean magnitude in the table") };
+    if scale <= 0.0 {
+        return None;
+    }
     points.sort_by(|(_, one), (_, other)| one.y.unwrap_or_default().total_cmp(&other.y.unwrap_or_default()));
     let slices = &outcome.profiles.slices;
     let thickness = outcome.experiment.scene.domain.size.y / slices.len() as f64;
