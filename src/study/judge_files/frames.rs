@@ -3,7 +3,7 @@
 use super::table::NumberTable;
 use crate::case::{Diagnostic, ParticleFrame, Sources, particle_frames};
 use crate::domain::Domain;
-use crate::observe::{Row, SERIES_COLUMNS};
+use crate::observe::{Row, SERIES_COLUMNS, SeriesColumn};
 use crate::statistics::VelocitySpread;
 use nalgebra::Vector3;
 
@@ -57,53 +57,40 @@ impl NumberTable {
             return Ok(false);
         };
         self.warnings = warnings;
-        let times = Times::of(&frames);
-        for (place, frame) in frames.iter().enumerate() {
+        let (time, times) = times(&frames);
+        for (frame, now) in frames.iter().zip(times) {
             if slices.is_some_and(|slices| slices > 1) && frame.domain.is_none() {
                 let message = "the particles of this instant have no box that slices could divide";
                 let help = "leave out `slices`, or write the box (XYZ: `Lattice`, dump: BOX BOUNDS)";
                 return Err(sources.error(&frame.origin, message).help(help));
             }
-            let columns = columns(frame, slices.unwrap_or(1));
-            if place == 0 {
-                self.head(
-                    [times.column.to_owned()].into_iter().chain(columns.iter().map(|one| one.0.clone())).collect(),
-                );
+            let (mut names, mut cells) = (vec![time.to_owned()], vec![format!("{now:?}")]);
+            for (name, value) in columns(frame, slices.unwrap_or(1)) {
+                names.push(name);
+                cells.push(value.map_or(String::new(), |value| format!("{value:?}")));
             }
-            let cells = columns.iter().map(|(_, value)| value.map_or(String::new(), |value| format!("{value:?}")));
-            let time = times.at(frame, place);
-            self.row(
-                &[format!("{time:?}")].into_iter().chain(cells).collect::<Vec<_>>(),
-                frame.origin.span.clone(),
-                sources,
-            )?;
+            if self.columns.is_empty() {
+                self.head(names);
+            } else if self.columns != names {
+                let message = "this instant has other columns than the first one: masses, spins or periodic sides";
+                return Err(sources.error(&frame.origin, message).help("give all instants of a file the same columns"));
+            }
+            self.row(&cells, frame.origin.span.clone(), sources)?;
         }
         Ok(true)
     }
 }
 
-/// Times of the instants of a file.
-struct Times {
-    /// Name of the column.
-    column: &'static str,
-}
-
-impl Times {
-    /// Times [s] if all instants give them; otherwise time steps, or numbers of instants.
-    fn of(frames: &[ParticleFrame]) -> Self {
-        let column = if frames.iter().all(|frame| frame.time.is_some()) {
-            "time_s"
-        } else if frames.iter().all(|frame| frame.step.is_some()) {
-            "Step"
-        } else {
-            "frame"
-        };
-        Self { column }
+/// Name of the column of times, and the time of each instant: seconds if all instants give them, else time steps, or
+/// numbers of instants.
+fn times(frames: &[ParticleFrame]) -> (&'static str, Vec<f64>) {
+    let all = |of: fn(&ParticleFrame) -> Option<f64>| frames.iter().map(of).collect::<Option<Vec<f64>>>();
+    if let Some(times) = all(|frame| frame.time) {
+        return ("time_s", times);
     }
-
-    fn at(&self, frame: &ParticleFrame, place: usize) -> f64 {
-        let given = if self.column == "time_s" { frame.time } else { frame.step };
-        given.filter(|_| self.column != "frame").unwrap_or(place as f64)
+    match all(|frame| frame.step) {
+        Some(steps) => ("Step", steps),
+        None => ("frame", (0..frames.len()).map(|place| place as f64).collect()),
     }
 }
 
@@ -115,7 +102,10 @@ fn columns(frame: &ParticleFrame, slices: usize) -> Vec<Column> {
     let row = Row::of_sample(0.0, particles.into(), particles.mean_velocity(), (&domain, slices));
     let wanted = |key: &&str| OF_VELOCITIES.contains(key) || frame.has_masses && OF_MASSES.contains(key);
     let mut all = vec![(COUNT.to_owned(), Some(particles.len() as f64))];
-    all.extend(SERIES_COLUMNS.iter().filter(|one| wanted(&one.key)).map(|one| (one.key.to_owned(), (one.of)(&row))));
+    // what a scene does not have, such as a centre of mass along a periodic side, has no column
+    let is_there = |one: &&SeriesColumn| OF_VELOCITIES.contains(&one.key) || (one.of)(&row).is_some();
+    let own = SERIES_COLUMNS.iter().filter(|one| wanted(&one.key)).filter(is_there);
+    all.extend(own.map(|one| (one.key.to_owned(), (one.of)(&row))));
     if slices > 1 {
         let spread = VelocitySpread::of(particles, slices, domain.size.y);
         for (number, (count, mean, temperature)) in spread.of_slices().enumerate() {

@@ -116,6 +116,7 @@ fn equal_names(margin: f64, sides: &[JudgeSide; 2]) -> Result<(Vec<ComparedColum
         scale: None,
     };
     let mut left_out: Vec<String> = left_out.into_iter().chain(more).collect();
+    left_out.sort();
     left_out.dedup();
     let notes = (!left_out.is_empty())
         .then(|| format!("Columns with cells that are no numbers are left out: {}.", left_out.join(", ")));
