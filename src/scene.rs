@@ -4,6 +4,7 @@ mod buoyancy;
 mod sizes;
 mod start_region;
 
+pub use buoyancy::ADDED_MASS;
 pub use sizes::{Fraction, SizeDistribution};
 pub use start_region::StartRegion;
 
@@ -149,12 +150,16 @@ pub struct Species {
     pub diameter: f64,
     /// [kg/m³] density ρ_p.
     pub density: f64,
+    /// [kg/m³] added mass over the volume of a sphere: gas that a sphere accelerates with itself. 0 if it is left out.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub added_density: f64,
     /// Elasticity of the species; `None`: that of the contact law.
     pub elasticity: Option<Elasticity>,
     /// Distribution of the diameters; `None`: all are `diameter`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sizes: Option<SizeDistribution>,
-    /// [-] moment of inertia about the centre over m r²: 2/5 of a solid sphere, 2/3 of a thin shell.
+    /// [-] moment of inertia about the centre over m r², where m is the mass without added mass: 2/5 of a solid sphere,
+    /// 2/3 of a thin shell.
     #[serde(skip_serializing_if = "is_solid")]
     pub inertia_factor: f64,
 }
@@ -164,10 +169,16 @@ fn is_solid(factor: &f64) -> bool {
     *factor == SOLID_SPHERE
 }
 
+/// True if a species has no added mass, of which a case needs to say nothing.
+fn is_zero(density: &f64) -> bool {
+    *density == 0.0
+}
+
 impl Species {
     /// A species of solid spheres of one size: diameter [m] and density [kg/m³].
     pub fn new(name: impl Into<String>, diameter: f64, density: f64) -> Self {
-        Self { name: name.into(), diameter, density, elasticity: None, sizes: None, inertia_factor: SOLID_SPHERE }
+        let (name, elasticity, sizes) = (name.into(), None, None);
+        Self { name, diameter, density, added_density: 0.0, elasticity, sizes, inertia_factor: SOLID_SPHERE }
     }
 
     /// [m³] volume of one sphere, π d³/6; the mean volume where sizes differ.
@@ -175,9 +186,20 @@ impl Species {
         std::f64::consts::PI / 6.0 * self.diameter.powi(3)
     }
 
-    /// [kg] mass of one sphere; the mean mass where sizes differ.
+    /// [kg/m³] mass that a force accelerates, over the volume of a sphere: density plus added mass.
+    pub fn inertial_density(&self) -> f64 {
+        self.density + self.added_density
+    }
+
+    /// [kg] mass of one sphere with its added mass; the mean mass where sizes differ.
     pub fn mass(&self) -> f64 {
-        self.density * self.volume()
+        self.inertial_density() * self.volume()
+    }
+
+    /// [-] moment of inertia about the centre over m r², where m is the mass with added mass: gas around a sphere that
+    /// only rotates is not accelerated.
+    pub fn factor_with_added_mass(&self) -> f64 {
+        self.inertia_factor * (self.density / self.inertial_density())
     }
 
     /// [m] smallest possible diameter.
@@ -248,7 +270,7 @@ impl Scene {
     /// Gives particles what they need to rotate, if spheres of the scene do.
     pub fn let_rotate(&self, particles: &mut Particles) {
         if self.rotation.is_some() {
-            particles.let_rotate(&self.species.iter().map(|species| species.inertia_factor).collect::<Vec<_>>());
+            particles.let_rotate(&self.species.iter().map(Species::factor_with_added_mass).collect::<Vec<_>>());
         }
     }
 
@@ -259,7 +281,7 @@ impl Scene {
         let body = |of: u16| {
             let species = species(of);
             let (mass, radius) = (species.mass(), 0.5 * species.diameter);
-            (mass, radius, species.inertia_factor * mass * radius * radius)
+            (mass, radius, species.factor_with_added_mass() * mass * radius * radius)
         };
         let ratio = |bodies: &[(f64, f64, f64)]| {
             tangential_mass(bodies.iter().copied()) * bodies.iter().map(|(mass, ..)| 1.0 / mass).sum::<f64>()

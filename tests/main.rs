@@ -6,6 +6,7 @@
 mod made_up;
 mod support;
 
+mod added_mass; // inertia of the gas that spheres accelerate
 mod analytic; // closed forms: two bodies, walls, oblique impacts (oracle A, B)
 mod batches; // averages from blocks of time, and answers where they are known
 mod bodies; // walls that are not planes along an axis

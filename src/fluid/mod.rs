@@ -49,8 +49,9 @@ pub struct Fluid {
 impl Fluid {
     /// Properties of a single sphere of this species in this gas on which drag depends.
     pub fn sphere(&self, species: &Species) -> Sphere {
+        let inertia = species.inertial_density() * species.diameter.powi(2);
         Sphere {
-            stokes_time: species.density * species.diameter.powi(2) / (18.0 * self.density * self.kinematic_viscosity),
+            stokes_time: inertia / (18.0 * self.density * self.kinematic_viscosity),
             reynolds_per_speed: species.diameter / self.kinematic_viscosity,
             fraction: 0.0,
         }

@@ -102,8 +102,9 @@ fn in_gas(scene: &Scene, plan: &RunPrediction, contact: Option<f64>) -> Vec<Effe
     let turbulent = plan.flow.iter().map(|flow| flow.turbulent_variance).reduce(|a, b| Some(a?.max(b?))).flatten();
     let lightest = scene.species.iter().map(|species| species.density).reduce(f64::min);
     let floats = scene.fluid.as_ref().is_some_and(|fluid| fluid.buoyancy.is_some());
+    let has_added_mass = scene.species.iter().any(|species| species.added_density > 0.0);
     // the gas that a sphere accelerates has half the volume of the sphere
-    let (left_out, measure, share) = if floats {
+    let (effect, measure, share) = if floats || has_added_mass {
         ("added mass", "half the density of the gas over that of the particles", 0.5)
     } else {
         ("buoyancy and added mass", "density of the gas over that of the particles", 1.0)
@@ -136,6 +137,6 @@ fn in_gas(scene: &Scene, plan: &RunPrediction, contact: Option<f64>) -> Vec<Effe
             plan.gas.as_ref().map(|gas| gas.collision_rate * response),
             true,
         ),
-        against_target(left_out, measure, scene.fluid.as_ref().zip(lightest).map(ratio), false),
+        against_target(effect, measure, scene.fluid.as_ref().zip(lightest).map(ratio), has_added_mass),
     ]
 }

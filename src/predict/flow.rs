@@ -79,7 +79,7 @@ pub fn flow(
         response_time: drag.law().response_time(&sphere, slip),
         stokes_bulk: sphere.stokes_time * bulk.abs() / height,
         stokes_friction: fluid.profile.wall_scale().map(|wall| sphere.stokes_time * wall.friction_velocity / height),
-        mass_loading: number_density * species.mass() / fluid.density,
+        mass_loading: number_density * species.density * species.volume() / fluid.density,
         turbulent_variance: channel.map(|flow| {
             let response = drag.law().response_time(&sphere, slip);
             // mean over the cross-section, over which particles are spread, with trapezoids between nodes; rings of a pipe

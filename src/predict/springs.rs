@@ -4,6 +4,7 @@ use super::contact::{ContactKind, StepLimit, fastest_impact};
 use crate::contact_law::{Bodies, ContactLaw, Spring};
 use crate::experiment::Experiment;
 use crate::rotation::{RollingBodies, SpringDashpotSlider};
+use crate::scene::Species;
 use std::f64::consts::PI;
 
 /// A tangential, rolling or twisting spring between two bodies, at the largest overlap of the fastest impacts.
@@ -28,7 +29,7 @@ impl SideSpring {
 /// All springs of a contact between two bodies except the normal one. Springs without stiffness are left out.
 pub fn side_springs(experiment: &Experiment, law: &ContactLaw, bodies: &Bodies) -> Vec<SideSpring> {
     let scene = &experiment.scene;
-    let inertia = scene.species.iter().map(|species| species.inertia_factor).reduce(f64::min);
+    let inertia = scene.species.iter().map(Species::factor_with_added_mass).reduce(f64::min);
     let (Some(rotation), Some(inertia)) = (&scene.rotation, inertia) else { return Vec::new() };
     let Bodies { effective_mass, effective_radius, .. } = *bodies;
     let spring = law.between(bodies);

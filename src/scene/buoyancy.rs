@@ -4,10 +4,30 @@ use super::{Scene, Species};
 use crate::fluid::Buoyancy;
 use nalgebra::Vector3;
 
+/// Coefficient of the added mass of a sphere: it accelerates half of its volume of gas (Maxey and Riley 1983).
+pub const ADDED_MASS: f64 = 0.5;
+
+impl Species {
+    /// [-] share of the acceleration of gravity that buoyancy and added mass take in a gas of a density [kg/m³].
+    fn carried_by(&self, gas: f64) -> f64 {
+        (gas + self.added_density) / self.inertial_density()
+    }
+}
+
 impl Scene {
+    /// Gives all species the added mass of spheres in the gas of the scene. A scene without gas does not change.
+    ///
+    /// A sphere of volume V in a gas of density ρ_f then has the inertia of m + ρ_f V/2. Masses, momenta and energies of
+    /// the simulation contain that of the gas which moves with the spheres. Call it before
+    /// [`add_buoyancy`](Self::add_buoyancy) and before particles are made.
+    pub fn add_added_mass(&mut self) {
+        let Some(fluid) = &self.fluid else { return };
+        self.species.iter_mut().for_each(|species| species.added_density = ADDED_MASS * fluid.density);
+    }
+
     /// Adds the buoyancy of the particles to a scene with gas and gravity; other scenes do not change. The acceleration
-    /// of a species of density ρ_p becomes g (1 - ρ_f/ρ_p), where ρ_f is the density of the gas. A second call changes
-    /// nothing.
+    /// of a species of density ρ_p becomes g (1 - ρ_f/ρ_p), where ρ_f is the density of the gas. With the added mass ρ_a it
+    /// becomes g (ρ_p - ρ_f)/(ρ_p + ρ_a). A second call changes nothing.
     ///
     /// Engines move all particles in one falling frame. So [`gravity`](Self::gravity) becomes the acceleration of the
     /// densest species, and the simulation adds the differences of the others in half-kicks before and after each
@@ -15,15 +35,16 @@ impl Scene {
     pub fn add_buoyancy(&mut self) {
         let gravity = self.gravity;
         let Some(fluid) = self.fluid.as_mut().filter(|fluid| fluid.buoyancy.is_none()) else { return };
-        let Some(densest) = self.species.iter().map(|species| species.density).reduce(f64::max) else { return };
+        let densest = self.species.iter().max_by(|one, other| one.density.total_cmp(&other.density));
+        let Some(densest) = densest else { return };
         if gravity == Vector3::zeros() {
             return;
         }
-        let carried = |density: f64| fluid.density / density;
-        let difference = |density: f64| gravity * (carried(densest) - carried(density));
-        let alike = self.species.iter().all(|species| species.density == densest);
+        let density = fluid.density;
+        let carried = |species: &Species| species.carried_by(density);
+        let alike = self.species.iter().all(|species| species.density == densest.density);
         let species = if alike { &[] } else { self.species.as_slice() };
-        let differences = species.iter().map(|species| difference(species.density)).collect();
+        let differences = species.iter().map(|species| gravity * (carried(densest) - carried(species))).collect();
         self.gravity = gravity * (1.0 - carried(densest));
         fluid.buoyancy = Some(Buoyancy { gravity, differences });
     }
@@ -51,7 +72,7 @@ impl Scene {
     /// [m/s²] acceleration of the particles of a species by weight and buoyancy.
     pub fn gravity_of(&self, species: &Species) -> Vector3<f64> {
         match self.fluid.as_ref().filter(|fluid| fluid.buoyancy.is_some()) {
-            Some(fluid) => self.gravity_alone() * (1.0 - fluid.density / species.density),
+            Some(fluid) => self.gravity_alone() * (1.0 - species.carried_by(fluid.density)),
             None => self.gravity,
         }
     }

@@ -21,6 +21,10 @@ pub struct FluidFile {
     /// nothing.
     #[schemars(example = false, extend("default" = true))]
     pub buoyancy: Option<Located<bool>>,
+    /// True: adds the added mass ρ_f V/2, the inertia of the gas that a particle of volume V accelerates. Masses, momenta
+    /// and energies in results then contain it.
+    #[schemars(example = true, extend("default" = false))]
+    pub added_mass: Option<Located<bool>>,
     /// Velocity of the gas along z, usually as a function of y. Give exactly one of the tables below.
     #[schemars(extend("x-required" = "always"))]
     pub profile: Option<Located<ProfileFile>>,

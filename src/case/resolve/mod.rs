@@ -89,6 +89,7 @@ pub fn resolve(
     };
     let pairs = crate::scene::Pairs::default();
     let mut scene = crate::scene::Scene { domain, gravity, fluid, walls, contact, pairs, species, rotation: None };
+    resolver.added_mass(file, &mut scene)?;
     resolver.buoyancy(file, &mut scene);
     // the start depends on whether spheres rotate; the actual law is set below, when all surfaces are known
     scene.rotation = Resolver::rotates(file).then_some(Rotation::new(TangentialLaw::Coulomb, ImpactRule::COULOMB));

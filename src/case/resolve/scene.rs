@@ -9,8 +9,12 @@ use crate::domain::Domain;
 use crate::drag::{Drag, SchillerNaumann, Stokes, SuspensionDrag, SuspensionLaw};
 use crate::fluid::TurbulenceModel;
 use crate::fluid::{Fluid, Profile};
-use crate::scene::{Scene, Species, Surface};
+use crate::scene::{ADDED_MASS, Scene, Species, Surface};
 use nalgebra::Vector3;
+
+/// [-] ratio of a force of the displaced gas to weight, below which it is left out without a warning. It equals the usual
+/// margin of comparisons.
+const SMALL: f64 = 0.01;
 
 impl Resolver {
     /// Box, with the axes along which it is periodic.
@@ -53,12 +57,45 @@ impl Resolver {
         Ok(gravity)
     }
 
+    /// Adds added mass to the species of the scene, if the case asks for it. Otherwise a warning is given if the density
+    /// of the fluid makes added mass matter.
+    ///
+    /// # Errors
+    /// Added mass without buoyancy: both are forces of the gas that is displaced.
+    pub(super) fn added_mass(&mut self, file: &CaseFile, scene: &mut Scene) -> Result<(), Diagnostic> {
+        let Some(typed) = &file.fluid else { return Ok(()) };
+        let of = |key: &Option<Located<bool>>| key.as_ref().map(|key| key.value);
+        let (added, floats) = (of(&typed.value.added_mass), of(&typed.value.buoyancy).unwrap_or(true));
+        if let Some(key) = typed.value.added_mass.as_ref().filter(|key| key.value && !floats) {
+            let help = "leave out `fluid.buoyancy`, which is true by default";
+            return Err(self.refuse(key, "needs buoyancy: both are forces of the displaced gas").help(help));
+        }
+        if added == Some(true) {
+            scene.add_added_mass();
+            return Ok(());
+        }
+        let Some(fluid) = scene.fluid.as_ref().filter(|_| added.is_none() && floats) else { return Ok(()) };
+        for species in &scene.species {
+            let share = ADDED_MASS * fluid.density / species.density;
+            if share > SMALL {
+                let percent = 100.0 * share;
+                let message = format!(
+                    "added mass is left out: in this fluid it is {percent:.1} % of the mass of \"{}\"",
+                    species.name
+                );
+                self.warn(
+                    &typed.origin,
+                    message,
+                    "add `added_mass = true` to [fluid]; `false` leaves it out in silence",
+                );
+            }
+        }
+        Ok(())
+    }
+
     /// Adds buoyancy to the scene, unless the case switches it off. In that case a warning is given if the density of the
     /// fluid makes buoyancy matter.
     pub(super) fn buoyancy(&mut self, file: &CaseFile, scene: &mut Scene) {
-        /// [-] ratio of buoyancy to weight below which buoyancy is left out without a warning. It equals the usual
-        /// margin of comparisons.
-        const SMALL: f64 = 0.01;
         let Some(typed) = file.fluid.as_ref().and_then(|fluid| fluid.value.buoyancy.as_ref()).filter(|on| !on.value)
         else {
             return scene.add_buoyancy();

@@ -81,14 +81,8 @@ impl Resolver {
                 return Err(self.sources.error(origin, message).help("give each [[particles]] its own `name`"));
             }
             let elasticity = self.own_elasticity(file, &kind.value.elasticity)?;
-            species.push(Species {
-                name,
-                diameter: d,
-                density: rho,
-                elasticity,
-                sizes,
-                inertia_factor: self.inertia_factor(kind)?,
-            });
+            let inertia_factor = self.inertia_factor(kind)?;
+            species.push(Species { elasticity, sizes, inertia_factor, ..Species::new(name, d, rho) });
         }
         Ok(species)
     }

@@ -1,0 +1,107 @@
+//! Added mass: accelerations, response times, moments of inertia, and the warning where it is left out.
+
+use crate::support::{case, close, diptych, words};
+use diptych::experiment::Model;
+use diptych::placement::initial_state;
+use diptych::predict::flow::flows;
+use diptych::simulation::Simulation;
+
+/// A light sphere and a heavy one, far apart, in water without drag.
+const WATER: &str = r#"
+[domain]
+size = ["100 mm", "100 mm", "100 mm"]
+periodic = ["x", "y", "z"]
+[gravity]
+acceleration = ["0 m/s^2", "0 m/s^2", "-10 m/s^2"]
+[fluid]
+density = "1000 kg/m^3"
+kinematic_viscosity = "1e-6 m^2/s"
+added_mass = true
+[fluid.profile.uniform]
+velocity = "0 m/s"
+[[particles]]
+name = "light"
+diameter = "1 mm"
+density = "100 kg/m^3"
+at = [{ position = ["20 mm", "50 mm", "50 mm"] }]
+[[particles]]
+name = "heavy"
+diameter = "1 mm"
+density = "2500 kg/m^3"
+at = [{ position = ["70 mm", "50 mm", "50 mm"] }]
+[contact]
+restitution = 0.9
+rotation = true
+friction = 0.1
+[soft.linear_spring_dashpot]
+stiffness = "1000 N/m"
+[soft.tangential.linear]
+tangential_restitution = 0.4
+[run]
+duration = "0.1 s"
+window = "0.1 ms"
+"#;
+
+/// A bubble in an ideal fluid rises with 2 g, a sphere of density ρ_p with g (ρ_f - ρ_p)/(ρ_p + ρ_f/2).
+#[test]
+fn spheres_rise_and_fall_with_their_added_mass() {
+    for model in [Model::Soft, Model::Hard, Model::Hybrid] {
+        let experiment = case(WATER, model, &[]).unwrap();
+        let mut simulation = Simulation::new(&experiment, initial_state(&experiment).unwrap());
+        simulation.run(1000, 1e-4).unwrap();
+        let state = simulation.state();
+        for (velocity, wanted) in state.velocity.iter().zip([10.0 * 900.0 / 600.0, -10.0 * 1500.0 / 3000.0]) {
+            // a thousand windows add a velocity of 1 m/s, each rounded
+            close("velocity", velocity.z, wanted * 0.1, 1000.0 * f64::EPSILON);
+        }
+        // the work on both is their kinetic energy, which contains that of the water
+        let work = simulation.record.ledger.gravity_work;
+        close("work", simulation.particles.kinetic_energy(), work, 1e-12 * work);
+        // moments of inertia are those of the spheres alone
+        let body = [100.0, 2500.0].map(|density| 0.4 * density * std::f64::consts::PI / 6.0 * 1e-9 * 0.25e-6);
+        for (found, wanted) in state.inertia.as_ref().unwrap().iter().zip(body) {
+            close("inertia", *found, wanted, 1e-14 * wanted);
+        }
+    }
+    // a light sphere without added mass would rise with 9 g
+    let bare = case(WATER, Model::Hard, &["fluid.added_mass=false"]).unwrap();
+    close("without", bare.scene.gravity_of(&bare.scene.species[0]).z, 90.0, 1e-12);
+}
+
+/// In Stokes drag a sphere of density ρ_p approaches its terminal speed with τ = (ρ_p + ρ_f/2) d²/(18 ρ_f ν), and added
+/// mass does not change that speed.
+#[test]
+fn drag_accelerates_the_added_mass_too() {
+    let keys = ["drag.stokes={}", "fluid.kinematic_viscosity=1e-4", "run.duration=5 ms"];
+    let (tau, settling) = (3000.0 * 1e-6 / (18.0 * 1000.0 * 1e-4), 1500.0 * 1e-6 * 10.0 / (18.0 * 1000.0 * 1e-4));
+    for model in [Model::Soft, Model::Hard] {
+        let experiment = case(WATER, model, &keys).unwrap();
+        close("prediction", flows(&experiment.scene, &[1, 1])[1].terminal_slip, settling, 1e-6 * settling);
+        let mut simulation = Simulation::new(&experiment, initial_state(&experiment).unwrap());
+        simulation.run(100, 1e-5).unwrap();
+        let wanted = -settling * (1.0 - (-1e-3 / tau).exp());
+        // splitting: (h/τ)²/24 of the velocity, with h = 10 µs and τ = 1.7 ms
+        close("velocity", simulation.state().velocity[1].z, wanted, 2.0 * (1e-5_f64 / tau).powi(2) / 24.0 * settling);
+    }
+}
+
+#[test]
+fn added_mass_without_buoyancy_is_refused_and_its_absence_is_warned_of() {
+    let why = case(WATER, Model::Hard, &["fluid.buoyancy=false"]).unwrap_err();
+    assert!(why.contains("`fluid.added_mass`") && why.contains("needs buoyancy"), "{why}");
+    let told = |sets: &[&str]| {
+        let mut arguments = vec!["check", "cases/beads-in-air.toml", "--set", "fluid.buoyancy=true"];
+        sets.iter().for_each(|set| arguments.extend(["--set", *set]));
+        let output = diptych(&arguments).output().unwrap();
+        words(&output.stdout) + &words(&output.stderr)
+    };
+    let water = "fluid.density=998.2";
+    assert!(
+        told(&[water]).contains("added mass is left out: in this fluid it is 20.0 % of the mass"),
+        "{}",
+        told(&[water])
+    );
+    assert!(!told(&[]).contains("added mass"), "air");
+    assert!(!told(&[water, "fluid.added_mass=true"]).contains("left out"));
+    assert!(!told(&[water, "fluid.added_mass=false"]).contains("left out"));
+}
