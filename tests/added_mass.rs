@@ -79,7 +79,7 @@ fn drag_accelerates_the_added_mass_too() {
         close("prediction", flows(&experiment.scene, &[1, 1])[1].terminal_slip, settling, 1e-6 * settling);
         let mut simulation = Simulation::new(&experiment, initial_state(&experiment).unwrap());
         simulation.run(100, 1e-5).unwrap();
-        let wanted = -settling * (1.0 - (-1e-3 / tau).exp());
+        let wanted = -settling * (1.0 - (-1e-3_f64 / tau).exp());
         // splitting: (h/τ)²/24 of the velocity, with h = 10 µs and τ = 1.7 ms
         close("velocity", simulation.state().velocity[1].z, wanted, 2.0 * (1e-5_f64 / tau).powi(2) / 24.0 * settling);
     }

@@ -46,7 +46,7 @@ pub const CHANNEL_GAS: ValidationCheck = ValidationCheck {
     tier: OtherCodes,
     case: "paper/gas-d",
     scene: "Mean velocity of the gas in a channel at Re_τ = 1000, in wall units, by the k-ε model of Launder and Sharma that drives particles here.",
-    source: "Direct numerical simulation of Lee and Moser (2015, J. Fluid Mech. 774, 395) at Re_τ = 1000.5, as in cases/paper/gas-dns.csv of this repository.",
+    source: "Direct numerical simulation of Lee and Moser (2015, J. Fluid Mech. 774, 395) at Re_τ = 1000.5, as in cases/paper/gas-dns.csv of this repository, which names its source. The paper itself was not read.",
     not_shown: "Turbulence as such: a k-ε model is known to miss the profile by some per cent, and particles see its mean velocity only.",
     takes_minutes: false,
     measure: channel_gas,

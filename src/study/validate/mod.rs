@@ -8,6 +8,7 @@ mod answers;
 mod bounces;
 mod check;
 mod chung_ooi;
+mod contact_time;
 mod cooling;
 mod fall;
 mod flows;
@@ -55,6 +56,7 @@ const CHECKS: &[&ValidationCheck] = &[
     &gases::HARD_GAS,
     &gases::MIXTURE,
     &cooling::HAFF,
+    &contact_time::CONTACT_TIME,
     &cooling::SONINE,
     &cooling::MFIX_EXA,
     &cooling::ROUGH,

@@ -71,7 +71,7 @@ pub const DROPPED_WITH_SPIN: ValidationCheck = ValidationCheck {
     tier: ClosedForms,
     case: "rotation/dropped-with-spin",
     scene: "A ball with R ω = 2 m/s falls on a floor with e = 0.8, μ = 0.25, β_0 = 0.44; after three bounces of a hard ball, and at the end of a soft one.",
-    source: "Walton's rule (1993), bounce by bounce; m R v + I ω is conserved, so that v ends at (5 v_0 + 2 R ω_0)/7 = 4/7 m/s.",
+    source: "Walton's rule (1993; not read, the rule is that of docs/rotation.md), bounce by bounce; m R v + I ω is conserved, so that v ends at (5 v_0 + 2 R ω_0)/7 = 4/7 m/s.",
     not_shown: "Friction that depends on speed, and contacts of other bodies at once.",
     takes_minutes: false,
     measure: dropped_with_spin,

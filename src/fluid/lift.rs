@@ -1,0 +1,141 @@
+//! Lift: forces of the gas across the slip of a sphere, in sheared gas or by its spin; and the torque of the gas.
+//!
+//! Both forces are perpendicular to the slip s, the velocity of the gas relative to the sphere. During a kick the gas
+//! and the spin are taken as constant, so that s turns about a fixed axis and keeps its length. This turn is exact.
+
+use nalgebra::{Rotation3, Vector3};
+use serde::Serialize;
+use std::f64::consts::PI;
+
+/// Lift forces of a gas on the particles.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Lift {
+    /// True: lift in sheared gas, after Saffman (1965) and Mei (1992).
+    pub shear: bool,
+    /// True: lift by spin (Magnus force), after Rubinow and Keller (1961) and Oesterlé and Bui Dinh (1998), and the torque of
+    /// the gas, after Dennis, Singh and Ingham (1980).
+    pub spin: bool,
+}
+
+/// A sphere in a gas: quantities on which lift depends.
+#[derive(Clone, Copy, Debug)]
+pub struct LiftedSphere {
+    /// [kg/m³] density of the gas.
+    pub gas_density: f64,
+    /// [m²/s] kinematic viscosity of the gas.
+    pub kinematic_viscosity: f64,
+    /// [m] diameter d of the sphere.
+    pub diameter: f64,
+    /// [kg] mass of the sphere, with its added mass.
+    pub mass: f64,
+    /// [kg m²] moment of inertia about the centre.
+    pub inertia: f64,
+}
+
+/// Factor of Saffman's force in the form of a lift coefficient, 1.615 · 8/π (Saffman 1965 with the correction of 1968).
+const SAFFMAN: f64 = 4.1126;
+
+/// [-] slip Reynolds number up to which the first formula of Mei (1992, Int. J. Multiphase Flow 18, 145) holds.
+const MEI_LIMIT: f64 = 40.0;
+
+/// [-] Reynolds number of spin up to which the torque is that of creeping flow, 64π/Re_r in the form of a coefficient.
+const CREEPING_SPIN: f64 = 32.0;
+
+/// [-] coefficients of the torque at larger Reynolds numbers of spin: 12.9/√Re_r + 128.4/Re_r (Dennis, Singh and Ingham
+/// 1980, J. Fluid Mech. 101, 257).
+const TORQUE: [f64; 2] = [12.9, 128.4];
+
+impl LiftedSphere {
+    /// [-] Reynolds number of a velocity [m/s]: w d/ν.
+    fn reynolds(&self, speed: f64) -> f64 {
+        speed * self.diameter / self.kinematic_viscosity
+    }
+
+    /// [-] Reynolds number of a rate of turn [rad/s]: Ω d²/ν.
+    fn reynolds_of_turn(&self, rate: f64) -> f64 {
+        self.reynolds(rate * self.diameter)
+    }
+
+    /// [-] factor k of the acceleration k s × ω of the sphere by lift in sheared gas, where s is the slip and ω the vorticity
+    /// of the gas. Both magnitudes [m/s, 1/s] are greater than 0.
+    fn shear(&self, slip: f64, vorticity: f64) -> f64 {
+        let (re, re_shear) = (self.reynolds(slip), self.reynolds_of_turn(vorticity));
+        let root = (0.5 * re_shear / re).sqrt();
+        let mei = if re <= MEI_LIMIT {
+            (1.0 - 0.3314 * root) * (-0.1 * re).exp() + 0.3314 * root
+        } else {
+            0.0524 * (0.5 * re_shear).sqrt()
+        };
+        let coefficient = SAFFMAN / re_shear.sqrt() * mei;
+        PI / 8.0 * self.gas_density * self.diameter.powi(3) * coefficient / self.mass
+    }
+
+    /// [-] factor k of the acceleration k Ω × s of the sphere by its spin, where s is the slip and Ω = ω/2 - ω_p the rate of
+    /// turn of the gas relative to the sphere. Both magnitudes [m/s, rad/s] are greater than 0.
+    fn magnus(&self, slip: f64, turn: f64) -> f64 {
+        let (re, re_turn) = (self.reynolds(slip), self.reynolds_of_turn(turn));
+        let coefficient = 0.45 + (re_turn / re - 0.45) * (-0.05684 * re_turn.powf(0.4) * re.powf(0.3)).exp();
+        PI / 8.0 * self.gas_density * self.diameter.powi(2) * coefficient * slip / (turn * self.mass)
+    }
+
+    /// [-] rate of turn of the gas relative to the sphere after `duration` [s] of torque alone, over the rate `turn` [rad/s]
+    /// before. The torque is ρ_f/2 (d/2)⁵ C |Ω| Ω; both pieces of C have solutions in closed form.
+    fn spin_left(&self, turn: f64, duration: f64) -> f64 {
+        let re_turn = self.reynolds_of_turn(turn);
+        let scale = 0.5 * self.gas_density * (0.5 * self.diameter).powi(5) / self.inertia;
+        let per_rate = self.kinematic_viscosity / self.diameter.powi(2);
+        let creeping = 64.0 * PI * scale * per_rate;
+        if re_turn <= CREEPING_SPIN {
+            return (-creeping * duration).exp();
+        }
+        // dΩ/dt = -a Ω^(3/2) - b Ω has the solution Ω^(-1/2) = (Ω_0^(-1/2) + a/b) exp(b t/2) - a/b
+        let (a, b) = (TORQUE[0] * scale * per_rate.sqrt(), TORQUE[1] * scale * per_rate);
+        let start = turn.powf(-0.5);
+        let limit = (CREEPING_SPIN * per_rate).powf(-0.5);
+        let until = 2.0 / b * ((limit + a / b) / (start + a / b)).ln();
+        if until < duration {
+            return CREEPING_SPIN / re_turn * (-creeping * (duration - until)).exp();
+        }
+        let left = (start + a / b) * (0.5 * b * duration).exp() - a / b;
+        (start / left).powi(2)
+    }
+}
+
+impl Lift {
+    /// Slip [m/s] after `duration` [s] of lift alone, in a gas with the given vorticity [1/s]. `spin` [rad/s] is that of the
+    /// sphere; `None` if spheres do not rotate.
+    pub fn turned(
+        &self,
+        sphere: &LiftedSphere,
+        slip: Vector3<f64>,
+        (vorticity, spin): (Vector3<f64>, Option<Vector3<f64>>),
+        duration: f64,
+    ) -> Vector3<f64> {
+        let speed = slip.norm();
+        let mut rate = Vector3::zeros();
+        if self.shear && speed > 0.0 && vorticity != Vector3::zeros() {
+            rate += vorticity * sphere.shear(speed, vorticity.norm());
+        }
+        let turn = spin.map_or_else(Vector3::zeros, |spin| 0.5 * vorticity - spin);
+        if self.spin && speed > 0.0 && turn != Vector3::zeros() {
+            rate -= turn * sphere.magnus(speed, turn.norm());
+        }
+        // ds/dt = -dv/dt = -k_S s × ω - k_M Ω × s = (k_S ω - k_M Ω) × s
+        Rotation3::from_scaled_axis(rate * duration) * slip
+    }
+
+    /// Spin [rad/s] after `duration` [s] of torque alone, in a gas with the given vorticity [1/s].
+    pub fn spun(
+        &self,
+        sphere: &LiftedSphere,
+        spin: Vector3<f64>,
+        vorticity: Vector3<f64>,
+        duration: f64,
+    ) -> Vector3<f64> {
+        let turn = 0.5 * vorticity - spin;
+        if !self.spin || turn == Vector3::zeros() {
+            return spin;
+        }
+        0.5 * vorticity - turn * sphere.spin_left(turn.norm(), duration)
+    }
+}

@@ -1,0 +1,119 @@
+//! A gas of hard spheres that cools by the model with a contact time (TC model).
+
+use super::check::{CheckResult, CheckScene, ValidationCheck, averaged, run_to};
+use super::cooling::enskog;
+use super::gases::temperature;
+use crate::experiment::Model;
+use crate::output::ValidationTier::OtherCodes;
+use crate::runs::StudyError;
+use crate::statistics::Estimate;
+use statrs::function::erf::erf;
+use std::f64::consts::PI;
+
+/// Hard spheres with a contact time.
+pub const CONTACT_TIME: ValidationCheck = ValidationCheck {
+    name: "tc-cooling",
+    tier: OtherCodes,
+    case: "cooling-gas",
+    scene: "The gas of the row haff with a contact time of 0.2/Γ_0 (0.106 ms): a collision is elastic if either sphere has collided within this time. T over that at the start after 5, 10 and 20 ms.",
+    source: "TC model of Luding and McNamara (1998, Granular Matter 1, 113), which was not read. Loss by kinetic theory, evaluated here: Haff's rate times <g³ exp(-(ν_1 + ν_2) t_c)>/<g³>, where g is the relative speed of two spheres and ν their collision rates. To first order this is 1 - 1.268 √π Γ t_c.",
+    not_shown: "Dense gases, whose collisions are not independent, and contacts that last.",
+    takes_minutes: false,
+    measure: cooling,
+};
+
+/// [-] contact time of the row, over the time between two collisions of a sphere at the start.
+const RATIO: f64 = 0.2;
+
+/// Largest speed of a quadrature over a Maxwellian, in units of √T: 1e-17 of the spheres are faster.
+const FASTEST: f64 = 9.0;
+
+/// Number of points of a quadrature: 200 change the result by less than 1e-6.
+const POINTS: usize = 100;
+
+/// [-] collision rate of a sphere of speed `v` [√T] in a Maxwellian gas, over the mean rate of all spheres.
+fn rate_at(v: f64) -> f64 {
+    let mean_relative_speed = (2.0 / PI).sqrt() * (-0.5 * v * v).exp() + (v + 1.0 / v) * erf(v / 2.0_f64.sqrt());
+    mean_relative_speed * PI.sqrt() / 4.0
+}
+
+/// [-] share of Haff's loss that remains with a contact time of `ratio` mean times between two collisions of a sphere.
+fn share_of_loss(ratio: f64) -> f64 {
+    let step = FASTEST / POINTS as f64;
+    let speeds: Vec<f64> = (0..POINTS).map(|k| (k as f64 + 0.5) * step).collect();
+    let weight = |v: f64| v * v * (-0.5 * v * v).exp();
+    let (mut kept, mut all) = (0.0, 0.0);
+    for &a in &speeds {
+        for &b in &speeds {
+            // mean of g³ over all angles between two velocities
+            let cubed = ((a + b).powi(5) - (a - b).abs().powi(5)) / (10.0 * a * b);
+            let loss = cubed * weight(a) * weight(b);
+            all += loss;
+            kept += loss * (-(rate_at(a) + rate_at(b)) * ratio).exp();
+        }
+    }
+    kept / all
+}
+
+/// [-] T(t)/T(0) at `times` [s], for the collision rate [1/s] at the start.
+fn theory(restitution: f64, rate: f64, times: &[f64]) -> Vec<f64> {
+    /// Steps between two times; the classical Runge-Kutta method is then exact to 1e-9.
+    const STEPS: usize = 20;
+    let slope = |t: f64| {
+        let speed = t.sqrt();
+        -(1.0 - restitution * restitution) * rate * speed * t / 3.0 * share_of_loss(RATIO * speed)
+    };
+    let (mut now, mut t) = (0.0, 1.0);
+    let mut until = |time: &f64| {
+        let h = (time - now) / STEPS as f64;
+        for _ in 0..STEPS {
+            let a = slope(t);
+            let b = slope(t + 0.5 * h * a);
+            let c = slope(t + 0.5 * h * b);
+            let d = slope(t + h * c);
+            t += h / 6.0 * (a + 2.0 * b + 2.0 * c + d);
+        }
+        now = *time;
+        t
+    };
+    times.iter().map(&mut until).collect()
+}
+
+fn cooling(scene: &CheckScene) -> Result<CheckResult, StudyError> {
+    let times = [5e-3, 10e-3, 20e-3];
+    let at_rest = scene.simulation(Model::Hard, Some(1), &[])?;
+    let rate = enskog(&at_rest, temperature(&at_rest.particles));
+    let key = format!("hard.contact_time={} s", RATIO / rate);
+    let runs = scene.replicas(scene.choose(8, 32), |seed| {
+        let mut simulation = scene.simulation(Model::Hard, Some(seed), std::slice::from_ref(&key))?;
+        let start = temperature(&simulation.particles);
+        let one = |&time: &f64| {
+            let windows = (2.0 * rate * (time - simulation.time)).ceil().max(1.0);
+            run_to(&mut simulation, time, windows as u64)?;
+            Ok(temperature(&simulation.particles) / start)
+        };
+        times.iter().map(one).collect::<Result<Vec<f64>, StudyError>>()
+    })?;
+    let wanted = theory(0.9, rate, &times);
+    let number = |(k, time): (usize, &f64)| {
+        let name = format!("T/T_0 at {} ms", 1e3 * time);
+        averaged(name, "", Estimate::exact(wanted[k]), runs.iter().map(|run| run[k]), 0.02 * wanted[k])
+    };
+    Ok(times.iter().enumerate().map(number).collect::<Vec<_>>().into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_loss_has_the_known_first_order_and_falls_with_the_contact_time() {
+        let first = (1.0 - share_of_loss(1e-4)) / 1e-4;
+        // the coefficient of Luding and Goldshtein (2003, Granular Matter 5, 159) has four digits
+        assert!((first - 1.268 * PI.sqrt()).abs() < 1e-3 * first, "{first}");
+        assert!((share_of_loss(0.2) - 0.639368).abs() < 1e-6, "{}", share_of_loss(0.2));
+        // without a contact time the theory is Haff's law
+        let [late] = theory(0.9, 0.0, &[1.0])[..] else { panic!() };
+        assert_eq!(late, 1.0);
+    }
+}
