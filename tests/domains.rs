@@ -219,6 +219,7 @@ fn air() -> Fluid {
         profile: Profile::Uniform(0.5),
         drag: Some(Drag::SchillerNaumann(SchillerNaumann)),
         buoyancy: None,
+        turbulence: None,
     }
 }
 

@@ -381,6 +381,7 @@ fn hard_spheres_take_the_cheaper_way() {
             profile: Profile::Uniform(0.0),
             drag: Some(Drag::SchillerNaumann(SchillerNaumann)),
             buoyancy: None,
+            turbulence: None,
         });
         let mut experiment = experiment(scene.clone(), 405, [0.0; 3], 0.5, Model::Hard, 3);
         let population =

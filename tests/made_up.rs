@@ -38,6 +38,7 @@ fn scene() -> Scene {
             profile: Profile::Uniform(15.9),
             drag: None,
             buoyancy: None,
+            turbulence: None,
         }),
         walls: vec![wall(0.0, 1.0), wall(0.04, -1.0)],
         contact: Surface { restitution: 1.0, friction: 0.0 },

@@ -107,6 +107,7 @@ fn who_observes_does_not_change_the_result() {
         profile: Profile::Uniform(3.0),
         drag: Some(Drag::SchillerNaumann(SchillerNaumann)),
         buoyancy: None,
+        turbulence: None,
     });
     for gas in [gas(), dragged] {
         let schedule = Schedule::new(&gas);
@@ -138,6 +139,7 @@ fn looks_between_samples_see_what_samples_there_would() {
         profile: Profile::Uniform(3.0),
         drag: Some(Drag::SchillerNaumann(SchillerNaumann)),
         buoyancy: None,
+        turbulence: None,
     });
     let seen = |windows_per_sample: u64| {
         let mut velocities = Vec::new();
@@ -301,6 +303,7 @@ fn budgets_of_second_moments_tell_drag_and_impacts() {
         profile: Profile::Uniform(0.0),
         drag: Some(Drag::Stokes(Stokes)),
         buoyancy: None,
+        turbulence: None,
     });
     free.run.duration = 0.02;
     free.run.window = Some(1e-4);

@@ -40,6 +40,7 @@ fn channel() -> Experiment {
         profile: Profile::Uniform(10.0),
         drag,
         buoyancy: None,
+        turbulence: None,
     });
     channel.scene.gravity = Vector3::new(0.1, -9.81, 0.0);
     channel.scene.species.push(large());

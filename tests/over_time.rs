@@ -102,6 +102,7 @@ fn a_sphere_settles_at_the_velocity_said() {
         profile,
         drag: Some(Drag::Stokes(Stokes)),
         buoyancy: None,
+        turbulence: None,
     };
     scene.fluid = Some(fluid(Profile::Uniform(2.0)));
     // Stokes' response time, d² ρ_p/(18 ρ ν), computed by hand

@@ -35,6 +35,7 @@ fn gas(model: Model) -> Experiment {
         profile: Profile::Uniform(0.5),
         drag: Some(Drag::SchillerNaumann(SchillerNaumann)),
         buoyancy: None,
+        turbulence: None,
     });
     let mut gas = experiment(scene, 2000, [0.0; 3], 0.5, model, 3);
     if model == Model::Soft {

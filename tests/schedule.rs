@@ -29,6 +29,7 @@ fn still_air(species: Species) -> Scene {
         profile: Profile::Uniform(0.0),
         drag: Some(Drag::SchillerNaumann(SchillerNaumann)),
         buoyancy: None,
+        turbulence: None,
     });
     scene
 }

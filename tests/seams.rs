@@ -54,6 +54,7 @@ fn gas(drag: Drag) -> Fluid {
         profile: Profile::Uniform(8.0),
         drag: Some(drag),
         buoyancy: None,
+        turbulence: None,
     }
 }
 

@@ -88,6 +88,7 @@ fn rough_crowd(seed: u64) -> RoughCrowd {
             profile,
             drag: Some(Drag::Stokes(Stokes)),
             buoyancy: None,
+            turbulence: None,
         });
     }
     if !scene.walls.is_empty() {
