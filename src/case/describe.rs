@@ -236,9 +236,8 @@ fn turbulence_in_words(text: &mut String, (scene, fluid): (&Scene, &Fluid), turb
     let Langevin { kolmogorov_constant, time_scale_ratio } = turbulence.langevin;
     let _ = writeln!(
         text,
-        "Particles see turbulence by a Langevin equation, C_0 = {kolmogorov_constant}, T_L/T_E = {}: k = {k:.4} m^2/s^2 and T_L = {} on average.",
-        short(time_scale_ratio, 4),
-        time(eddies)
+        "Particles see turbulence by a Langevin equation, C_0 = {kolmogorov_constant}, T_L/T_E = {}: k = {k:.4} m^2/s^2 and T_L = {eddies:.4} s on average.",
+        short(time_scale_ratio, 4)
     );
     let Some(drag) = &fluid.drag else { return };
     for species in &scene.species {
