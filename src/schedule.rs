@@ -334,10 +334,11 @@ struct Slowing<'a> {
 }
 
 impl<'a> Slowing<'a> {
-    /// Limit for an experiment. `None` if a moving gas, several species or a start without speed make the limit
-    /// useless.
+    /// Limit for an experiment. `None` if a moving or turbulent gas, several species or a start without speed make the
+    /// limit useless.
     fn of(experiment: &'a Experiment) -> Option<Self> {
-        let fluid = experiment.scene.fluid.as_ref().filter(|fluid| fluid.drag.is_some())?;
+        let fluid =
+            experiment.scene.fluid.as_ref().filter(|fluid| fluid.drag.is_some() && fluid.turbulence.is_none())?;
         let still = matches!(fluid.profile, Profile::Uniform(0.0));
         let of_one_kind =
             !experiment.scene.has_sizes() && experiment.start.windows(2).all(|two| two[0].species == two[1].species);

@@ -396,6 +396,27 @@ fn cases_are_read_and_refused_with_a_remedy() {
     refused(uniform, &["[fluid.turbulence.langevin]\n"], &["fluid.turbulence.langevin"]);
     let channel = "[fluid.profile.k_epsilon_channel]\nreynolds_number = 42000";
     refused(channel, &[k], &["dissipation_rate", "uniform gas"]);
+    // a table with k and ε, and one without
+    let folder = tempfile::tempdir().unwrap();
+    let table = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).unwrap();
+        let profile = format!("fluid.profile={{ table = {{ file = {path:?} }} }}");
+        let text =
+            BEAD.replace("[fluid.profile.uniform]\nvelocity = \"1 m/s\"", "").replace(k, "").replace(epsilon, "");
+        case(&text, Model::Hard, &[&profile])
+    };
+    let with =
+        table("with.csv", "y_m,U_m_s,k_m2_s2,epsilon_m2_s3\n0,0,0,5\n0.04,1,0.6,5\n").unwrap().scene.fluid.unwrap();
+    let local = with.turbulence.as_ref().unwrap().at(&with.profile, &Vector3::new(0.0, 0.02, 0.0));
+    // σ is linear between two points: 0 and sqrt(0.4) m/s; k/ε is 6 sqrt(ν/ε) and 0.12 s at the points
+    close("σ", local.deviation, 0.5 * 0.4_f64.sqrt(), 1e-15);
+    assert!((local.gradient - Vector3::new(0.0, 0.4_f64.sqrt() / 0.04, 0.0)).norm() < 1e-12);
+    close("T_L", local.time, 0.5 * (6.0 * (1.5e-5_f64 / 5.0).sqrt() + 0.12) / (0.5 + 0.75 * 2.1), 1e-15);
+    let told = table("without.csv", "y_m,U_m_s\n0,0\n0.04,1\n").unwrap_err();
+    assert!(told.contains("k_m2_s2") && told.contains("add the columns"), "{told}");
+    let told = table("zero.csv", "y_m,U_m_s,k_m2_s2,epsilon_m2_s3\n0,0,0,0\n0.04,1,0.6,5\n").unwrap_err();
+    assert!(told.contains("zero.csv:2") && told.contains("not possible"), "{told}");
     let log = "[fluid.profile.log_law]\nreynolds_number = 42000";
     refused(log, &[k, epsilon], &["logarithmic law", "k_epsilon_channel"]);
 }

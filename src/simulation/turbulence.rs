@@ -124,8 +124,9 @@ impl TurbulentKick<'_> {
         let local = self.turbulence.at(self.profile, position);
         let velocity = v - Vector3::new(0.0, 0.0, self.profile.velocity_at(position));
         let ratio = |slip: Vector3<f64>| self.ratio(all, place, slip.norm_squared());
-        // the share of the slip that remains is exp(-h/τ)
-        let response = -self.kick.duration() / ratio(velocity - *eddy * local.deviation).ln_1p();
+        // the share of the slip that remains is exp(-h/τ); that of a long kick is 0 up to rounding of the table
+        let lost = ratio(velocity - *eddy * local.deviation).max(-1.0);
+        let response = -self.kick.duration() / lost.ln_1p();
         let seen = EddySeen { fluctuation: *eddy, velocity, response };
         let drawn = noise.normals(all.id[place]);
         let [end, mean] = self.turbulence.langevin.advance(&seen, &local, self.kick.duration(), &drawn);
