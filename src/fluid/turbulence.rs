@@ -235,6 +235,14 @@ impl Relaxation {
     }
 }
 
+/// [-] weight of the end in the mean that a particle responds to, coth(r/2) - 2/r with r = h/τ, for a time h and a response
+/// time τ. It is 0 for long response times and 1 for short ones.
+#[inline]
+fn lateness(ratio: f64) -> f64 {
+    // the first term of the series; the next one is 6e-12 at most
+    if ratio < 1e-3 { ratio / 6.0 } else { 1.0 / (0.5 * ratio).tanh() - 2.0 / ratio }
+}
+
 impl Langevin {
     /// [-] Lagrangian integral time over the turnover time, T_L ε/k.
     #[inline]
@@ -260,7 +268,12 @@ impl Langevin {
     }
 
     /// Advances the fluctuation that a particle sees at its place over `duration` [s], exactly. Returns the fluctuation
-    /// at the end and its mean over the time, both over σ [-]. `noise` [-] are independent Gaussian numbers.
+    /// at the end, and the mean over the time that a particle responds to, both over σ [-]. `noise` [-] are independent
+    /// Gaussian numbers.
+    ///
+    /// A particle forgets the eddies of the past with its response time τ, so that the weight of the time t before the
+    /// end is exp(-t/τ). Here this weight is the sum of an equal one and of one at the end, with the same centre. This is
+    /// exact for long and for short response times.
     #[inline]
     pub fn advance(
         &self,
@@ -286,7 +299,8 @@ impl Langevin {
         let mean = drift
             + scaled([along.ends, across.ends], s + end - 2.0 * drift)
             + scaled([along.between, across.between], noise[1]);
-        [end, mean]
+        let late = lateness(duration / seen.response);
+        [end, mean * (1.0 - late) + end * late]
     }
 }
 
@@ -317,18 +331,34 @@ mod tests {
         }
     }
 
-    /// Two steps of half the length are one whole step: the mean and the variance of the end agree, with drift.
+    /// Two steps of half the length are one whole step: the mean and the variance of the end agree, with drift. Without
+    /// response the mean over the whole step is that of both halves.
     #[test]
     fn two_half_steps_are_a_whole_step() {
         let langevin = Langevin { time_scale_ratio: 0.0, ..Langevin::default() };
         let local = LocalTurbulence { deviation: 2.0, gradient: Vector3::new(0.0, 3.0, 0.0), time: 0.4 };
         let start = Vector3::new(1.0, -0.5, 0.2);
-        let seen = |fluctuation| EddySeen { fluctuation, velocity: Vector3::zeros(), response: 0.1 };
-        let none = [Vector3::zeros(); 2];
-        let [whole, mean] = langevin.advance(&seen(start), &local, 0.3, &none);
-        let [half, first] = langevin.advance(&seen(start), &local, 0.15, &none);
-        let [end, second] = langevin.advance(&seen(half), &local, 0.15, &none);
-        assert!((whole - end).norm() < 1e-14, "{whole} {end}");
-        assert!((mean - 0.5 * (first + second)).norm() < 1e-14);
+        for response in [0.1, f64::INFINITY] {
+            let advance = |fluctuation, duration| {
+                let seen = EddySeen { fluctuation, velocity: Vector3::zeros(), response };
+                langevin.advance(&seen, &local, duration, &[Vector3::zeros(); 2])
+            };
+            let [whole, mean] = advance(start, 0.3);
+            let [half, first] = advance(start, 0.15);
+            let [end, second] = advance(half, 0.15);
+            assert!((whole - end).norm() < 1e-14, "{whole} {end}");
+            assert!(response.is_finite() || (mean - 0.5 * (first + second)).norm() < 1e-14);
+        }
+    }
+
+    /// The weight exp(-r z) of the share z of the time before the end has its centre at 1/r - 1/(exp(r) - 1). An equal
+    /// weight has it at 1/2, and the end at 0.
+    #[test]
+    fn the_mean_has_the_centre_of_the_response() {
+        for ratio in [1e-9_f64, 9e-4, 0.01, 1.0, 30.0] {
+            let centre = if ratio < 1e-3 { 0.5 - ratio / 12.0 } else { 1.0 / ratio - 1.0 / ratio.exp_m1() };
+            assert!((0.5 * (1.0 - lateness(ratio)) - centre).abs() < 1e-11, "{ratio}");
+        }
+        assert_eq!(lateness(f64::INFINITY), 1.0);
     }
 }
