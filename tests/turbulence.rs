@@ -217,7 +217,7 @@ fn slices(states: &[Particles], height: f64) -> [f64; 10] {
 /// its square.
 #[test]
 fn tracers_stay_mixed_in_a_channel() {
-    let (count, parts) = (3000, 12);
+    let (count, parts) = (2000, 12);
     for model in [TurbulenceModel::WallFunctions, TurbulenceModel::LaunderSharma] {
         let scene = channel(model);
         let start = experiment(scene.clone(), count, [0.0, 0.0, 10.0], 0.0, Model::Hard, 5);

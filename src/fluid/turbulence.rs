@@ -287,10 +287,13 @@ impl Langevin {
             return [s; 2];
         }
         let following = |time: f64| time / (time + seen.response);
-        let guess = seen.velocity - s * (local.deviation * following(local.time));
+        // the slip decays during a kick, to nothing for particles that follow the gas; this is its mean over the kick
+        let ratio = duration / seen.response;
+        let lasting = if ratio > 0.0 { -(-ratio).exp_m1() / ratio } else { 1.0 };
+        let guess = (seen.velocity - s * (local.deviation * following(local.time))) * lasting;
         let (first, split) = self.scales(local, guess);
         // the part of the slip that does not follow the fluctuation
-        let slip = seen.velocity - split.scaled(first.map(following), s) * local.deviation;
+        let slip = (seen.velocity - split.scaled(first.map(following), s) * local.deviation) * lasting;
         let (times, split) = self.scales(local, slip);
         let scaled = |factors: [f64; 2], v: Vector3<f64>| split.scaled(factors, v);
         let [along, across] = times.map(|time| Relaxation::over(duration / time));
@@ -299,7 +302,7 @@ impl Langevin {
         let mean = drift
             + scaled([along.ends, across.ends], s + end - 2.0 * drift)
             + scaled([along.between, across.between], noise[1]);
-        let late = lateness(duration / seen.response);
+        let late = lateness(ratio);
         [end, mean * (1.0 - late) + end * late]
     }
 }
