@@ -38,7 +38,7 @@ fn main() {
 fn gas() -> Fluid {
     let nu = 1.515e-5;
     let profile = Profile::k_epsilon_channel(15.9, HEIGHT, nu, TurbulenceModel::WallFunctions).unwrap();
-    Fluid { density: 1.205, kinematic_viscosity: nu, profile, drag: Some(LAW), buoyancy: None }
+    Fluid::new(1.205, nu, profile, Some(LAW))
 }
 
 fn cloud(count: usize) -> Particles {

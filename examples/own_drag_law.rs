@@ -27,7 +27,7 @@ impl DragLaw for CliftGauvin {
 pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     let sphere = Species::new("polystyrene", 1.5e-3, 1032.0);
     let (profile, drag) = (Profile::Uniform(15.0), Some(Drag::Other(Arc::new(CliftGauvin))));
-    let air = Fluid { density: 1.205, kinematic_viscosity: 1.515e-5, profile, drag, buoyancy: None };
+    let air = Fluid::new(1.205, 1.515e-5, profile, drag);
     let domain = Domain::new(Vector3::repeat(0.1), [true; 3]);
     let (contact, walls) = (Surface { restitution: 1.0, friction: 0.0 }, Vec::new());
     let mut particles = Particles::default();

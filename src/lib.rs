@@ -23,6 +23,7 @@
 #![allow(rustdoc::broken_intra_doc_links, reason = "units stand in brackets")]
 
 pub mod clock;
+pub mod noise;
 pub mod stored;
 pub mod work_sharing;
 

@@ -110,6 +110,7 @@ impl Schedule {
             (least(&mut drag.iter().map(DragScales::longest_window)), response / SAMPLES_PER_RESPONSE)
         };
         let allowed = allowed.min(longest_with_kicks_of_buoyancy(&experiment.scene));
+        let allowed = allowed.min(longest_for_eddies(experiment));
         let longest = experiment.run.window.unwrap_or(allowed).min(duration);
         // windows are shortened if samples are requested more often than windows end
         let interval = experiment.statistics.sample_interval.unwrap_or(often.max(longest)).min(duration);
@@ -333,10 +334,11 @@ struct Slowing<'a> {
 }
 
 impl<'a> Slowing<'a> {
-    /// Limit for an experiment. `None` if a moving gas, several species or a start without speed make the limit
-    /// useless.
+    /// Limit for an experiment. `None` if a moving or turbulent gas, several species or a start without speed make the
+    /// limit useless.
     fn of(experiment: &'a Experiment) -> Option<Self> {
-        let fluid = experiment.scene.fluid.as_ref().filter(|fluid| fluid.drag.is_some())?;
+        let fluid =
+            experiment.scene.fluid.as_ref().filter(|fluid| fluid.drag.is_some() && fluid.turbulence.is_none())?;
         let still = matches!(fluid.profile, Profile::Uniform(0.0));
         let of_one_kind =
             !experiment.scene.has_sizes() && experiment.start.windows(2).all(|two| two[0].species == two[1].species);
@@ -371,6 +373,22 @@ impl<'a> Slowing<'a> {
 fn longest_with_kicks_of_buoyancy(scene: &Scene) -> f64 {
     let largest = scene.differences_in_gravity().iter().map(|difference| difference.norm()).fold(0.0, f64::max);
     if largest > 0.0 { (8.0 * SAG * scene.smallest_diameter() / largest).sqrt() } else { f64::INFINITY }
+}
+
+/// [s] longest window in which the eddies that particles see are moved apart from the particles; infinite without
+/// turbulence. Within a window of length h the fluctuation changes by a share h r of its standard deviation, with the rate
+/// r of [`Turbulence::largest_rate`](crate::fluid::Turbulence::largest_rate). The error of the splitting is a twelfth of
+/// its square (trapezoidal rule), and at most [`SPLITTING`].
+pub fn longest_for_eddies(experiment: &Experiment) -> f64 {
+    let scene = &experiment.scene;
+    let Some(fluid) = &scene.fluid else { return f64::INFINITY };
+    let (Some(turbulence), Some(drag)) = (&fluid.turbulence, &fluid.drag) else { return f64::INFINITY };
+    let rates = scene.species.iter().map(|species| {
+        let sphere = fluid.sphere(&species.of_one_size(species.smallest()));
+        let slip = terminal_slip(drag, &sphere, scene.gravity_of(species).norm());
+        turbulence.largest_rate(&fluid.profile, scene.domain.size.y, drag.law().response_time(&sphere, slip))
+    });
+    (12.0 * SPLITTING).sqrt() / rates.fold(0.0, f64::max)
 }
 
 /// [1/s] collision rate of each particle in an elastic gas that nothing drives, whose agitation is constant; 0 for all

@@ -10,6 +10,7 @@ mod kick;
 mod share;
 mod snapshot;
 mod totals;
+mod turbulence;
 mod weight;
 
 pub use contacts::ContactSummary;
@@ -36,6 +37,7 @@ use serde::{Deserialize, Serialize};
 use share::{GatheredParticles, Order, SharedSimulation};
 use std::time::Duration;
 use totals::SimulationTotals;
+use turbulence::TurbulentKick;
 
 /// Smallest number of particles for which the drag law is tabulated. Making the table takes as long as some dozen kicks
 /// of so many particles, and a run makes hundreds of kicks.
@@ -79,6 +81,8 @@ pub struct Simulation {
     clock: Clock,
     scene: Scene,
     engine: SimulationEngine,
+    /// Seed of the random numbers of the run.
+    seed: u64,
     spheres: Vec<Sphere>,
     /// Kicks that were used last: for half a window and for a whole window.
     kicks: Vec<Kick>,
@@ -140,7 +144,8 @@ impl Simulation {
         let bound = if soft && broken.is_none() { Bound::new(experiment, &sample, step) } else { None };
         let refused = broken.or_else(|| too_long(experiment, totals.count, step).filter(|_| soft && !may_run));
         let unseen = bound.as_ref().map(Bound::elastic_at_start);
-        Self { refused, bound, unseen, ..Self::with_totals(experiment.scene.clone(), particles, totals, engine) }
+        let simulation = Self::with_totals(experiment.scene.clone(), particles, totals, engine);
+        Self { refused, bound, unseen, seed: experiment.run.seed, ..simulation }
     }
 
     /// Creates a simulation as [`new`](Self::new) does, with an engine of the calling program. If processes share the
@@ -177,6 +182,7 @@ impl Simulation {
             clock: Clock::default(),
             scene,
             engine,
+            seed: 0,
             spheres,
             kicks: Vec::new(),
             half_kicked: true,
@@ -184,6 +190,12 @@ impl Simulation {
             bound: None,
             unseen: None,
         }
+    }
+
+    /// Uses `seed` for the random numbers of the run; without this call the seed is 0.
+    pub fn with_seed(mut self, seed: u64) -> Self {
+        self.seed = seed;
+        self
     }
 
     /// Uses `clock` to time the parts of the simulation.
@@ -237,7 +249,11 @@ impl Simulation {
         }
         // successive half-kicks are one kick, because the solution for drag alone is exact
         self.hide();
-        self.kick(if self.half_kicked { 0.5 * window } else { window });
+        if self.half_kicked {
+            self.kick(0.5 * window, self.number_of_first_half());
+        } else {
+            self.kick(window, self.number_of_kick());
+        }
         self.half_kicked = true;
         for k in 1..=windows {
             self.advance(window)?;
@@ -247,7 +263,7 @@ impl Simulation {
                 return Ok(k);
             }
             self.hide();
-            self.kick(if k < windows { window } else { 0.5 * window });
+            self.kick(if k < windows { window } else { 0.5 * window }, self.number_of_kick());
         }
         self.check()?;
         Ok(windows)
@@ -258,7 +274,7 @@ impl Simulation {
     pub fn settle(&mut self, window: f64) {
         if !self.half_kicked {
             self.hide();
-            self.kick(0.5 * window);
+            self.kick(0.5 * window, self.number_of_kick());
             self.half_kicked = true;
         }
     }
@@ -339,6 +355,7 @@ impl Simulation {
             self.book_gravity(by_walls, [window, reached]);
         }
         self.add_differences_in_gravity(0.5 * window);
+        turbulence::mirror_at_walls(&mut self.particles, &self.scene, window);
         if !self.is_follower() {
             self.clock.tell(self.time);
         }
@@ -353,13 +370,14 @@ impl Simulation {
         let kept = dragged.then(|| {
             let mut before = Particles::default();
             self.particles.keep_kicked(&mut before);
+            before.eddies.clone_from(&self.particles.eddies);
             (before, self.record.ledger.clone(), self.totals.momentum)
         });
         let by_all = dragged && self.engine.is_cut();
         if by_all {
             self.order(&Order::Keep);
         }
-        self.kick(kick);
+        self.kick(kick, self.number_of_kick());
         let began = self.clock.now();
         let answer = show(self);
         self.spent.observers += self.clock.now() - began;
@@ -368,17 +386,18 @@ impl Simulation {
         }
         if let Some((mut before, ledger, momentum)) = kept {
             self.particles.take_back(&mut before);
+            self.particles.eddies = before.eddies;
             (self.record.ledger, self.totals.momentum) = (ledger, momentum);
         }
         answer
     }
 
-    /// Applies drag alone for the duration `duration` [s].
-    fn kick(&mut self, duration: f64) {
+    /// Applies drag alone for the duration `duration` [s], as the kick with this number.
+    fn kick(&mut self, duration: f64, number: u64) {
         let Some(fluid) = &self.scene.fluid else { return };
         let Some(law) = &fluid.drag else { return };
         if self.engine.is_cut() {
-            self.order(&Order::Kick(duration));
+            self.order(&Order::Kick(duration, number));
         }
         let began = self.clock.now();
         let place = self.kicks.iter().position(|kick| kick.duration() == duration).unwrap_or_else(|| {
@@ -395,7 +414,16 @@ impl Simulation {
             0
         });
         let fractions = law.law().cells().map(|cells| self.fractions(cells));
-        let mut sums = kick_among(&mut self.particles, &fluid.profile, &self.kicks[place], fractions.as_ref());
+        let kick = &self.kicks[place];
+        let mut sums = match &fluid.turbulence {
+            None => kick_among(&mut self.particles, &fluid.profile, kick, fractions.as_ref()),
+            Some(turbulence) => {
+                turbulence::draw_first_eddies(&mut self.particles, self.seed);
+                let (profile, fractions) = (&fluid.profile, fractions.as_ref());
+                let seed_and_number = (self.seed, number);
+                TurbulentKick { profile, turbulence, kick, fractions, seed_and_number }.apply(&mut self.particles)
+            }
+        };
         self.sample().total(&mut sums.each_mut());
         if self.is_follower() {
             return;

@@ -117,7 +117,7 @@ fn three_densities() -> Scene {
     scene.species.extend([species(2500.0), species(800.0)]);
     scene.gravity = Vector3::from(GRAVITY);
     let profile = Profile::Uniform(0.0);
-    scene.fluid = Some(Fluid { density: 1000.0, kinematic_viscosity: 1e-6, profile, drag: None, buoyancy: None });
+    scene.fluid = Some(Fluid::new(1000.0, 1e-6, profile, None));
     scene
 }
 
@@ -208,7 +208,7 @@ fn the_ledger_closes_in_a_mixture_with_buoyancy() {
         let density = 0.2 * heavy.density;
         let kinematic_viscosity = heavy.density / (18.0 * density * 100.0 * crowd.window);
         let (profile, drag) = (Profile::Uniform(0.5), Some(Drag::Stokes(Stokes)));
-        crowd.scene.fluid = Some(Fluid { density, kinematic_viscosity, profile, drag, buoyancy: None });
+        crowd.scene.fluid = Some(Fluid::new(density, kinematic_viscosity, profile, drag));
         crowd.scene.add_buoyancy();
         for (name, engine, gain) in engines(&crowd) {
             // lighter spheres have a higher frequency, and the gain is at most proportional to its fourth power
@@ -240,7 +240,7 @@ fn mixture(drag: Option<Drag>, count: usize, fraction: f64) -> (Scene, Particles
         start.mass[k] = scene.species[1].mass();
     }
     let profile = Profile::Uniform(0.3);
-    scene.fluid = Some(Fluid { density: 300.0, kinematic_viscosity: 1e-6, profile, drag, buoyancy: None });
+    scene.fluid = Some(Fluid::new(300.0, 1e-6, profile, drag));
     scene.add_buoyancy();
     (scene, start)
 }

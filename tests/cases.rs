@@ -16,7 +16,7 @@ const FEW: usize = 500;
 fn cases() -> Vec<PathBuf> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut found = Vec::new();
-    for folder in ["cases", "cases/mixtures", "cases/paper", "cases/rotation", "cases/walls"] {
+    for folder in ["cases", "cases/mixtures", "cases/paper", "cases/rotation", "cases/turbulence", "cases/walls"] {
         let files = std::fs::read_dir(root.join(folder)).unwrap().map(|entry| entry.unwrap().path());
         found.extend(files.filter(|path| path.extension().is_some_and(|extension| extension == "toml")));
     }

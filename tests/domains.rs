@@ -213,13 +213,7 @@ impl Observer for Glances {
 
 /// Air that flows upwards.
 fn air() -> Fluid {
-    Fluid {
-        density: 1.2,
-        kinematic_viscosity: 1.5e-5,
-        profile: Profile::Uniform(0.5),
-        drag: Some(Drag::SchillerNaumann(SchillerNaumann)),
-        buoyancy: None,
-    }
+    Fluid::new(1.2, 1.5e-5, Profile::Uniform(0.5), Some(Drag::SchillerNaumann(SchillerNaumann)))
 }
 
 /// Records of observers of few and of all particles in a run that `size` threads share in place of processes; with

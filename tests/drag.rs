@@ -11,8 +11,7 @@ const TIMES: [f64; 3] = [0.01, 0.1, 1.0];
 
 fn sphere(diameter: f64, density: f64) -> Sphere {
     let drag = Some(Drag::SchillerNaumann(SchillerNaumann));
-    let fluid =
-        Fluid { density: 1.205, kinematic_viscosity: 1.515e-5, profile: Profile::Uniform(0.0), drag, buoyancy: None };
+    let fluid = Fluid::new(1.205, 1.515e-5, Profile::Uniform(0.0), drag);
     fluid.sphere(&Species::new("", diameter, density))
 }
 

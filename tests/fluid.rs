@@ -252,13 +252,7 @@ fn table_refuses_bad_points() {
 fn study_writes_a_table_and_a_figure() {
     for model in MODELS {
         let out = tempfile::tempdir().expect("a temporary directory");
-        let fluid = Fluid {
-            density: 1.205,
-            kinematic_viscosity: VISCOSITY,
-            profile: profile(model),
-            drag: None,
-            buoyancy: None,
-        };
+        let fluid = Fluid::new(1.205, VISCOSITY, profile(model), None);
         let summary = fluid_study(&fluid, HEIGHT, &out.path().join("new")).expect("a writable directory");
         let channel = summary.channel.expect("a k-epsilon profile");
         close(summary.reynolds_number, 42_000.0, 1e-4, "Reynolds number");
@@ -287,7 +281,7 @@ fn study_writes_a_table_and_a_figure() {
 fn study_of_a_plain_profile() {
     let out = tempfile::tempdir().expect("a temporary directory");
     let profile = Profile::table(&[(0.0, 0.0), (0.01, 2.0), (0.04, 2.0)]).expect("a good table");
-    let fluid = Fluid { density: 1.0, kinematic_viscosity: 1e-5, profile, drag: None, buoyancy: None };
+    let fluid = Fluid::new(1.0, 1e-5, profile, None);
     let summary = fluid_study(&fluid, HEIGHT, out.path()).expect("a writable directory");
     assert_eq!((summary.channel.is_none(), summary.maximum_velocity), (true, 2.0));
     assert!(summary.bulk_velocity > 1.75 && summary.bulk_velocity < 2.0);

@@ -375,13 +375,8 @@ fn hard_spheres_take_the_cheaper_way() {
         let volume = 405.0 * small.volume() + f64::from(of_large) * large.volume();
         let mut scene = empty([(volume / 0.3).cbrt(); 3], [true; 3], small.clone(), surface(1.0, 0.0));
         scene.species.push(large.clone());
-        scene.fluid = drag.then(|| Fluid {
-            density: 1e-9,
-            kinematic_viscosity: 1e-5,
-            profile: Profile::Uniform(0.0),
-            drag: Some(Drag::SchillerNaumann(SchillerNaumann)),
-            buoyancy: None,
-        });
+        scene.fluid =
+            drag.then(|| Fluid::new(1e-9, 1e-5, Profile::Uniform(0.0), Some(Drag::SchillerNaumann(SchillerNaumann))));
         let mut experiment = experiment(scene.clone(), 405, [0.0; 3], 0.5, Model::Hard, 3);
         let population =
             Population { species: 1, amount: Amount::Count(of_large as usize), ..experiment.start[0].clone() };

@@ -220,7 +220,10 @@ fn ranges_are_those_that_messages_name() {
             // twisting shares the stiffness of a tangential spring
             let spring =
                 (table.name == "soft.twisting").then(|| "soft.tangential.linear.stiffness_ratio=0.3".to_owned());
-            let sets: Vec<String> = others.chain(spring).chain([format!("{path}={value}")]).collect();
+            // a uniform gas needs both keys, and turbulence a law
+            let eddies = (table.name == "fluid.turbulence")
+                .then(|| "fluid.turbulence={ kinetic_energy = 1, dissipation_rate = 1, langevin = {} }".to_owned());
+            let sets: Vec<String> = others.chain(spring).chain(eddies).chain([format!("{path}={value}")]).collect();
             let told = told(&format!("{FULL}{law}"), &sets, Some(model));
             assert!(told.contains(&format!("allowed: {range}\n")), "{path} = {value}, {range}: {told}");
             seen += 1;

@@ -15,7 +15,7 @@ const DURATIONS: [f64; 6] = [1e-6, 1.3e-5, 1e-4, 7e-4, 3e-3, 1e-2];
 const ACCURACY: f64 = 1e-9;
 
 fn gas(profile: Profile) -> Fluid {
-    Fluid { density: 1.205, kinematic_viscosity: 1.515e-5, profile, drag: Some(LAW), buoyancy: None }
+    Fluid::new(1.205, 1.515e-5, profile, Some(LAW))
 }
 
 /// The paper's two spheres in its air.

@@ -32,13 +32,7 @@ fn scene() -> Scene {
     Scene {
         domain: Domain::new(Vector3::new(0.12, 0.04, 0.064), [true, false, true]),
         gravity: Vector3::new(0.0, 0.0, -9.81),
-        fluid: Some(Fluid {
-            density: 1.205,
-            kinematic_viscosity: 1.515e-5,
-            profile: Profile::Uniform(15.9),
-            drag: None,
-            buoyancy: None,
-        }),
+        fluid: Some(Fluid::new(1.205, 1.515e-5, Profile::Uniform(15.9), None)),
         walls: vec![wall(0.0, 1.0), wall(0.04, -1.0)],
         contact: Surface { restitution: 1.0, friction: 0.0 },
         pairs: Default::default(),

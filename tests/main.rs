@@ -80,6 +80,7 @@ mod sweep; // sweeps: killed and gone on with, grids and replicas, what is refus
 mod terminal; // messages may be lost, results may not
 mod trajectory; // frames for other programs: bits, surfaces, failures
 mod trust; // the trust sheet of a run, and the halved step
+mod turbulence; // turbulence seen by particles: well mixed, Tchen, Hinze and Csanady, frozen limit, ledger, bits, messages
 mod tutorial; // the commands of docs/tutorial.md, and its decision
 mod untrusted; // texts, files and links of others: legible, within their folder, within the memory
 mod validate; // the validation suite: rows, tables, changed references, unknown names

@@ -101,13 +101,8 @@ fn samples_of_long_runs_stay_where_they_belong() {
 #[test]
 fn who_observes_does_not_change_the_result() {
     let mut dragged = gas();
-    dragged.scene.fluid = Some(Fluid {
-        density: 1.205,
-        kinematic_viscosity: 1.515e-5,
-        profile: Profile::Uniform(3.0),
-        drag: Some(Drag::SchillerNaumann(SchillerNaumann)),
-        buoyancy: None,
-    });
+    dragged.scene.fluid =
+        Some(Fluid::new(1.205, 1.515e-5, Profile::Uniform(3.0), Some(Drag::SchillerNaumann(SchillerNaumann))));
     for gas in [gas(), dragged] {
         let schedule = Schedule::new(&gas);
         let mut alone = simulation(&gas);
@@ -132,13 +127,8 @@ fn who_observes_does_not_change_the_result() {
 fn looks_between_samples_see_what_samples_there_would() {
     let mut gas = gas();
     gas.start[0].amount = Amount::Placed(placed(&gas.scene, &[([0.0; 3], [1.0, 0.0, 0.0])]));
-    gas.scene.fluid = Some(Fluid {
-        density: 1.205,
-        kinematic_viscosity: 1.515e-5,
-        profile: Profile::Uniform(3.0),
-        drag: Some(Drag::SchillerNaumann(SchillerNaumann)),
-        buoyancy: None,
-    });
+    gas.scene.fluid =
+        Some(Fluid::new(1.205, 1.515e-5, Profile::Uniform(3.0), Some(Drag::SchillerNaumann(SchillerNaumann))));
     let seen = |windows_per_sample: u64| {
         let mut velocities = Vec::new();
         let schedule = Schedule::even(1e-4, windows_per_sample, 200 / windows_per_sample);
@@ -295,13 +285,7 @@ fn budgets_of_second_moments_tell_drag_and_impacts() {
     let edge = 0.01;
     let mut free =
         experiment(empty([edge; 3], [true; 3], small(), surface(1.0, 0.0)), 2, [0.0; 3], 0.5, Model::Hard, 3);
-    free.scene.fluid = Some(Fluid {
-        density: 1.205,
-        kinematic_viscosity: 1.515e-5,
-        profile: Profile::Uniform(0.0),
-        drag: Some(Drag::Stokes(Stokes)),
-        buoyancy: None,
-    });
+    free.scene.fluid = Some(Fluid::new(1.205, 1.515e-5, Profile::Uniform(0.0), Some(Drag::Stokes(Stokes))));
     free.run.duration = 0.02;
     free.run.window = Some(1e-4);
     free.statistics.sample_interval = Some(1e-3);

@@ -34,13 +34,7 @@ fn channel() -> Experiment {
     channel.scene.walls = vec![plane([0.0; 3], [0.0, 1.0, 0.0], surface(0.5, 0.3)), lid];
     channel.scene.domain = Domain::new(size.into(), [true, false, true]);
     let drag = Some(Drag::SchillerNaumann(SchillerNaumann));
-    channel.scene.fluid = Some(Fluid {
-        density: 1.205,
-        kinematic_viscosity: 1.515e-5,
-        profile: Profile::Uniform(10.0),
-        drag,
-        buoyancy: None,
-    });
+    channel.scene.fluid = Some(Fluid::new(1.205, 1.515e-5, Profile::Uniform(10.0), drag));
     channel.scene.gravity = Vector3::new(0.1, -9.81, 0.0);
     channel.scene.species.push(large());
     channel.start.push(Population { species: 1, amount: Amount::Count(20), ..channel.start[0].clone() });

@@ -96,13 +96,7 @@ fn a_gas_cools_as_haff_says() {
 fn a_sphere_settles_at_the_velocity_said() {
     let mut scene = empty([0.1, 0.1, 1000.0], [true; 3], small(), surface(0.9, 0.0));
     scene.gravity = Vector3::new(0.0, 0.0, -9.81);
-    let fluid = |profile| Fluid {
-        density: 1.2,
-        kinematic_viscosity: 1.5e-5,
-        profile,
-        drag: Some(Drag::Stokes(Stokes)),
-        buoyancy: None,
-    };
+    let fluid = |profile| Fluid::new(1.2, 1.5e-5, profile, Some(Drag::Stokes(Stokes)));
     scene.fluid = Some(fluid(Profile::Uniform(2.0)));
     // Stokes' response time, d² ρ_p/(18 ρ ν), computed by hand
     let stokes = 406e-6_f64.powi(2) * 1038.0 / (18.0 * 1.2 * 1.5e-5);

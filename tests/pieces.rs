@@ -29,13 +29,7 @@ fn gas(model: Model) -> Experiment {
         plane([0.0; 3], [0.0, 1.0, 0.0], surface(0.9, 0.0)),
         plane([0.0, size, 0.0], [0.0, -1.0, 0.0], surface(0.9, 0.0)),
     ];
-    scene.fluid = Some(Fluid {
-        density: 1.2,
-        kinematic_viscosity: 1.5e-5,
-        profile: Profile::Uniform(0.5),
-        drag: Some(Drag::SchillerNaumann(SchillerNaumann)),
-        buoyancy: None,
-    });
+    scene.fluid = Some(Fluid::new(1.2, 1.5e-5, Profile::Uniform(0.5), Some(Drag::SchillerNaumann(SchillerNaumann))));
     let mut gas = experiment(scene, 2000, [0.0; 3], 0.5, model, 3);
     if model == Model::Soft {
         gas.soft.law = Some(ContactLaw::linear(100.0));

@@ -23,13 +23,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 fn still_air(species: Species) -> Scene {
     let mut scene = empty([2.0, 2.0, 300.0], [true, true, false], species, surface(1.0, 0.0));
     scene.gravity = Vector3::new(0.0, 0.0, -9.81);
-    scene.fluid = Some(Fluid {
-        density: 1.205,
-        kinematic_viscosity: 1.515e-5,
-        profile: Profile::Uniform(0.0),
-        drag: Some(Drag::SchillerNaumann(SchillerNaumann)),
-        buoyancy: None,
-    });
+    scene.fluid =
+        Some(Fluid::new(1.205, 1.515e-5, Profile::Uniform(0.0), Some(Drag::SchillerNaumann(SchillerNaumann))));
     scene
 }
 

@@ -48,13 +48,7 @@ impl DragLaw for CliftGauvin {
 }
 
 fn gas(drag: Drag) -> Fluid {
-    Fluid {
-        density: 1.205,
-        kinematic_viscosity: 1.515e-5,
-        profile: Profile::Uniform(8.0),
-        drag: Some(drag),
-        buoyancy: None,
-    }
+    Fluid::new(1.205, 1.515e-5, Profile::Uniform(8.0), Some(drag))
 }
 
 fn spheres() -> [Sphere; 2] {

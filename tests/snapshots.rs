@@ -54,7 +54,7 @@ fn blown() -> Experiment {
     let mut blown = crowd(1100, 0.02, 0.5);
     let drag = Some(Drag::SchillerNaumann(SchillerNaumann));
     let profile = Profile::Uniform(10.0);
-    blown.scene.fluid = Some(Fluid { density: 1.205, kinematic_viscosity: 1.515e-5, profile, drag, buoyancy: None });
+    blown.scene.fluid = Some(Fluid::new(1.205, 1.515e-5, profile, drag));
     blown.scene.gravity = Vector3::new(0.0, 0.0, -9.81);
     blown
 }

@@ -129,7 +129,7 @@ fn suspension(law: SuspensionLaw, cells: [u32; 3], count: usize, phi: f64) -> (S
     scene.gravity = Vector3::new(0.0, 0.0, -9.81);
     let drag = Some(Drag::Suspension(SuspensionDrag { law, cells }));
     let profile = Profile::Uniform(0.5);
-    scene.fluid = Some(Fluid { density: 1.2, kinematic_viscosity: 1.5e-5, profile, drag, buoyancy: None });
+    scene.fluid = Some(Fluid::new(1.2, 1.5e-5, profile, drag));
     scene.add_buoyancy();
     let start = random(&scene, count, 0.2, 5);
     (scene, start)
@@ -191,7 +191,7 @@ fn each_layer_has_the_drag_of_its_own_fraction() {
         }
     }
     let (profile, drag) = (Profile::Uniform(2.0), Some(Drag::Suspension(SuspensionDrag { law, cells: [1, 2, 1] })));
-    scene.fluid = Some(Fluid { density: 1.2, kinematic_viscosity: 1.5e-5, profile, drag, buoyancy: None });
+    scene.fluid = Some(Fluid::new(1.2, 1.5e-5, profile, drag));
     let dense = 8000.0 * small().volume() / 8e-6;
     let single = scene.fluid.as_ref().unwrap().sphere(&small());
     let h = 1e-4;

@@ -2,6 +2,8 @@
 
 use super::parameters::{bulk_velocity, volume_fraction};
 use crate::experiment::{Amount, AverageFrom, Experiment, HardStepping, Integrator, Model, SoftStepping, TimeStep};
+use crate::fluid::{Fluid, Langevin, LocalTurbulence, Turbulence};
+use crate::predict::flow::terminal_slip;
 use crate::scene::{Kind, Scene, Species, Surface};
 use crate::walls::Wall;
 use nalgebra::Vector3;
@@ -218,6 +220,38 @@ fn gas_in_words(text: &mut String, scene: &Scene) {
             let time = fluid.sphere(species).stokes_time;
             let _ = writeln!(text, "Stokes response time of \"{}\": {time:.4} s.", species.name);
         }
+    }
+    if let Some(turbulence) = &fluid.turbulence {
+        turbulence_in_words(text, (scene, fluid), turbulence);
+    }
+}
+
+/// Describes the turbulence that particles see, and how they should respond to it.
+fn turbulence_in_words(text: &mut String, (scene, fluid): (&Scene, &Fluid), turbulence: &Turbulence) {
+    let (profile, height) = (&fluid.profile, scene.domain.size.y);
+    let mean = |of: fn(&LocalTurbulence) -> f64| -> f64 {
+        turbulence.strips(profile, height).map(|(weight, local)| weight * of(&local)).sum()
+    };
+    let (k, eddies) = (1.5 * mean(|local| local.deviation * local.deviation), mean(|local| local.time));
+    let Langevin { kolmogorov_constant, time_scale_ratio } = turbulence.langevin;
+    let _ = writeln!(
+        text,
+        "Particles see turbulence by a Langevin equation, C_0 = {kolmogorov_constant}, T_L/T_E = {}: k = {k:.4} m^2/s^2 and T_L = {eddies:.4} s on average.",
+        short(time_scale_ratio, 4)
+    );
+    let Some(drag) = &fluid.drag else { return };
+    for species in &scene.species {
+        let sphere = fluid.sphere(species);
+        let slip = terminal_slip(drag, &sphere, scene.gravity_of(species).norm());
+        let response = drag.law().response_time(&sphere, slip);
+        let share = 1.5 * turbulence.induced_variance(profile, height, response, slip) / k;
+        let _ = writeln!(
+            text,
+            "\"{}\": Stokes number {:.3} on T_L at the terminal slip; turbulence alone would give it {:.3} of the k of the gas.",
+            species.name,
+            response / eddies,
+            share
+        );
     }
 }
 

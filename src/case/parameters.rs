@@ -147,6 +147,9 @@ fn fluid_parameters(fluid: &Fluid, height: f64) -> Value {
     if fluid.buoyancy.is_some() {
         value["buoyancy"] = json!(true);
     }
+    if let Some(turbulence) = &fluid.turbulence {
+        value["turbulence"] = json!({ "langevin": turbulence.langevin });
+    }
     value
 }
 

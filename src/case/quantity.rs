@@ -40,6 +40,10 @@ pub type Acceleration = Quantity<1, 0, -2>;
 pub type Density = Quantity<-3, 1, 0>;
 /// [m²/s] kinematic viscosity.
 pub type KinematicViscosity = Quantity<2, 0, -1>;
+/// [m²/s²] energy per mass.
+pub type SpecificEnergy = Quantity<2, 0, -2>;
+/// [m²/s³] rate of energy per mass.
+pub type DissipationRate = Quantity<2, 0, -3>;
 /// [N/m] stiffness.
 pub type Stiffness = Quantity<0, 1, -2>;
 
@@ -60,6 +64,8 @@ const DIMENSIONS: &[(Exponents, &str, &str, &str)] = &[
     ([1, 0, -2], "an acceleration", "m/s^2", "\"9.81 m/s^2\""),
     ([-3, 1, 0], "a density", "kg/m^3", "\"1038 kg/m^3\""),
     ([2, 0, -1], "a kinematic viscosity", "m^2/s", "\"1.515e-5 m^2/s\""),
+    ([2, 0, -2], "an energy per mass", "m^2/s^2", "\"0.5 m^2/s^2\""),
+    ([2, 0, -3], "a dissipation rate", "m^2/s^3", "\"10 m^2/s^3\""),
     ([-1, 1, -1], "a dynamic viscosity", "Pa s", "\"1.8e-5 Pa s\""),
     ([0, 1, -2], "a stiffness", "N/m", "\"3000 N/m\""),
     ([1, 1, -2], "a force", "N", "\"1 mN\""),

@@ -60,6 +60,14 @@ pub enum TurbulenceModel {
 }
 
 impl TurbulenceModel {
+    /// True if the equations of k and ε are solved down to the wall, where k is 0.
+    pub(super) fn reaches_the_wall(self) -> bool {
+        match self {
+            Self::WallFunctions => false,
+            Self::LaunderSharma => true,
+        }
+    }
+
     /// [-] lowest bulk Reynolds number U_b L_y/ν for which the model is valid, with L_y the width of the channel.
     pub fn lowest_reynolds(self) -> f64 {
         match self {

@@ -16,6 +16,7 @@ mod log_law;
 mod pipe;
 mod profile;
 mod table;
+mod turbulence;
 mod wall_functions;
 
 pub use buoyancy::Buoyancy;
@@ -25,6 +26,7 @@ pub use log_law::{LogConstants, LogLaw};
 pub use pipe::Pipe;
 pub use profile::{Channel, Profile, WallScale};
 pub use table::VelocityTable;
+pub use turbulence::{EddySeen, Langevin, LocalTurbulence, Turbulence, TurbulenceStatistics};
 
 use crate::drag::{Drag, Sphere};
 use crate::scene::Species;
@@ -44,9 +46,17 @@ pub struct Fluid {
     /// Buoyancy of the particles; `None` if it is left out.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub buoyancy: Option<Buoyancy>,
+    /// Turbulence that the particles see; `None` if they see the mean velocity alone.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub turbulence: Option<Turbulence>,
 }
 
 impl Fluid {
+    /// A gas without buoyancy and turbulence: density [kg/m³], kinematic viscosity [m²/s], velocity profile and drag law.
+    pub fn new(density: f64, kinematic_viscosity: f64, profile: Profile, drag: Option<Drag>) -> Self {
+        Self { density, kinematic_viscosity, profile, drag, buoyancy: None, turbulence: None }
+    }
+
     /// Properties of a single sphere of this species in this gas on which drag depends.
     pub fn sphere(&self, species: &Species) -> Sphere {
         let inertia = species.inertial_density() * species.diameter.powi(2);

@@ -2,6 +2,7 @@
 
 use super::k_epsilon::ChannelFlow;
 use super::table::VelocityTable;
+use nalgebra::Vector3;
 use serde::Serialize;
 
 /// A pipe flow along z, whose velocity depends on the distance from the axis.
@@ -40,6 +41,16 @@ impl Pipe {
     pub fn velocity_at(&self, x: f64, y: f64) -> f64 {
         let (x, y) = (x - self.center[0], y - self.center[1]);
         self.half.value(self.radius() - (x * x + y * y).sqrt())
+    }
+
+    /// [m] distance from the wall at the coordinates x and y [m], and its gradient [-], which points to the axis. On the
+    /// axis the gradient is zero.
+    #[inline]
+    pub fn depth(&self, x: f64, y: f64) -> (f64, Vector3<f64>) {
+        let from_axis = Vector3::new(x - self.center[0], y - self.center[1], 0.0);
+        let distance = from_axis.norm();
+        let inwards = if distance > 0.0 { -from_axis / distance } else { Vector3::zeros() };
+        (self.radius() - distance, inwards)
     }
 
     /// [m/s] gas velocity at the coordinate `y` [m], in the plane x = const that contains the axis.

@@ -99,6 +99,19 @@ impl Profile {
         }
     }
 
+    /// [m] coordinate at a position [m] on which all quantities of the gas depend, and its gradient [-]: the distance
+    /// from the nearer wall in a channel or a pipe, otherwise y.
+    #[inline]
+    pub fn depth(&self, place: &Vector3<f64>) -> (f64, Vector3<f64>) {
+        match self {
+            Self::Pipe(pipe) => pipe.depth(place.x, place.y),
+            Self::Channel(channel) if place.y > 0.5 * channel.flow.height => {
+                (channel.flow.height - place.y, -Vector3::y())
+            }
+            Self::Uniform(_) | Self::Tabulated(_) | Self::Channel(_) | Self::LogLaw(_) => (place.y, Vector3::y()),
+        }
+    }
+
     /// [m] coordinates y of the lower and the upper wall of the gas flow, in a box of `height` [m].
     pub fn between(&self, height: f64) -> [f64; 2] {
         match self {

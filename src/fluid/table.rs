@@ -107,15 +107,33 @@ impl VelocityTable {
         if y >= last {
             return self.last;
         }
-        // Not-a-number leads to bin 0, and the result is then not-a-number.
-        let bin = (((y - first) * self.bins_per_length) as u32 as usize).min(self.index.len() - 1);
-        let mut piece = &self.pieces[self.index[bin] as usize..];
-        while piece[0].end <= y {
-            piece = &piece[1..];
-        }
-        let CubicPiece { start, value, slope, square, cube, .. } = piece[0];
+        let CubicPiece { start, value, slope, square, cube, .. } = *self.piece(y);
         let s = y - start;
         value + s * (slope + s * (square + s * cube))
+    }
+
+    /// [1/s] slope du/dy at y [m]; 0 outside the points.
+    #[inline]
+    pub fn slope(&self, y: f64) -> f64 {
+        let [first, last] = self.range;
+        if !(first..last).contains(&y) {
+            return 0.0;
+        }
+        let CubicPiece { start, slope, square, cube, .. } = *self.piece(y);
+        let s = y - start;
+        slope + s * (2.0 * square + s * (3.0 * cube))
+    }
+
+    /// Cubic piece that contains y [m], which is within the range of the points.
+    #[inline]
+    fn piece(&self, y: f64) -> &CubicPiece {
+        // Not-a-number leads to bin 0, and the result is then not-a-number.
+        let bin = (((y - self.range[0]) * self.bins_per_length) as u32 as usize).min(self.index.len() - 1);
+        let mut pieces = &self.pieces[self.index[bin] as usize..];
+        while pieces[0].end <= y {
+            pieces = &pieces[1..];
+        }
+        &pieces[0]
     }
 
     /// [m²/s] integral of the velocity u over y from the first point to the last, exact for the cubics between points.

@@ -32,8 +32,8 @@ pub use paths::{PathSample, Paths};
 pub use rings::{Ring, RingAverages, Rings};
 pub use run_loop::{Pause, RunLoop};
 pub use second_moments::{Budgets, MOMENTS, SecondMoments, Terms};
-pub use series::{RotationSums, Row, Series};
-pub use series_columns::{CurveScale, FRICTION_COLUMNS, SERIES_COLUMNS, SeriesColumn};
+pub use series::{RotationSums, Row, Series, TurbulenceMeans};
+pub use series_columns::{CurveScale, FRICTION_COLUMNS, SERIES_COLUMNS, SeriesColumn, TURBULENCE_COLUMNS};
 pub use stress::{Stress, Stresses};
 
 use crate::engine::Failure;

@@ -38,6 +38,8 @@ pub struct Row {
     pub rotation: Option<RotationSums>,
     /// Friction of the contacts since the start; `None` where spheres do not rotate.
     pub friction: Option<FrictionSums>,
+    /// Turbulence that the particles see; `None` if they see the mean velocity of the gas alone.
+    pub turbulence: Option<TurbulenceMeans>,
     /// [kg m/s] momentum of all particles.
     pub momentum: Vector3<f64>,
     /// Number of impacts between particles that have ended since the start.
@@ -104,6 +106,39 @@ impl RotationSums {
     }
 }
 
+/// Turbulence that the particles see, as means over all particles and the three components. u is the fluctuation of the
+/// gas velocity that a particle sees.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TurbulenceMeans {
+    /// [m²/s²] variance of the gas velocity where the particles are, 2/3 k.
+    pub of_gas: f64,
+    /// [m²/s²] mean square of u.
+    pub seen: f64,
+    /// [m²/s²] mean product of u and the velocity relative to the mean velocity of the gas. It is a third of the
+    /// covariance q_fp of Simonin (1996).
+    pub covariance: f64,
+}
+
+impl TurbulenceMeans {
+    fn of(simulation: &Simulation) -> Option<Self> {
+        let fluid = simulation.scene().fluid.as_ref()?;
+        let turbulence = fluid.turbulence.as_ref()?;
+        let sample = simulation.sample();
+        let particles = sample.particles;
+        let eddies = particles.eddies.as_deref().unwrap_or_default();
+        let sums = sample.sums(|place| {
+            let position = &particles.position[place];
+            let deviation = turbulence.at(&fluid.profile, position).deviation;
+            let seen = eddies.get(place).map_or_else(Vector3::zeros, |eddy| eddy * deviation);
+            let gas = Vector3::new(0.0, 0.0, fluid.profile.velocity_at(position));
+            let covariance = seen.dot(&(particles.velocity[place] - gas));
+            [deviation * deviation, seen.norm_squared() / 3.0, covariance / 3.0]
+        });
+        let [of_gas, seen, covariance] = sums.map(|sum| sum / simulation.count().max(1) as f64);
+        Some(Self { of_gas, seen, covariance })
+    }
+}
+
 impl Row {
     /// [J] sum of the kinetic, rotational and elastic energy.
     pub fn energy(&self) -> f64 {
@@ -121,6 +156,7 @@ impl Row {
         Self {
             elastic_energy: simulation.elastic_energy(),
             friction: FrictionSums::of(simulation),
+            turbulence: TurbulenceMeans::of(simulation),
             pair_impacts: simulation.record.pairs.count,
             wall_impacts: simulation.record.walls.count,
             coordination: touching.ends as f64 / simulation.count().max(1) as f64,
@@ -144,6 +180,7 @@ impl Row {
             elastic_energy: 0.0,
             rotation: RotationSums::of(sample, sums.mass),
             friction: None,
+            turbulence: None,
             momentum: sums.momentum,
             pair_impacts: 0,
             wall_impacts: 0,

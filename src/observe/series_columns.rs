@@ -107,3 +107,12 @@ pub const FRICTION_COLUMNS: [SeriesColumn; 9] = [
     sum("rolling_spring_energy_J", "energy of rolling springs", "J", |row| friction(row, |of| of.springs[1])),
     sum("twisting_spring_energy_J", "energy of twisting springs", "J", |row| friction(row, |of| of.springs[2])),
 ];
+
+/// Further columns of scenes whose particles see turbulence: means over all particles and three components.
+pub const TURBULENCE_COLUMNS: [SeriesColumn; 3] = [
+    mean("gas_variance_m2_s2", "variance of the gas", "m²/s²", |row| row.turbulence.map(|of| of.of_gas)),
+    mean("gas_variance_seen_m2_s2", "variance of the gas seen", "m²/s²", |row| row.turbulence.map(|of| of.seen)),
+    mean("gas_particle_covariance_m2_s2", "covariance of gas and particles", "m²/s²", |row| {
+        row.turbulence.map(|of| of.covariance)
+    }),
+];

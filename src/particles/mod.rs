@@ -57,6 +57,9 @@ columns! {
         pub mass: Vec<f64>,
         /// Index of each particle's species in [`Scene::species`](crate::scene::Scene::species).
         pub species: Vec<u16>,
+        /// [-] fluctuations of the gas velocity that the particles see, over their standard deviation at the place of each
+        /// particle; `None` if particles see the mean velocity alone. Only kicks of drag change them.
+        pub eddies: Option<Vec<Vector3<f64>>>,
         /// Id of each particle, which stays with the particle when the store is reordered.
         pub id: Vec<u32>,
     }

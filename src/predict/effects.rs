@@ -121,7 +121,7 @@ fn in_gas(scene: &Scene, plan: &RunPrediction, contact: Option<f64>) -> Vec<Effe
             "turbulence seen by the particles",
             "velocity variance that eddies would give, 2/3 k T_L/(T_L + τ), over that of the particles",
             turbulent.map(|variance| variance / plan.agitation.variance),
-            false,
+            scene.fluid.as_ref().is_some_and(|fluid| fluid.turbulence.is_some()),
         ),
         Effect {
             name: "two-way coupling",

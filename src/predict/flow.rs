@@ -1,7 +1,7 @@
 //! Response of the particles to the gas, and of the gas to the particles.
 
 use crate::drag::{Drag, Sphere};
-use crate::fluid::{Fluid, Profile, Section};
+use crate::fluid::{ChannelFlow, Fluid, Profile, Section};
 use crate::scene::{Scene, Species};
 use serde::Serialize;
 
@@ -29,8 +29,8 @@ pub struct Flow {
     pub stokes_friction: Option<f64>,
     /// [-] mass of this species divided by the mass of the gas in the box.
     pub mass_loading: f64,
-    /// [m²/s²] variance of a velocity component of the particles that the turbulence of the gas would cause. `None`
-    /// without a turbulence model.
+    /// [m²/s²] variance of a velocity component of the particles that the turbulence of the gas causes, or would cause if
+    /// particles saw it. `None` without a turbulence model.
     pub turbulent_variance: Option<f64>,
 }
 
@@ -70,39 +70,45 @@ pub fn flow(
     let sphere = fluid.sphere(species).among(fraction);
     let slip = terminal_slip(drag, &sphere, gravity);
     let bulk = bulk_velocity(fluid, height);
-    let channel = fluid.profile.channel_flow();
+    let response = drag.law().response_time(&sphere, slip);
     Some(Flow {
         species: species.name.clone(),
         stokes_time: sphere.stokes_time,
         terminal_slip: slip,
         slip_reynolds: slip * sphere.reynolds_per_speed,
-        response_time: drag.law().response_time(&sphere, slip),
+        response_time: response,
         stokes_bulk: sphere.stokes_time * bulk.abs() / height,
         stokes_friction: fluid.profile.wall_scale().map(|wall| sphere.stokes_time * wall.friction_velocity / height),
         mass_loading: number_density * species.density * species.volume() / fluid.density,
-        turbulent_variance: channel.map(|flow| {
-            let response = drag.law().response_time(&sphere, slip);
-            // mean over the cross-section, over which particles are spread, with trapezoids between nodes; rings of a pipe
-            // are narrower towards the axis
-            let nodes = &flow.nodes;
-            // velocities of eddies have the correlation exp(-t/T_L); a particle with a linear response of time τ then
-            // has the fraction T_L/(T_L + τ) of their variance
-            let induced = |k: f64, epsilon: f64| {
-                let eddy = if epsilon > 0.0 { EDDY_TIME * k / epsilon } else { 0.0 };
-                2.0 / 3.0 * k * eddy / (eddy + response)
-            };
-            let strips = nodes.windows(2).map(|pair| {
-                let [a, b] = pair else { return (0.0, 0.0) };
-                let area = match flow.section {
-                    Section::Channel => b.y - a.y,
-                    Section::Pipe => (b.y - a.y) * (0.5 * flow.height - 0.5 * (a.y + b.y)),
-                };
-                (0.5 * area * (induced(a.k, a.epsilon) + induced(b.k, b.epsilon)), area)
-            });
-            let (sum, area) = strips.fold((0.0, 0.0), |(sum, area), (more, strip)| (sum + more, area + strip));
-            if area > 0.0 { sum / area } else { 0.0 }
-        }),
+        turbulent_variance: match &fluid.turbulence {
+            Some(turbulence) => Some(turbulence.induced_variance(&fluid.profile, height, response, slip)),
+            None => fluid.profile.channel_flow().map(|flow| unseen_variance(flow, response)),
+        },
     })
+}
+
+/// [m²/s²] variance of a velocity component that particles with a response time [s] would get from the turbulence of a
+/// flow, as a mean over the cross-section.
+fn unseen_variance(flow: &ChannelFlow, response: f64) -> f64 {
+    // mean over the cross-section, over which particles are spread, with trapezoids between nodes; rings of a pipe
+    // are narrower towards the axis
+    let nodes = &flow.nodes;
+    // velocities of eddies have the correlation exp(-t/T_L); a particle with a linear response of time τ then
+    // has the fraction T_L/(T_L + τ) of their variance
+    let induced = |k: f64, epsilon: f64| {
+        let eddy = if epsilon > 0.0 { EDDY_TIME * k / epsilon } else { 0.0 };
+        2.0 / 3.0 * k * eddy / (eddy + response)
+    };
+    let strips = nodes.windows(2).map(|pair| {
+        let [a, b] = pair else { return (0.0, 0.0) };
+        let area = match flow.section {
+            Section::Channel => b.y - a.y,
+            Section::Pipe => (b.y - a.y) * (0.5 * flow.height - 0.5 * (a.y + b.y)),
+        };
+        (0.5 * area * (induced(a.k, a.epsilon) + induced(b.k, b.epsilon)), area)
+    });
+    let (sum, area) = strips.fold((0.0, 0.0), |(sum, area), (more, strip)| (sum + more, area + strip));
+    if area > 0.0 { sum / area } else { 0.0 }
 }
 
 /// [m/s] terminal slip speed w of a sphere at which drag balances the weight: w = g τ(w), where the acceleration `gravity` [m/s²]
@@ -131,7 +137,7 @@ pub fn bulk_velocity(fluid: &Fluid, height: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::drag::SchillerNaumann;
-    use crate::fluid::{ChannelFlow, Pipe, Profile};
+    use crate::fluid::{Pipe, Profile};
 
     /// Compares terminal slip speed and response time of the paper's spheres at g = 9.81 m/s² with an independent root
     /// of the drag law. The Stokes numbers use U_b = 15.9075 m/s.
@@ -141,13 +147,8 @@ mod tests {
             (406e-6, 1038.0, 0.520687601, 1.67597328, 44.91387, 0.170843, 207.07),
             (1.5e-3, 1032.0, 7.066266793, 5.56350207, 550.84179, 0.567126, 2810.2),
         ] {
-            let fluid = Fluid {
-                density: 1.205,
-                kinematic_viscosity: 1.515e-5,
-                profile: Profile::Uniform(15.9075),
-                drag: Some(Drag::SchillerNaumann(SchillerNaumann)),
-                buoyancy: None,
-            };
+            let fluid =
+                Fluid::new(1.205, 1.515e-5, Profile::Uniform(15.9075), Some(Drag::SchillerNaumann(SchillerNaumann)));
             let species = Species::new("P", diameter, density);
             let found = flow(&fluid, &species, [1e7, 0.0], 9.81, 0.04).expect("there is drag");
             assert!((found.stokes_time / stokes - 1.0).abs() < 1e-8);
@@ -167,7 +168,7 @@ mod tests {
         let nodes = flow_of_gas.nodes.clone();
         let profile = Profile::Pipe(std::sync::Arc::new(Pipe::new([0.02; 2], flow_of_gas).unwrap()));
         let drag = Some(Drag::SchillerNaumann(SchillerNaumann));
-        let fluid = Fluid { density: 1.205, kinematic_viscosity: viscosity, profile, drag, buoyancy: None };
+        let fluid = Fluid::new(1.205, viscosity, profile, drag);
         let tracer = Species::new("T", 1e-7, 1000.0);
         let found = flow(&fluid, &tracer, [1e7, 0.0], 9.81, diameter).unwrap().turbulent_variance.unwrap();
         // circles about the axis through the middles between nodes

@@ -33,8 +33,8 @@ pub struct GatheredParticles {
 /// Order of the lead process to the other processes, which do the same work on their particles.
 #[derive(Clone, Serialize, Deserialize)]
 pub enum Order {
-    /// Apply drag alone for a duration [s].
-    Kick(f64),
+    /// Apply drag alone for a duration [s], as the kick with this number.
+    Kick(f64, u64),
     /// Advance the engine from a start time through a window [s].
     Advance(f64, f64),
     /// Store the velocities. A half-kick is applied afterwards, and observers are called.
@@ -131,9 +131,15 @@ impl Simulation {
         let mut kept = Particles::default();
         while let Some(share) = &self.share {
             match share.told() {
-                Order::Keep => self.particles.keep_kicked(&mut kept),
-                Order::TakeBack => self.particles.take_back(&mut kept),
-                Order::Kick(duration) => self.kick(duration),
+                Order::Keep => {
+                    self.particles.keep_kicked(&mut kept);
+                    kept.eddies.clone_from(&self.particles.eddies);
+                }
+                Order::TakeBack => {
+                    self.particles.take_back(&mut kept);
+                    self.particles.eddies = kept.eddies.take();
+                }
+                Order::Kick(duration, number) => self.kick(duration, number),
                 Order::Advance(time, window) => {
                     self.time = time;
                     // only the lead reports failures

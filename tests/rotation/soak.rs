@@ -82,13 +82,7 @@ fn rough_crowd(seed: u64) -> RoughCrowd {
     if gas {
         let profile = Profile::Uniform(0.5);
         // a response time of a few units of time
-        scene.fluid = Some(Fluid {
-            density: 1e-3,
-            kinematic_viscosity: 10.0,
-            profile,
-            drag: Some(Drag::Stokes(Stokes)),
-            buoyancy: None,
-        });
+        scene.fluid = Some(Fluid::new(1e-3, 10.0, profile, Some(Drag::Stokes(Stokes))));
     }
     if !scene.walls.is_empty() {
         scene.gravity = Vector3::new(0.5, -3.0, 1.0);

@@ -1,7 +1,7 @@
 //! Keys of the gas, its flow and its drag.
 
 use crate::case::de::Located;
-use crate::case::quantity::{Density, KinematicViscosity, Length, Ratio, Speed};
+use crate::case::quantity::{Density, DissipationRate, KinematicViscosity, Length, Ratio, SpecificEnergy, Speed};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
@@ -25,9 +25,40 @@ pub struct FluidFile {
     /// and energies in results then contain it.
     #[schemars(example = true, extend("default" = false))]
     pub added_mass: Option<Located<bool>>,
+    /// Turbulence that particles see in addition to the mean velocity of the gas. Without this table they see the mean
+    /// velocity alone.
+    pub turbulence: Option<Located<SeenTurbulenceFile>>,
     /// Velocity of the gas along z, usually as a function of y. Give exactly one of the tables below.
     #[schemars(extend("x-required" = "always"))]
     pub profile: Option<Located<ProfileFile>>,
+}
+
+/// Table `[fluid.turbulence]`: turbulence that particles see.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SeenTurbulenceFile {
+    /// Turbulent kinetic energy, k, where the profile of the gas does not give it: in a `uniform` gas.
+    #[schemars(example = &"0.5 m^2/s^2", extend("x-range" = "greater than 0, up to 1e6 m^2/s^2"))]
+    pub kinetic_energy: Option<Located<SpecificEnergy>>,
+    /// Dissipation rate of the turbulent kinetic energy, ε, in a `uniform` gas.
+    #[schemars(example = &"10 m^2/s^3", extend("x-range" = "greater than 0, up to 1e12 m^2/s^3"))]
+    pub dissipation_rate: Option<Located<DissipationRate>>,
+    /// Langevin equation for the gas velocity along the way of each particle.
+    #[schemars(extend("x-required" = "always"))]
+    pub langevin: Option<Located<LangevinFile>>,
+}
+
+/// Table `[fluid.turbulence.langevin]`.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct LangevinFile {
+    /// Kolmogorov constant C_0, which sets the Lagrangian time T_L = (k/ε)/(1/2 + 3/4 C_0).
+    #[schemars(example = 5, extend("default" = 2.1, "x-range" = "0 ..= 20"))]
+    pub kolmogorov_constant: Option<Located<Ratio>>,
+    /// Ratio β = T_L/T_E of the time scales of the gas along its own way and at a moving place. With 0, particles that
+    /// fall through eddies see them for as long as the gas does.
+    #[schemars(example = 0.8, extend("x-default" = "0.671, so that β² = 0.45", "x-range" = "0 ..= 10"))]
+    pub time_scale_ratio: Option<Located<Ratio>>,
 }
 
 /// Tables `[drag.*]`: choice of a drag law.
@@ -89,7 +120,8 @@ pub enum ProfileFile {
     },
     /// Velocities from a table in a file.
     Table {
-        /// Name of a CSV file with the columns `y_m,U_m_s`, relative to the folder of the file that contains this key.
+        /// Name of a CSV file with the columns `y_m,U_m_s`, relative to the folder of the file that contains this key. For
+        /// `fluid.turbulence` it also has the columns `k_m2_s2` and `epsilon_m2_s3`.
         #[schemars(example = &"gas.csv", extend("x-required" = "always"))]
         file: Option<Located<String>>,
     },

@@ -18,6 +18,7 @@ mod sizes;
 mod start;
 mod table;
 mod triangles;
+mod turbulence;
 mod walls;
 
 use super::built_in;
@@ -108,6 +109,7 @@ pub fn resolve(
     resolver.check_stability(file, &experiment)?;
     resolver.check_length(file, &experiment)?;
     resolver.check_drag(file, &experiment);
+    resolver.check_eddies(file, &experiment);
     resolver.check_trajectories(file, &experiment)?;
     Ok((experiment, resolver.warnings))
 }

@@ -158,7 +158,8 @@ impl Resolver {
         let slip =
             format!("did you mean \"{} {unit}\"? air has 1.5e-5 m^2/s, water 1e-6 m^2/s", short(viscosity.value.0));
         let nu = self.in_range(viscosity, slip)?;
-        let profile = self.profile(fluid, domain, nu, species)?;
+        let (profile, table) = self.profile(fluid, domain, nu, species)?;
+        let turbulence = self.turbulence(file, &profile, &table, nu)?;
         let drag = match &file.drag {
             Some(drag) => Some(self.drag(&drag.value, domain, species)?),
             None => {
@@ -170,7 +171,7 @@ impl Resolver {
                 None
             }
         };
-        Ok(Some(Fluid { density: rho, kinematic_viscosity: nu, profile, drag, buoyancy: None }))
+        Ok(Some(Fluid { density: rho, kinematic_viscosity: nu, profile, drag, buoyancy: None, turbulence }))
     }
 
     fn drag(&self, drag: &DragFile, domain: &Domain, species: &[Species]) -> Result<Drag, Diagnostic> {
@@ -209,22 +210,25 @@ impl Resolver {
         Ok(cells)
     }
 
+    /// Velocity profile of the gas; also y [m], k [m²/s²] and ε [m²/s³] of a table, if its file has them.
     fn profile(
         &mut self,
         fluid: &Located<FluidFile>,
         domain: &Domain,
         nu: f64,
         species: &[Species],
-    ) -> Result<Profile, Diagnostic> {
+    ) -> Result<(Profile, Vec<[f64; 3]>), Diagnostic> {
         let profile = self.need(&fluid.value.profile, "fluid.profile")?;
-        match &profile.value {
+        let mut turbulence = Vec::new();
+        let profile = match &profile.value {
             ProfileFile::Uniform { velocity } => {
                 let velocity = self.need(velocity, "fluid.profile.uniform.velocity")?;
                 Ok(Profile::Uniform(self.in_range(velocity, "a gas velocity along z")?))
             }
             ProfileFile::Table { file } => {
                 let name = self.need(file, "fluid.profile.table.file")?;
-                let points = self.profile_table(name)?;
+                let (points, columns) = self.profile_table(name)?;
+                turbulence = columns;
                 let smallest = species.iter().map(|kind| 0.5 * kind.smallest()).fold(f64::INFINITY, f64::min);
                 self.check_cover(name, &points, domain.size.y, smallest)?;
                 Profile::table(&points).map_err(|why| self.refuse(name, format!("is no velocity profile: {why}")))
@@ -254,7 +258,8 @@ impl Resolver {
                 self.log_law((friction_velocity.as_ref(), reynolds_number.as_ref()), constants, domain, nu)
                     .map(Profile::LogLaw)
             }
-        }
+        };
+        Ok((profile?, turbulence))
     }
 }
 

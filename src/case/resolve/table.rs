@@ -93,6 +93,9 @@ pub struct DataTable {
     pub(super) rows: Vec<(csv::StringRecord, Origin)>,
 }
 
+/// Points (y, U) and (y, k, ε) of a tabulated gas, in SI; the second list is empty if the table lacks k or ε.
+type TabulatedGas = (Vec<(f64, f64)>, Vec<[f64; 3]>);
+
 /// One row of a table.
 #[derive(Clone, Copy)]
 pub struct TableRow<'a> {
@@ -249,10 +252,12 @@ impl Resolver {
         }
     }
 
-    /// Points (y [m], U [m/s]) of a velocity profile, with increasing y.
-    pub(super) fn profile_table(&mut self, name: &Located<String>) -> Result<Vec<(f64, f64)>, Diagnostic> {
-        let table = self.table(name, &["y_m", "U_m_s"], &[])?;
-        let mut points: Vec<(f64, f64)> = Vec::new();
+    /// Points (y [m], U [m/s]) of a velocity profile, with increasing y. If the table has columns of k [m²/s²] and ε
+    /// [m²/s³], also points (y, k, ε).
+    pub(super) fn profile_table(&mut self, name: &Located<String>) -> Result<TabulatedGas, Diagnostic> {
+        const TURBULENCE: [&str; 2] = ["k_m2_s2", "epsilon_m2_s3"];
+        let table = self.table(name, &["y_m", "U_m_s"], &TURBULENCE)?;
+        let (mut points, mut turbulence): TabulatedGas = Default::default();
         for row in table.rows() {
             let point = (self.number(row, 0, "y_m")?, self.number(row, 1, "U_m_s")?);
             if points.last().is_some_and(|last| point.0 <= last.0) {
@@ -260,10 +265,19 @@ impl Resolver {
                 return Err(self.sources.error(row.origin, message).help("sort the table by distance from the wall"));
             }
             points.push(point);
+            if table.has(2) && table.has(3) {
+                let [k, epsilon] = [self.number(row, 2, TURBULENCE[0])?, self.number(row, 3, TURBULENCE[1])?];
+                if k < 0.0 || epsilon <= 0.0 {
+                    let message = format!("`k_m2_s2` = {k:e} and `epsilon_m2_s3` = {epsilon:e} are not possible");
+                    let help = "allowed: k from 0 on, ε greater than 0; at a smooth wall k is 0 and ε is not";
+                    return Err(self.sources.error(row.origin, message).help(help));
+                }
+                turbulence.push([point.0, k, epsilon]);
+            }
         }
         if points.is_empty() {
             return Err(self.refuse(name, "has a header but no line of numbers").help("add at least two points"));
         }
-        Ok(points)
+        Ok((points, turbulence))
     }
 }

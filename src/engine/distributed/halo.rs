@@ -149,6 +149,10 @@ impl Halo {
         for (k, &place) in self.own.iter().enumerate() {
             seen.set_motion(place as usize, &own.motion(k));
         }
+        // kicks change the eddies that particles see; those of borrowed particles are not used
+        if let (Some(eddies), Some(of_own)) = (&mut seen.eddies, &own.eddies) {
+            self.own.iter().zip(of_own).for_each(|(&place, own)| eddies[place as usize] = *own);
+        }
         let pack = |places: &Vec<u32>| {
             let mut bytes = Vec::new();
             places.iter().for_each(|&place| seen.pack_motion(place as usize, &mut bytes));

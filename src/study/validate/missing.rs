@@ -17,12 +17,12 @@ pub const MISSING: &[NotValidated] = &[
     NotValidated {
         name: "particle-laden channel of air",
         reference: "Kussin and Sommerfeld (2002, Exp. Fluids 33, 143); Benson and Eaton (2003)",
-        needs: "two-way coupling, lift and turbulent dispersion; no table of the measured profiles was found in public",
+        needs: "two-way coupling and lift; no table of the measured profiles was found in public",
     },
     NotValidated {
         name: "particle-laden vertical pipe",
         reference: "Tsuji, Morikawa and Shiomi (1984, J. Fluid Mech. 139, 417)",
-        needs: "two-way coupling and turbulent dispersion; no table of the measured profiles was found in public",
+        needs: "two-way coupling; no table of the measured profiles was found in public",
     },
     NotValidated {
         name: "fluidized bed",

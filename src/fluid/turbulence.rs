@@ -1,0 +1,367 @@
+//! Turbulence of the gas that particles see: its local statistics, and a Langevin equation for the gas velocity along
+//! the way of a particle. `docs/design/turbulence.md` gives the reasons.
+
+use super::k_epsilon::ChannelFlow;
+use super::profile::Profile;
+use super::table::VelocityTable;
+use nalgebra::Vector3;
+use serde::Serialize;
+use std::sync::Arc;
+
+/// [-] shortest turnover time k/ε of eddies, over the Kolmogorov time sqrt(ν/ε) (Durbin 1991, Theor. Comput. Fluid Dyn.
+/// 3, 1).
+const SHORTEST_TURNOVER: f64 = 6.0;
+
+/// Number of strips across the gas in means over the cross-section.
+const STRIPS: usize = 2000;
+
+/// Turbulence that particles see: the statistics of the gas, and the law by which the velocity that a particle sees
+/// changes with time.
+#[derive(Clone, Debug, Serialize)]
+pub struct Turbulence {
+    /// Local statistics of the gas velocity.
+    pub statistics: TurbulenceStatistics,
+    /// Law of the gas velocity along the way of a particle.
+    pub langevin: Langevin,
+}
+
+/// Strength and duration of the eddies as functions of position. Turbulence is taken as isotropic.
+#[derive(Clone, Debug, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum TurbulenceStatistics {
+    /// Equal everywhere: the standard deviation σ of a velocity component [m/s], and the turnover time k/ε [s].
+    Uniform(f64, f64),
+    /// Functions of the distance from the wall, or of y.
+    Profile(Arc<TurbulenceProfile>),
+}
+
+/// Statistics of turbulence as functions of the [`depth`](Profile::depth) of a profile.
+#[derive(Clone, Debug, Serialize)]
+pub struct TurbulenceProfile {
+    /// Standard deviation σ of a velocity component [m/s].
+    deviation: VelocityTable,
+    /// Turnover time k/ε [s].
+    turnover: VelocityTable,
+}
+
+/// Statistics of the gas velocity at one place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LocalTurbulence {
+    /// [m/s] standard deviation σ = sqrt(2k/3) of each velocity component.
+    pub deviation: f64,
+    /// [1/s] gradient of σ.
+    pub gradient: Vector3<f64>,
+    /// [s] Lagrangian integral time T_L of the gas.
+    pub time: f64,
+}
+
+/// [s] turnover time k/ε of eddies, at least that of the smallest ones. `k` in m²/s², `epsilon` in m²/s³ > 0, `viscosity`
+/// (kinematic) in m²/s.
+fn turnover(k: f64, epsilon: f64, viscosity: f64) -> f64 {
+    (k / epsilon).max(SHORTEST_TURNOVER * (viscosity / epsilon).sqrt())
+}
+
+impl TurbulenceStatistics {
+    /// Homogeneous turbulence with the kinetic energy `k` [m²/s²] and the dissipation rate `epsilon` [m²/s³] > 0, in a
+    /// gas of kinematic viscosity `viscosity` [m²/s].
+    pub fn uniform(k: f64, epsilon: f64, viscosity: f64) -> Self {
+        Self::Uniform((2.0 / 3.0 * k).sqrt(), turnover(k, epsilon, viscosity))
+    }
+
+    /// Statistics as monotone cubics through points (y [m], k [m²/s²], ε [m²/s³] > 0) in ascending order of y, constant
+    /// outside the points. `viscosity` [m²/s] is the kinematic viscosity.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`VelocityTable::new`].
+    pub fn table(points: &[[f64; 3]], viscosity: f64) -> Result<Self, String> {
+        let deviation: Vec<_> = points.iter().map(|[y, k, _]| (*y, (2.0 / 3.0 * k).sqrt())).collect();
+        let time: Vec<_> = points.iter().map(|[y, k, epsilon]| (*y, turnover(*k, *epsilon, viscosity))).collect();
+        let profile =
+            TurbulenceProfile { deviation: VelocityTable::new(&deviation)?, turnover: VelocityTable::new(&time)? };
+        Ok(Self::Profile(Arc::new(profile)))
+    }
+
+    /// Statistics of a solved channel or pipe flow. With wall functions k and ε below the first node are those of the
+    /// first node. Otherwise k is 0 at the wall.
+    ///
+    /// # Errors
+    ///
+    /// None for a solved flow; those of [`VelocityTable::new`] if its nodes were altered.
+    pub fn of(flow: &ChannelFlow) -> Result<Self, String> {
+        let nodes = flow.nodes.iter().map(|node| [node.y, node.k, node.epsilon]);
+        let wall = flow.nodes.first().filter(|_| flow.model.reaches_the_wall()).map(|node| [0.0, 0.0, node.epsilon]);
+        // nothing flows through the centre plane, so that the last node stands for it
+        let centre = flow.nodes.last().map(|node| [0.5 * flow.height, node.k, node.epsilon]);
+        let points: Vec<[f64; 3]> = wall.into_iter().chain(nodes).chain(centre).collect();
+        Self::table(&points, flow.kinematic_viscosity)
+    }
+}
+
+impl Turbulence {
+    /// Statistics of the gas velocity at a place [m], in a gas with this profile.
+    #[inline]
+    pub fn at(&self, profile: &Profile, place: &Vector3<f64>) -> LocalTurbulence {
+        let (deviation, gradient, turnover) = match &self.statistics {
+            TurbulenceStatistics::Uniform(deviation, turnover) => (*deviation, Vector3::zeros(), *turnover),
+            TurbulenceStatistics::Profile(of) => {
+                let (depth, direction) = profile.depth(place);
+                (of.deviation.value(depth), direction * of.deviation.slope(depth), of.turnover.value(depth))
+            }
+        };
+        LocalTurbulence { deviation, gradient, time: self.langevin.share_of_turnover() * turnover }
+    }
+
+    /// Statistics at the middles of many strips of equal width along the line through the middle of the profile, between
+    /// the walls of the gas in a box of `height` [m]. The number before each is the weight of the strip in a mean over
+    /// the cross-section [-].
+    pub fn strips(&self, profile: &Profile, height: f64) -> impl Iterator<Item = (f64, LocalTurbulence)> {
+        let [low, high] = profile.between(height);
+        let axis = match profile {
+            Profile::Pipe(pipe) => Some(pipe.center()),
+            Profile::Uniform(_) | Profile::Tabulated(_) | Profile::Channel(_) | Profile::LogLaw(_) => None,
+        };
+        (0..STRIPS).map(move |strip| {
+            let y = low + (high - low) * (strip as f64 + 0.5) / STRIPS as f64;
+            let local = self.at(profile, &Vector3::new(axis.map_or(0.0, |[x, _]| x), y, 0.0));
+            match axis {
+                // rings are narrower towards the axis; both halves of the line count
+                Some([_, middle]) => (4.0 * (y - middle).abs() / ((high - low) * STRIPS as f64), local),
+                None => (1.0 / STRIPS as f64, local),
+            }
+        })
+    }
+
+    /// [1/s] largest rate at which the fluctuation changes along the way of particles with a response time [s], between
+    /// the walls of the gas in a box of `height` [m]: by the drift ∇σ/(1 + St), and by the turnover of eddies that
+    /// particles follow, 1/(T_L + τ).
+    pub fn largest_rate(&self, profile: &Profile, height: f64, response: f64) -> f64 {
+        let rates = self.strips(profile, height).map(|(_, local)| {
+            let slowest = local.time + response;
+            (local.gradient.norm() * local.time / slowest).max(1.0 / slowest)
+        });
+        rates.fold(0.0, f64::max)
+    }
+
+    /// [m²/s²] variance of a velocity component that particles get from the turbulence, as a mean over the
+    /// cross-section and the three components: σ² T/(T + τ) (Tchen 1947) with the response time τ = `response` [s].
+    /// Crossing at the slip speed `slip` [m/s] shortens T.
+    pub fn induced_variance(&self, profile: &Profile, height: f64, response: f64, slip: f64) -> f64 {
+        let variances =
+            self.strips(profile, height).filter(|(_, local)| local.deviation > 0.0).map(|(weight, local)| {
+                let [along, across] = self.langevin.times(&local, slip * slip).map(|time| time / (time + response));
+                weight * local.deviation * local.deviation * (along + 2.0 * across) / 3.0
+            });
+        variances.sum()
+    }
+}
+
+/// Langevin equation for the fluctuation **u** of the gas velocity that a particle sees, as **s** = **u**/σ:
+/// d**s** = (-**s**/T + ∇σ/(1 + St)) dt + sqrt(2/T) dW (Thomson 1987, J. Fluid Mech. 180, 529; Simonin, Deutsch and
+/// Minier 1993, Appl. Sci. Res. 51, 275).
+///
+/// St = τ/T_L is the Stokes number with the response time τ. The variance of each component of **u** stays σ² = 2k/3.
+/// Left out: anisotropy and shear stress of the turbulence, its production along the way of a particle, and
+/// correlations between particles.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Langevin {
+    /// [-] Kolmogorov constant C_0 of the Lagrangian structure function, in T_L = (k/ε)/(1/2 + 3/4 C_0).
+    pub kolmogorov_constant: f64,
+    /// [-] ratio β = T_L/T_E of the time scales of the gas along its way and at a moving place. With 0, trajectories
+    /// that cross eddies do not shorten the time scale.
+    pub time_scale_ratio: f64,
+}
+
+impl Default for Langevin {
+    fn default() -> Self {
+        Self {
+            // Pope 1994, Annu. Rev. Fluid Mech. 26, 23
+            kolmogorov_constant: 2.1,
+            // C_β = β² = 0.45 along the slip, and 4 β² = 1.8 across it: Deutsch and Simonin 1991
+            time_scale_ratio: 0.670_820_393_249_936_9,
+        }
+    }
+}
+
+/// State of a particle on which the eddies that it sees depend.
+#[derive(Clone, Copy, Debug)]
+pub struct EddySeen {
+    /// [-] fluctuation **s** of the gas velocity over its standard deviation.
+    pub fluctuation: Vector3<f64>,
+    /// [m/s] velocity of the particle relative to the mean gas velocity.
+    pub velocity: Vector3<f64>,
+    /// [s] response time τ of the particle.
+    pub response: f64,
+}
+
+/// Unit vector [-] along the slip of a particle; zero without slip.
+#[derive(Clone, Copy, Debug)]
+struct AlongSlip(Vector3<f64>);
+
+impl AlongSlip {
+    /// Vector whose parts along the slip and across it are multiplied by these factors.
+    #[inline]
+    fn scaled(&self, [along, across]: [f64; 2], v: Vector3<f64>) -> Vector3<f64> {
+        v * across + self.0 * ((along - across) * self.0.dot(&v))
+    }
+}
+
+/// Exact solution of the Langevin equation over a time h along one direction, with x = h/T.
+#[derive(Clone, Copy, Debug)]
+struct Relaxation {
+    /// [-] remaining share of the fluctuation at the end, exp(-x).
+    kept: f64,
+    /// [-] standard deviation of the end about its mean.
+    drawn: f64,
+    /// [-] mean over the time, over the sum of the values at both ends: tanh(x/2)/x.
+    ends: f64,
+    /// [-] standard deviation of the mean over the time, if both ends are given: sqrt(2 (x - 2 tanh(x/2)))/x.
+    between: f64,
+}
+
+impl Relaxation {
+    fn over(x: f64) -> Self {
+        if x == 0.0 {
+            return Self { kept: 1.0, drawn: 0.0, ends: 0.5, between: 0.0 };
+        }
+        let ends = (0.5 * x).tanh() / x;
+        // rounding makes the difference inexact only for x below 1e-5, where the term is less than 1e-3 itself
+        Self {
+            kept: (-x).exp(),
+            drawn: (-(-2.0 * x).exp_m1()).sqrt(),
+            ends,
+            between: (2.0 * (1.0 - 2.0 * ends) / x).max(0.0).sqrt(),
+        }
+    }
+}
+
+/// [-] weight of the end in the mean that a particle responds to, coth(r/2) - 2/r with r = h/τ, for a time h and a response
+/// time τ. It is 0 for long response times and 1 for short ones.
+#[inline]
+fn lateness(ratio: f64) -> f64 {
+    // the first term of the series; the next one is 6e-12 at most
+    if ratio < 1e-3 { ratio / 6.0 } else { 1.0 / (0.5 * ratio).tanh() - 2.0 / ratio }
+}
+
+impl Langevin {
+    /// [-] Lagrangian integral time over the turnover time, T_L ε/k.
+    #[inline]
+    fn share_of_turnover(&self) -> f64 {
+        // Pope 1994, Annu. Rev. Fluid Mech. 26, 23: 1/2 + 3/4 C_0
+        1.0 / (0.5 + 0.75 * self.kolmogorov_constant)
+    }
+
+    /// [s] integral times of the gas velocity that a particle sees, along its slip and across it, at a slip speed whose
+    /// square is `square` [m²/s²] (Csanady 1963, J. Atmos. Sci. 20, 201).
+    #[inline]
+    pub fn times(&self, local: &LocalTurbulence, square: f64) -> [f64; 2] {
+        let crossing = self.time_scale_ratio * self.time_scale_ratio * square / (local.deviation * local.deviation);
+        [local.time / (1.0 + crossing).sqrt(), local.time / (1.0 + 4.0 * crossing).sqrt()]
+    }
+
+    /// Times of [`times`](Self::times) at a slip velocity [m/s], and the direction that they refer to.
+    #[inline]
+    fn scales(&self, local: &LocalTurbulence, slip: Vector3<f64>) -> ([f64; 2], AlongSlip) {
+        let square = slip.norm_squared();
+        let direction = if square > 0.0 { slip / square.sqrt() } else { Vector3::zeros() };
+        (self.times(local, square), AlongSlip(direction))
+    }
+
+    /// Advances the fluctuation that a particle sees at its place over `duration` [s], exactly. Returns the fluctuation
+    /// at the end, and the mean over the time that a particle responds to, both over σ [-]. `noise` [-] are independent
+    /// Gaussian numbers.
+    ///
+    /// A particle forgets the eddies of the past with its response time τ, so that the weight of the time t before the
+    /// end is exp(-t/τ). Here this weight is the sum of an equal one and of one at the end, with the same centre. This is
+    /// exact for long and for short response times.
+    #[inline]
+    pub fn advance(
+        &self,
+        seen: &EddySeen,
+        local: &LocalTurbulence,
+        duration: f64,
+        noise: &[Vector3<f64>; 2],
+    ) -> [Vector3<f64>; 2] {
+        let s = seen.fluctuation;
+        if local.deviation <= 0.0 {
+            return [s; 2];
+        }
+        let following = |time: f64| time / (time + seen.response);
+        // the slip decays during a kick, to nothing for particles that follow the gas; this is its mean over the kick
+        let ratio = duration / seen.response;
+        let lasting = if ratio > 0.0 { -(-ratio).exp_m1() / ratio } else { 1.0 };
+        let guess = (seen.velocity - s * (local.deviation * following(local.time))) * lasting;
+        let (first, split) = self.scales(local, guess);
+        // the part of the slip that does not follow the fluctuation
+        let slip = (seen.velocity - split.scaled(first.map(following), s) * local.deviation) * lasting;
+        let (times, split) = self.scales(local, slip);
+        let scaled = |factors: [f64; 2], v: Vector3<f64>| split.scaled(factors, v);
+        let [along, across] = times.map(|time| Relaxation::over(duration / time));
+        let drift = scaled(times, scaled(times.map(following), local.gradient));
+        let end = drift + scaled([along.kept, across.kept], s - drift) + scaled([along.drawn, across.drawn], noise[0]);
+        let mean = drift
+            + scaled([along.ends, across.ends], s + end - 2.0 * drift)
+            + scaled([along.between, across.between], noise[1]);
+        let late = lateness(ratio);
+        [end, mean * (1.0 - late) + end * late]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Moments of the end and of the mean over a time h from a start of variance 1, for x = h/T: the end has variance 1
+    /// and covariance exp(-x) with the start; the mean has variance 2 (x - 1 + exp(-x))/x² and covariance
+    /// (1 - exp(-x))/x with both ends. These are integrals of exp(-|t - t'|/T), computed apart from the bridge.
+    #[test]
+    fn a_step_has_the_moments_of_the_exponential_correlation() {
+        for x in [1e-9_f64, 1e-4, 0.1, 1.0, 7.0, 1e3, f64::INFINITY] {
+            let Relaxation { kept, drawn, ends, between } = Relaxation::over(x);
+            let close = |name: &str, found: f64, wanted: f64| {
+                // the closed forms on the right lose digits to cancellation, up to the rounding over x²
+                let tolerance = 1e-12 + 4.0 * f64::EPSILON / x.min(1.0).powi(2).max(1e-5);
+                assert!((found - wanted).abs() < tolerance, "{name} at {x}: {found}, not {wanted}");
+            };
+            close("variance of the end", kept * kept + drawn * drawn, 1.0);
+            let covariance = if x.is_finite() { -(-x).exp_m1() / x } else { 0.0 };
+            close("start and mean", ends * (1.0 + kept), covariance);
+            close("end and mean", ends * (kept + 1.0), covariance);
+            if x > 1e-3 && x.is_finite() {
+                let variance = 2.0 * (x + (-x).exp_m1()) / (x * x);
+                close("variance of the mean", ends * ends * (2.0 + 2.0 * kept) + between * between, variance);
+            }
+        }
+    }
+
+    /// Two steps of half the length are one whole step: the mean and the variance of the end agree, with drift. Without
+    /// response the mean over the whole step is that of both halves.
+    #[test]
+    fn two_half_steps_are_a_whole_step() {
+        let langevin = Langevin { time_scale_ratio: 0.0, ..Langevin::default() };
+        let local = LocalTurbulence { deviation: 2.0, gradient: Vector3::new(0.0, 3.0, 0.0), time: 0.4 };
+        let start = Vector3::new(1.0, -0.5, 0.2);
+        for response in [0.1, f64::INFINITY] {
+            let advance = |fluctuation, duration| {
+                let seen = EddySeen { fluctuation, velocity: Vector3::zeros(), response };
+                langevin.advance(&seen, &local, duration, &[Vector3::zeros(); 2])
+            };
+            let [whole, mean] = advance(start, 0.3);
+            let [half, first] = advance(start, 0.15);
+            let [end, second] = advance(half, 0.15);
+            assert!((whole - end).norm() < 1e-14, "{whole} {end}");
+            assert!(response.is_finite() || (mean - 0.5 * (first + second)).norm() < 1e-14);
+        }
+    }
+
+    /// The weight exp(-r z) of the share z of the time before the end has its centre at 1/r - 1/(exp(r) - 1). An equal
+    /// weight has it at 1/2, and the end at 0.
+    #[test]
+    fn the_mean_has_the_centre_of_the_response() {
+        for ratio in [1e-9_f64, 9e-4, 0.01, 1.0, 30.0] {
+            let centre = if ratio < 1e-3 { 0.5 - ratio / 12.0 } else { 1.0 / ratio - 1.0 / ratio.exp_m1() };
+            assert!((0.5 * (1.0 - lateness(ratio)) - centre).abs() < 1e-11, "{ratio}");
+        }
+        assert_eq!(lateness(f64::INFINITY), 1.0);
+    }
+}

@@ -1,0 +1,150 @@
+//! Kicks of drag in a turbulent gas: the fluctuation of the gas velocity that each particle sees changes together with
+//! the velocity of the particle. `docs/design/turbulence.md` gives the equations.
+
+use super::Simulation;
+use crate::drag::Kick;
+use crate::encounter::{AtWall, Couple, FrameTime};
+use crate::exact::{self, BLOCK, ExactSum};
+use crate::fluid::{EddySeen, LocalFractions, Profile, Turbulence};
+use crate::noise::{Noise, NoiseUse};
+use crate::particles::{CHUNK, Particles};
+use crate::scene::Scene;
+use crate::work_sharing;
+use nalgebra::Vector3;
+
+impl Simulation {
+    /// Number of the kick at the end of the last window. A whole kick and the half-kick of an observer have one number,
+    /// because only one of them remains.
+    pub(super) fn number_of_kick(&self) -> u64 {
+        2 * self.windows
+    }
+
+    /// Number of the half-kick before the next window, if a half-kick has ended the last window.
+    pub(super) fn number_of_first_half(&self) -> u64 {
+        2 * self.windows + 1
+    }
+}
+
+/// Draws the eddies that particles see at the start, unless the particles have some already. The Gaussian numbers have
+/// the variance 1, which is that of the local turbulence.
+pub(super) fn draw_first_eddies(particles: &mut Particles, seed: u64) {
+    let Particles { eddies, id, .. } = particles;
+    eddies.get_or_insert_with(|| {
+        let mut noise = Noise::new(seed, NoiseUse::FirstEddies, 0);
+        id.iter().map(|&id| noise.normals::<1>(id)[0]).collect()
+    });
+}
+
+/// Mirrors the eddies of particles that have come from a wall within the last `window` [s]: the component along the
+/// normal changes its sign. Such a particle is in front of a wall, and its free path back in time leads through the wall.
+pub(super) fn mirror_at_walls(particles: &mut Particles, scene: &Scene, window: f64) {
+    let Some(mut eddies) = particles.eddies.take() else { return };
+    let all = &*particles;
+    let each = |(chunk, eddies): (usize, &mut [Vector3<f64>])| {
+        for (place, eddy) in (chunk * CHUNK..).zip(eddies) {
+            let reach = all.radius[place] + 2.0 * (all.velocity[place].norm() + scene.gravity.norm() * window) * window;
+            for (number, wall) in (0..).zip(&scene.walls) {
+                if wall.geometry.nearest(&all.position[place]).distance > reach {
+                    continue;
+                }
+                for which in 0..wall.geometry.contacts() {
+                    let couple = Couple::at_wall(place as u32, AtWall { wall: number, which });
+                    let now = couple.meet(all, scene, FrameTime::default());
+                    if now.gap >= 0.0 && couple.meet(all, scene, FrameTime::ahead(-window)).gap < 0.0 {
+                        *eddy -= now.normal * (2.0 * eddy.dot(&now.normal));
+                    }
+                }
+            }
+        }
+    };
+    work_sharing::for_each(eddies.chunks_mut(CHUNK).enumerate(), each);
+    particles.eddies = Some(eddies);
+}
+
+/// Kick of drag in a turbulent gas.
+pub(super) struct TurbulentKick<'a> {
+    /// Mean velocity of the gas.
+    pub profile: &'a Profile,
+    /// Turbulence of the gas.
+    pub turbulence: &'a Turbulence,
+    /// Kick in a gas of constant velocity.
+    pub kick: &'a Kick,
+    /// Local volume fractions of the particles, if the drag law depends on them.
+    pub fractions: Option<&'a LocalFractions>,
+    /// Seed of the run and number of the kick.
+    pub seed_and_number: (u64, u64),
+}
+
+/// Velocities [m/s] and eddies [-] of the particles of one chunk.
+type Moving<'a> = (&'a mut [Vector3<f64>], &'a mut [Vector3<f64>]);
+
+impl TurbulentKick<'_> {
+    /// Applies drag alone to all particles. Returns sums over all particles: the impulse [kg m/s] of drag along x, y
+    /// and z, and the work [J] of drag.
+    pub fn apply(&self, particles: &mut Particles) -> [ExactSum; 4] {
+        let Some(mut eddies) = particles.eddies.take() else { return exact::none() };
+        let mut velocity = std::mem::take(&mut particles.velocity);
+        let all = &*particles;
+        let each = |(chunk, moving): (usize, Moving)| self.apply_to(all, chunk * CHUNK, moving);
+        let chunks = velocity.chunks_mut(CHUNK).zip(eddies.chunks_mut(CHUNK)).enumerate();
+        let sums = work_sharing::map(chunks, each).into_iter().fold(exact::none(), exact::merged);
+        (particles.velocity, particles.eddies) = (velocity, Some(eddies));
+        sums
+    }
+
+    /// Applies the kick to consecutive particles, the first of which has the index `first`.
+    fn apply_to(&self, all: &Particles, first: usize, (velocity, eddies): Moving) -> [ExactSum; 4] {
+        let (mut sums, mut rows) = (exact::none(), [[0.0; 4]; BLOCK]);
+        let (seed, number) = self.seed_and_number;
+        let mut noise = Noise::new(seed, NoiseUse::Eddies, number);
+        let blocks = velocity.chunks_mut(BLOCK).zip(eddies.chunks_mut(BLOCK));
+        for (start, (velocity, eddies)) in (first..).step_by(BLOCK).zip(blocks) {
+            let rows = &mut rows[..velocity.len()];
+            for (place, ((v, eddy), row)) in (start..).zip(velocity.iter_mut().zip(eddies).zip(&mut *rows)) {
+                let change = self.change(all, place, (v, eddy), &mut noise);
+                let mass = all.mass[place];
+                *row = [change.x * mass, change.y * mass, change.z * mass, mass * change.dot(&(*v + 0.5 * change))];
+                *v += change;
+            }
+            exact::add_rows(sums.each_mut(), rows);
+        }
+        sums
+    }
+
+    /// [m/s] change of the velocity `v` [m/s] of the particle at an index. Advances the eddy that it sees.
+    #[inline]
+    fn change(
+        &self,
+        all: &Particles,
+        place: usize,
+        (v, eddy): (&Vector3<f64>, &mut Vector3<f64>),
+        noise: &mut Noise,
+    ) -> Vector3<f64> {
+        let position = &all.position[place];
+        let local = self.turbulence.at(self.profile, position);
+        let velocity = v - Vector3::new(0.0, 0.0, self.profile.velocity_at(position));
+        let ratio = |slip: Vector3<f64>| self.ratio(all, place, slip.norm_squared());
+        // the share of the slip that remains is exp(-h/τ); that of a long kick is 0 up to rounding of the table
+        let lost = ratio(velocity - *eddy * local.deviation).max(-1.0);
+        let response = -self.kick.duration() / lost.ln_1p();
+        let seen = EddySeen { fluctuation: *eddy, velocity, response };
+        let drawn = noise.normals(all.id[place]);
+        let [end, mean] = self.turbulence.langevin.advance(&seen, &local, self.kick.duration(), &drawn);
+        *eddy = end;
+        let slip = velocity - mean * local.deviation;
+        slip * ratio(slip)
+    }
+
+    /// [-] change of the slip velocity of the particle at an index divided by the slip velocity, whose square is
+    /// `square` [m²/s²].
+    #[inline]
+    fn ratio(&self, all: &Particles, place: usize, square: f64) -> f64 {
+        let (species, radius) = (all.species[place], all.radius[place]);
+        match self.fractions {
+            Some(fractions) => {
+                self.kick.change_among(species, radius, fractions.at(&all.position[place], radius), square)
+            }
+            None => self.kick.change_of(species, radius, square),
+        }
+    }
+}
