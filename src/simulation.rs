@@ -7,6 +7,7 @@
 mod contacts;
 mod engines;
 mod kick;
+mod lift;
 mod share;
 mod snapshot;
 mod totals;
@@ -32,6 +33,7 @@ use crate::predict::energy::{Bound, broken_contract, too_long};
 use crate::record::{Ledger, Record};
 use crate::scene::{Scene, Species};
 use crate::walls::Repeated;
+use lift::LiftKick;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use share::{GatheredParticles, Order, SharedSimulation};
@@ -336,6 +338,7 @@ impl Simulation {
 
     fn advance(&mut self, window: f64) -> Result<(), Failure> {
         self.order(&Order::Advance(self.time, window));
+        self.lift(0.5 * window, LiftKick::BeforeWindow);
         self.add_differences_in_gravity(0.5 * window);
         let began = self.clock.now();
         let result = self.engine.advance(
@@ -355,6 +358,7 @@ impl Simulation {
             self.book_gravity(by_walls, [window, reached]);
         }
         self.add_differences_in_gravity(0.5 * window);
+        self.lift(0.5 * window, LiftKick::AfterWindow);
         turbulence::mirror_at_walls(&mut self.particles, &self.scene, window);
         if !self.is_follower() {
             self.clock.tell(self.time);

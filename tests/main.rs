@@ -47,6 +47,7 @@ mod keys; // the list of keys: complete, ranges as messages name them, the page 
 mod kick; // the tabulated drag kick against the law it is made of
 #[cfg(feature = "lab")]
 mod lab; // the lab: token, other hosts, limits, protocol, every scene in both panels, commands that reproduce, threads
+mod lift; // forces across the slip and torque of the gas
 mod limits; // failures that are typed, the TC model, and maps of where each method fails against theory
 mod maps; // where each method fails: the maps of `limits` against theory
 mod meshes; // walls of triangles: seams, corners, vessels, damaged meshes

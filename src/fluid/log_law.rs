@@ -46,6 +46,12 @@ impl LogConstants {
         (kappa * y).ln_1p() / kappa + self.amplitude() * wall
     }
 
+    /// Slope dU⁺/dy⁺ [-] at the distance y⁺ >= 0 from the wall.
+    fn slope(self, y: f64) -> f64 {
+        let (outer, inner) = ((-y / OUTER_FADE).exp(), (-y / INNER_FADE).exp());
+        1.0 / (1.0 + self.von_karman * y) + self.amplitude() / OUTER_FADE * (outer - inner + y / INNER_FADE * inner)
+    }
+
     /// Integral ∫ U⁺ dy⁺ from the wall to y⁺ = `h` [-].
     fn flow(self, h: f64) -> f64 {
         let kappa = self.von_karman;
@@ -142,6 +148,16 @@ impl LogLaw {
         let nearest = y.min(self.height - y).max(0.0);
         let scale = self.friction_velocity / self.kinematic_viscosity;
         self.friction_velocity * self.constants.velocity(nearest * scale)
+    }
+
+    /// [1/s] slope of the velocity over `y` [m], the distance from the wall y = 0; zero outside the walls.
+    pub fn slope(&self, y: f64) -> f64 {
+        if !(0.0..=self.height).contains(&y) {
+            return 0.0;
+        }
+        let (nearest, sign) = if 2.0 * y > self.height { (self.height - y, -1.0) } else { (y, 1.0) };
+        let scale = self.friction_velocity / self.kinematic_viscosity;
+        sign * self.friction_velocity * scale * self.constants.slope(nearest * scale)
     }
 }
 

@@ -12,6 +12,7 @@ mod fractions;
 mod half_channel;
 mod k_epsilon;
 mod launder_sharma;
+mod lift;
 mod log_law;
 mod pipe;
 mod profile;
@@ -22,6 +23,7 @@ mod wall_functions;
 pub use buoyancy::Buoyancy;
 pub use fractions::LocalFractions;
 pub use k_epsilon::{ChannelFlow, GridNode, KBudget, Section, TurbulenceModel};
+pub use lift::{Lift, LiftedSphere};
 pub use log_law::{LogConstants, LogLaw};
 pub use pipe::Pipe;
 pub use profile::{Channel, Profile, WallScale};
@@ -49,12 +51,15 @@ pub struct Fluid {
     /// Turbulence that the particles see; `None` if they see the mean velocity alone.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub turbulence: Option<Turbulence>,
+    /// Lift of the particles; `None` if it is left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lift: Option<Lift>,
 }
 
 impl Fluid {
-    /// A gas without buoyancy and turbulence: density [kg/m³], kinematic viscosity [m²/s], velocity profile and drag law.
+    /// A gas without buoyancy, turbulence and lift: density [kg/m³], kinematic viscosity [m²/s], velocity profile and drag law.
     pub fn new(density: f64, kinematic_viscosity: f64, profile: Profile, drag: Option<Drag>) -> Self {
-        Self { density, kinematic_viscosity, profile, drag, buoyancy: None, turbulence: None }
+        Self { density, kinematic_viscosity, profile, drag, buoyancy: None, turbulence: None, lift: None }
     }
 
     /// Properties of a single sphere of this species in this gas on which drag depends.

@@ -53,6 +53,11 @@ impl Pipe {
         (self.radius() - distance, inwards)
     }
 
+    /// [1/s] slope of the gas velocity over the distance from the wall, at this distance [m].
+    pub fn slope(&self, depth: f64) -> f64 {
+        self.half.slope(depth)
+    }
+
     /// [m/s] gas velocity at the coordinate `y` [m], in the plane x = const that contains the axis.
     #[inline]
     pub fn velocity(&self, y: f64) -> f64 {

@@ -112,6 +112,19 @@ impl Profile {
         }
     }
 
+    /// [1/s] vorticity of the gas at a position [m]: the curl of its mean velocity, which is along z.
+    pub fn vorticity_at(&self, place: &Vector3<f64>) -> Vector3<f64> {
+        let (depth, direction) = self.depth(place);
+        let slope = match self {
+            Self::Uniform(_) => 0.0,
+            Self::Tabulated(table) => table.slope(depth),
+            Self::Channel(channel) => channel.half.slope(depth),
+            Self::LogLaw(law) => law.slope(depth),
+            Self::Pipe(pipe) => pipe.slope(depth),
+        };
+        (direction * slope).cross(&Vector3::z())
+    }
+
     /// [m] coordinates y of the lower and the upper wall of the gas flow, in a box of `height` [m].
     pub fn between(&self, height: f64) -> [f64; 2] {
         match self {

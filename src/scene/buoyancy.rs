@@ -62,10 +62,10 @@ impl Scene {
         buoyancy.map_or(&[], |buoyancy| &buoyancy.differences)
     }
 
-    /// True if kicks change the velocities of particles between two windows: those of drag, or of buoyancy of species of
-    /// different densities.
+    /// True if kicks change the velocities of particles between two windows: those of drag and lift, or of buoyancy of
+    /// species of different densities.
     pub fn is_kicked(&self) -> bool {
-        let dragged = self.fluid.as_ref().is_some_and(|fluid| fluid.drag.is_some());
+        let dragged = self.fluid.as_ref().is_some_and(|fluid| fluid.drag.is_some() || fluid.lift.is_some());
         dragged || !self.differences_in_gravity().is_empty()
     }
 

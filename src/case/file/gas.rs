@@ -28,6 +28,8 @@ pub struct FluidFile {
     /// Turbulence that particles see in addition to the mean velocity of the gas. Without this table they see the mean
     /// velocity alone.
     pub turbulence: Option<Located<SeenTurbulenceFile>>,
+    /// Lift of the gas on the particles. Without this table there is none.
+    pub lift: Option<Located<LiftFile>>,
     /// Velocity of the gas along z, usually as a function of y. Give exactly one of the tables below.
     #[schemars(extend("x-required" = "always"))]
     pub profile: Option<Located<ProfileFile>>,
@@ -59,6 +61,19 @@ pub struct LangevinFile {
     /// fall through eddies see them for as long as the gas does.
     #[schemars(example = 0.8, extend("x-default" = "0.671, so that β² = 0.45", "x-range" = "0 ..= 10"))]
     pub time_scale_ratio: Option<Located<Ratio>>,
+}
+
+/// Table `[fluid.lift]`: forces of the gas across the slip.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct LiftFile {
+    /// True: lift in sheared gas, after Saffman (1965) and Mei (1992).
+    #[schemars(example = true, extend("default" = false))]
+    pub shear: Option<Located<bool>>,
+    /// True: lift by spin (Magnus force) after Oesterlé and Bui Dinh (1998), and the torque of the gas on the spin. Spheres
+    /// must rotate.
+    #[schemars(example = true, extend("default" = false))]
+    pub spin: Option<Located<bool>>,
 }
 
 /// Tables `[drag.*]`: choice of a drag law.

@@ -8,7 +8,7 @@ use crate::case::quantity::Ratio;
 use crate::domain::Domain;
 use crate::drag::{Drag, SchillerNaumann, Stokes, SuspensionDrag, SuspensionLaw};
 use crate::fluid::TurbulenceModel;
-use crate::fluid::{Fluid, Profile};
+use crate::fluid::{Fluid, Lift, Profile};
 use crate::scene::{ADDED_MASS, Scene, Species, Surface};
 use nalgebra::Vector3;
 
@@ -55,6 +55,21 @@ impl Resolver {
             self.warn(&acceleration.origin, message, "the earth's is 9.81 m/s^2");
         }
         Ok(gravity)
+    }
+
+    /// Lift of the particles; `None` if the case asks for none.
+    ///
+    /// # Errors
+    /// Lift by spin of spheres that do not rotate.
+    fn lift(&self, fluid: &Located<FluidFile>, file: &CaseFile) -> Result<Option<Lift>, Diagnostic> {
+        let Some(lift) = &fluid.value.lift else { return Ok(None) };
+        let is_on = |key: &Option<Located<bool>>| key.as_ref().is_some_and(|key| key.value);
+        let (shear, spin) = (is_on(&lift.value.shear), is_on(&lift.value.spin));
+        if let Some(key) = lift.value.spin.as_ref().filter(|_| spin && !Self::rotates(file)) {
+            let help = "add `rotation = true` to [contact], or a tangential law";
+            return Err(self.refuse(key, "needs spheres that rotate").help(help));
+        }
+        Ok((shear || spin).then_some(Lift { shear, spin }))
     }
 
     /// Adds added mass to the species of the scene, if the case asks for it. Otherwise a warning is given if the density
@@ -160,6 +175,7 @@ impl Resolver {
         let nu = self.in_range(viscosity, slip)?;
         let (profile, table) = self.profile(fluid, domain, nu, species)?;
         let turbulence = self.turbulence(file, &profile, &table, nu)?;
+        let lift = self.lift(fluid, file)?;
         let drag = match &file.drag {
             Some(drag) => Some(self.drag(&drag.value, domain, species)?),
             None => {
@@ -171,7 +187,7 @@ impl Resolver {
                 None
             }
         };
-        Ok(Some(Fluid { density: rho, kinematic_viscosity: nu, profile, drag, buoyancy: None, turbulence }))
+        Ok(Some(Fluid { density: rho, kinematic_viscosity: nu, profile, drag, buoyancy: None, turbulence, lift }))
     }
 
     fn drag(&self, drag: &DragFile, domain: &Domain, species: &[Species]) -> Result<Drag, Diagnostic> {

@@ -1,0 +1,85 @@
+//! Kicks of lift: the gas turns the slip of each particle and changes its spin, while the particles stay in position.
+
+use super::Simulation;
+use crate::exact::{self, ExactSum};
+use crate::fluid::{Fluid, Lift, LiftedSphere};
+use crate::particles::{CHUNK, Particles};
+use crate::record::Ledger;
+use crate::work_sharing;
+use nalgebra::Vector3;
+
+/// Place of a kick of lift: before or after a window. The order of its parts is opposite, so that both together are of
+/// second order.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum LiftKick {
+    BeforeWindow,
+    AfterWindow,
+}
+
+/// New velocity [m/s] and spin [rad/s] of a particle, if it rotates, and what it gains: the impulse [kg m/s] along x, y and
+/// z, and the work [J].
+type Lifted = (Vector3<f64>, Option<Vector3<f64>>, [f64; 4]);
+
+impl Simulation {
+    /// Applies lift alone to all particles for `duration` [s].
+    pub(super) fn lift(&mut self, duration: f64, kick: LiftKick) {
+        let Some((fluid, lift)) = self.scene.fluid.as_ref().and_then(|fluid| Some((fluid, fluid.lift?))) else {
+            return;
+        };
+        let began = self.clock.now();
+        let mut sums = apply(&mut self.particles, (fluid, lift), duration, kick);
+        self.sample().total(&mut sums.each_mut());
+        self.spent.drag += self.clock.now() - began;
+        if self.is_follower() {
+            return;
+        }
+        let [x, y, z, work] = exact::values(&sums);
+        let impulse = Vector3::new(x, y, z);
+        self.record.ledger += Ledger { drag_impulse: impulse, drag_work: work, ..Ledger::default() };
+        self.totals.momentum += impulse;
+    }
+}
+
+/// Applies lift to all particles; returns sums over all of them.
+fn apply(particles: &mut Particles, gas: (&Fluid, Lift), duration: f64, kick: LiftKick) -> [ExactSum; 4] {
+    let places: Vec<usize> = (0..particles.len()).collect();
+    let one = |places: &[usize]| -> Vec<Lifted> {
+        places.iter().map(|&place| lifted(particles, place, gas, duration, kick)).collect()
+    };
+    let all = work_sharing::map(places.chunks(CHUNK), one);
+    let all: Vec<Lifted> = all.into_iter().flatten().collect();
+    for (place, (velocity, spin, _)) in all.iter().enumerate() {
+        particles.velocity[place] = *velocity;
+        if let (Some(spins), Some(spin)) = (&mut particles.spin, spin) {
+            spins[place] = *spin;
+        }
+    }
+    exact::sums(all.len(), |place| all[place].2)
+}
+
+/// Effect of lift on one particle.
+fn lifted(particles: &Particles, place: usize, (fluid, lift): (&Fluid, Lift), duration: f64, kick: LiftKick) -> Lifted {
+    let (position, velocity) = (&particles.position[place], particles.velocity[place]);
+    let (mass, inertia) = (particles.mass[place], particles.inertia.as_ref().map_or(0.0, |inertia| inertia[place]));
+    let sphere = LiftedSphere {
+        gas_density: fluid.density,
+        kinematic_viscosity: fluid.kinematic_viscosity,
+        diameter: 2.0 * particles.radius[place],
+        mass,
+        inertia,
+    };
+    let vorticity = fluid.profile.vorticity_at(position);
+    let before = particles.spin.as_ref().map(|spins| spins[place]);
+    let spun = before.map(|spin| lift.spun(&sphere, spin, vorticity, duration));
+    // before a window the torque acts first
+    let during = if kick == LiftKick::BeforeWindow { spun } else { before };
+    let mean = Vector3::new(0.0, 0.0, fluid.profile.velocity_at(position));
+    let seen = fluid.turbulence.as_ref().zip(particles.eddies.as_ref());
+    let gas = seen
+        .map_or(mean, |(turbulence, eddies)| mean + eddies[place] * turbulence.at(&fluid.profile, position).deviation);
+    let slip = gas - velocity;
+    let change = slip - lift.turned(&sphere, slip, (vorticity, during), duration);
+    let rotational = |spin: Option<Vector3<f64>>| 0.5 * inertia * spin.map_or(0.0, |spin| spin.norm_squared());
+    let work = mass * change.dot(&(velocity + 0.5 * change)) + rotational(spun) - rotational(before);
+    (velocity + change, spun, [mass * change.x, mass * change.y, mass * change.z, work])
+}
