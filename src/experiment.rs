@@ -193,6 +193,7 @@ impl Population {
 /// Number of particles, or the particles themselves.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "snake_case")]
+#[allow(clippy::large_enum_variant, reason = "an experiment has few of these values")]
 pub enum Amount {
     /// This number of particles, at random positions without overlap.
     Count(usize),
