@@ -28,6 +28,7 @@ pub mod work_sharing;
 
 pub mod domain;
 pub mod exact;
+pub mod noise;
 
 pub mod communicator;
 pub mod rotation;
@@ -91,6 +92,7 @@ pub use nalgebra::Vector3;
 pub use contact_law::{ContactLaw, Hertz, LinearSpringDashpot};
 pub use domain::Domain;
 pub use drag::{Drag, DragLaw, SchillerNaumann, Stokes};
+pub use engine::dsmc::Dsmc;
 pub use engine::hard::{Hard, SteppedHard};
 pub use engine::hybrid::Hybrid;
 pub use engine::soft::Soft;

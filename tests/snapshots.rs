@@ -82,6 +82,9 @@ fn ways(of: &Experiment) -> Vec<(String, Experiment)> {
         (way.hard.stepping, way.hard.contact_time) = (stepping, contact_time);
         ways.push((name.to_owned(), way));
     }
+    let mut way = of.clone();
+    way.run.spheres = Spheres::Dsmc;
+    ways.push(("dsmc".to_owned(), way));
     let elasticity = Elasticity { youngs_modulus: 2e6, poissons_ratio: 0.3 };
     for law in [ContactLaw::linear(3000.0), ContactLaw::Hertz(Hertz { elasticity })] {
         for stepping in [SoftStepping::Uniform, SoftStepping::Local, SoftStepping::Auto] {

@@ -199,7 +199,7 @@ fn bounce(experiment: &Experiment, particles: Particles, meeting: &ImpactPair) -
     let duration = experiment.run.duration;
     let step = match experiment.model() {
         Model::Soft => soft_step(experiment, particles.len()),
-        Model::Hard | Model::Hybrid => duration / POINTS,
+        Model::Hard | Model::Hybrid | Model::Dsmc => duration / POINTS,
     };
     let windows = (duration / step - 1e-9).ceil().max(1.0);
     let window = duration / windows;
