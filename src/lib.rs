@@ -31,6 +31,7 @@ pub mod exact;
 pub mod noise;
 
 pub mod communicator;
+pub mod kinetic_theory;
 pub mod rotation;
 
 pub mod particles;

@@ -186,7 +186,7 @@ fn observers(experiment: &Experiment, schedule: &Schedule) -> Vec<Box<dyn Observ
 
 /// Number of the storage layout, and checksum of the stored data of a run before its first window, with every model and
 /// observer. Only the types define the meaning of these bytes. If they change, older files would be misread.
-const LAYOUT: (&str, u32) = ("31", 2_204_480_907);
+const LAYOUT: (&str, u32) = ("32", 962_899_459);
 
 #[test]
 fn types_that_are_stored_change_with_the_number_of_the_layout_only() {
@@ -241,7 +241,9 @@ fn a_run_left_within_a_sample_goes_on_with_the_same_bits_and_so_do_its_observers
     for mut experiment in [blown(), falling()] {
         (experiment.run.duration, experiment.run.window) = (12.0 * WINDOW, Some(WINDOW));
         experiment.statistics.sample_interval = Some(4.0 * WINDOW);
-        for (name, way) in ways(&experiment).into_iter().filter(|(name, _)| !name.contains("Hertz")) {
+        // spheres that collide by chance cannot rest on the floor of the second scene
+        let rests = |name: &str| name == "dsmc" && !experiment.scene.walls.is_empty();
+        for (name, way) in ways(&experiment).into_iter().filter(|(name, _)| !name.contains("Hertz") && !rests(name)) {
             let (whole, never) = in_parts(&way, 1 << 40);
             let (parts, left) = in_parts(&way, 3);
             // after every 11 windows, unless the run is over

@@ -9,8 +9,8 @@ use diptych::engine::hard::{Hard, SteppedHard};
 use diptych::engine::soft::Soft;
 use diptych::engine::{Engine, Failure};
 use diptych::experiment::{
-    Amount, AverageFrom, DsmcSettings, Experiment, HardSettings, HardStepping, HybridSettings, Integrator, Model, Population,
-    RunSettings, SoftSettings, SoftStepping, Spheres, StatisticsSettings, TimeStep,
+    Amount, AverageFrom, DsmcSettings, Experiment, HardSettings, HardStepping, HybridSettings, Integrator, Model,
+    Population, RunSettings, SoftSettings, SoftStepping, Spheres, StatisticsSettings, TimeStep,
 };
 use diptych::particles::Particles;
 use diptych::placement::initial_state;

@@ -1,7 +1,9 @@
 //! Describes an experiment in plain words.
 
 use super::parameters::{bulk_velocity, volume_fraction};
-use crate::experiment::{Amount, AverageFrom, DsmcSettings, Experiment, HardStepping, Integrator, Model, SoftStepping, TimeStep};
+use crate::experiment::{
+    Amount, AverageFrom, DsmcSettings, Experiment, HardStepping, Integrator, Model, SoftStepping, TimeStep,
+};
 use crate::scene::{Kind, Scene, Species, Surface};
 use crate::walls::Wall;
 use nalgebra::Vector3;
@@ -223,7 +225,9 @@ fn gas_in_words(text: &mut String, scene: &Scene) {
 
 /// Describes the settings of collisions by chance.
 fn dsmc_in_words(settings: &DsmcSettings) -> String {
-    let cells = settings.cells.map_or("cells chosen from the mean free path".to_string(), |[x, y, z]| format!("{x} x {y} x {z} cells"));
+    let cells = settings
+        .cells
+        .map_or("cells chosen from the mean free path".to_string(), |[x, y, z]| format!("{x} x {y} x {z} cells"));
     let factor = if settings.enskog { "with" } else { "without" };
     let step = settings.step;
     format!(

@@ -2,8 +2,8 @@
 
 use crate::engine::Engine;
 use crate::engine::distributed::Distributed;
-use crate::engine::hard::{Hard, SteppedHard};
 use crate::engine::dsmc::Dsmc;
+use crate::engine::hard::{Hard, SteppedHard};
 use crate::engine::hybrid::Hybrid;
 use crate::engine::soft::Soft;
 use crate::experiment::{Experiment, HardStepping, Spheres, TimeStep};

@@ -177,7 +177,9 @@ impl Resolver {
                 "{help}; the soft model starts with overlaps up to {SOFT_LIMIT} of a diameter, and up to {deepest} from the state that a run has \
                  saved and from XYZ and LAMMPS files{relax}"
             ),
-            Model::Hard | Model::Dsmc if at.saved => format!("{help}; run this state with the model that has saved it{relax}"),
+            Model::Hard | Model::Dsmc if at.saved => {
+                format!("{help}; run this state with the model that has saved it{relax}")
+            }
             Model::Hard | Model::Dsmc => format!("{help}{relax}"),
         };
         Err(self.sources.error(&at.origin, message).help(help))

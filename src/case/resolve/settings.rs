@@ -7,8 +7,8 @@ use crate::case::file::{CaseFile, DsmcFile, ElasticityFile, HardFile, HardSteppi
 use crate::case::time_or_word::{AverageFromFile, WindowFile};
 use crate::contact_law::{ContactLaw, Hertz};
 use crate::experiment::{
-    AverageFrom, DsmcSettings, Experiment, HardSettings, HardStepping, HybridSettings, Integrator, Model, Population, RunSettings, SoftSettings,
-    SoftStepping, Spheres, StatisticsSettings, TimeStep,
+    AverageFrom, DsmcSettings, Experiment, HardSettings, HardStepping, HybridSettings, Integrator, Model, Population,
+    RunSettings, SoftSettings, SoftStepping, Spheres, StatisticsSettings, TimeStep,
 };
 use crate::predict::contact::ContactTimes;
 use crate::predict::energy::too_long;
@@ -263,14 +263,16 @@ impl Resolver {
             settings.enskog = enskog.value;
         }
         if let Some(step) = &dsmc.step {
-            settings.step = self.in_range(step, "a fifth of the mean free time is a good choice; longer steps are wrong")?;
+            settings.step =
+                self.in_range(step, "a fifth of the mean free time is a good choice; longer steps are wrong")?;
         }
         if let Some(cells) = &dsmc.cells {
             let help = "leave it out to have them chosen; about 20 particles in a cell are good";
             let numbers = self.cells(cells, &scene.domain, &scene.species, help)?.map(|count| count as usize);
             let (total, particles) = (numbers.iter().product::<usize>(), particles.max(1));
             if total > particles {
-                let why = format!("makes {total} cells for {particles} particles; allowed: at most one cell for a particle");
+                let why =
+                    format!("makes {total} cells for {particles} particles; allowed: at most one cell for a particle");
                 return Err(self.refuse(cells, why).help(help));
             }
             settings.cells = Some(numbers);

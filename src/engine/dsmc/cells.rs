@@ -1,10 +1,10 @@
 //! Cells in which pairs collide by chance: their number, the volume open to centres, and local volume fractions.
 
 use super::DsmcSettings;
+use crate::kinetic_theory::contact_value;
 use crate::neighbours::cells::CellGrid;
 use crate::neighbours::region::Region;
 use crate::particles::Particles;
-use crate::predict::gas::contact_value;
 use crate::scene::Scene;
 use crate::walls::NearWalls;
 use crate::work_sharing;
@@ -37,7 +37,7 @@ pub const PIECE: usize = 256;
 
 /// Sizes of all particles of a run, which do not change.
 #[derive(Clone, Copy, Debug)]
-pub struct Sizes {
+pub struct RadiusSummary {
     /// [m] smallest and largest radius.
     pub range: [f64; 2],
     /// [m] mean radius, and [m²] mean square of the radii.
@@ -48,7 +48,7 @@ pub struct Sizes {
     count: usize,
 }
 
-impl Sizes {
+impl RadiusSummary {
     /// Sizes of these particles.
     pub fn of(particles: &Particles) -> Self {
         let radius = &particles.radius;
@@ -115,7 +115,7 @@ pub struct CollisionCells {
 
 impl CollisionCells {
     /// Makes the cells for particles of these sizes.
-    pub fn new(scene: &Scene, sizes: &Sizes, settings: &DsmcSettings) -> Self {
+    pub fn new(scene: &Scene, sizes: &RadiusSummary, settings: &DsmcSettings) -> Self {
         let [low, high] = corners(scene, 0.0);
         // a box narrower than its particles keeps some width
         let radius = sizes.range[0].min(0.25 * (high - low).min());
@@ -145,7 +145,7 @@ impl CollisionCells {
     }
 
     /// Crowding in each block of cells.
-    pub fn crowding(&self, particles: &Particles, sizes: &Sizes) -> Vec<Crowding> {
+    pub fn crowding(&self, particles: &Particles, sizes: &RadiusSummary) -> Vec<Crowding> {
         let cells = self.open.len();
         let pieces = (0..cells.div_ceil(PIECE)).map(|piece| piece * PIECE..cells.min((piece + 1) * PIECE));
         // Σ r² and Σ r³ of each cell
@@ -159,9 +159,8 @@ impl CollisionCells {
                 [r * r, r * r * r].map(|power| members.len() as f64 * power)
             }
         };
-        let sums = work_sharing::map(pieces.collect::<Vec<_>>().into_iter(), |piece| {
-            piece.map(of_cell).collect::<Vec<_>>()
-        });
+        let sums =
+            work_sharing::map(pieces.collect::<Vec<_>>().into_iter(), |piece| piece.map(of_cell).collect::<Vec<_>>());
         let mut of_blocks = vec![[0.0; 3]; self.blocks.iter().product()];
         for (cell, [two, three]) in sums.into_iter().flatten().enumerate() {
             let block = &mut of_blocks[self.block_of(cell)];
@@ -196,7 +195,7 @@ fn corners(scene: &Scene, inwards: f64) -> [Vector3<f64>; 2] {
 }
 
 /// Numbers of cells along the axes, as docs/design/dsmc.md explains.
-fn numbers(scene: &Scene, region: &Region, sizes: &Sizes, enskog: bool) -> [usize; 3] {
+fn numbers(scene: &Scene, region: &Region, sizes: &RadiusSummary, enskog: bool) -> [usize; 3] {
     let (size, periodic) = (region.size(), scene.domain.periodic);
     if sizes.count < 2 {
         return [1; 3];
@@ -230,12 +229,7 @@ fn blocks(region: &Region, count: [usize; 3], particles: usize) -> [usize; 3] {
 
 /// [m³] volume of each cell in which the centre of a sphere of `radius` [m] can be. The cells divide a box, given by its
 /// lowest corner and its edges [m].
-fn open_volumes(
-    scene: &Scene,
-    [low, size]: [Vector3<f64>; 2],
-    count: [usize; 3],
-    radius: f64,
-) -> Vec<f64> {
+fn open_volumes(scene: &Scene, [low, size]: [Vector3<f64>; 2], count: [usize; 3], radius: f64) -> Vec<f64> {
     let cells = count.iter().product::<usize>();
     let edges = Vector3::from_fn(|axis, _| size[axis] / count[axis] as f64);
     // flat walls across an axis limit the box already

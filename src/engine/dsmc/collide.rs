@@ -7,12 +7,12 @@ use crate::particles::Particles;
 use crate::record::Log;
 use crate::scene::Scene;
 use nalgebra::Vector3;
-use rand::rngs::ChaCha8Rng;
 use rand::RngExt;
+use rand::rngs::ChaCha8Rng;
 use rand_distr::{Distribution, Exp1, UnitDisc};
 use std::f64::consts::PI;
 
-/// What the collisions in a cell depend on.
+/// Data on which the collisions in a cell depend.
 #[derive(Clone, Copy)]
 pub struct CellState<'a> {
     /// Particles of the run.
@@ -31,7 +31,7 @@ pub struct CellState<'a> {
 
 /// Collisions in some cells.
 #[derive(Default)]
-pub struct Collided {
+pub struct CellCollisions {
     /// Particles that collided, with velocity [m/s] and spin [rad/s] afterwards. A later entry replaces an earlier one.
     pub changed: Vec<(u32, Vector3<f64>, Vector3<f64>)>,
     /// Records of the collisions.
@@ -54,7 +54,13 @@ pub struct CellMemory {
 }
 
 /// Lets the particles of a cell collide during `duration` [s].
-pub fn collide(cell: &CellState, duration: f64, noise: &mut ChaCha8Rng, memory: &mut CellMemory, into: &mut Collided) {
+pub fn collide(
+    cell: &CellState,
+    duration: f64,
+    noise: &mut ChaCha8Rng,
+    memory: &mut CellMemory,
+    into: &mut CellCollisions,
+) {
     let count = cell.members.len();
     if count < 2 {
         return;

@@ -28,7 +28,7 @@ pub struct FlightTime {
 }
 
 /// Flight of one particle near walls: its state afterwards, and the reason if it could not fly on.
-type Flown = (u32, Motion, Option<Failure>);
+type FlownParticle = (u32, Motion, Option<Failure>);
 
 /// Moves all particles along their parabolas, and resolves their impacts on walls. Returns the number of impacts.
 ///
@@ -53,7 +53,7 @@ pub fn fly(
                 let failure = fly_among_walls(one, scene, (walls, found), time, &mut log).err();
                 (place, one.motion(0), failure)
             };
-            (places.iter().map(fly).collect::<Vec<Flown>>(), log)
+            (places.iter().map(fly).collect::<Vec<FlownParticle>>(), log)
         },
     );
     let (mut impacts, mut failed) = (0, None);

@@ -18,8 +18,8 @@ use crate::scene::Scene;
 use crate::stored::{StoreError, Stored};
 use crate::walls::NearWalls;
 use crate::work_sharing;
-use cells::{CollisionCells, PIECE, Sizes};
-use collide::{CellMemory, CellState, Collided, collide};
+use cells::{CollisionCells, PIECE, RadiusSummary};
+use collide::{CellCollisions, CellMemory, CellState, collide};
 use flight::{FlightTime, fly};
 use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
@@ -32,23 +32,23 @@ pub use crate::experiment::DsmcSettings;
 pub struct Dsmc {
     settings: DsmcSettings,
     seed: u64,
-    progress: Progress,
-    setup: Option<Setup>,
+    progress: DsmcState,
+    setup: Option<DsmcSetup>,
     times: EngineTimes,
     clock: Clock,
 }
 
 /// State of the engine that a snapshot of a run contains.
 #[derive(Clone, Copy, Default, Serialize, Deserialize)]
-struct Progress {
+struct DsmcState {
     counters: Counters,
     /// [1/s] collision rate of a particle, from the velocities at the last collisions; `None` before the first step.
     rate: Option<f64>,
 }
 
-/// What follows from the scene and from the sizes of the particles.
-struct Setup {
-    sizes: Sizes,
+/// Data that follow from the scene and from the sizes of the particles.
+struct DsmcSetup {
+    sizes: RadiusSummary,
     cells: CollisionCells,
     walls: NearWalls,
 }
@@ -57,7 +57,7 @@ impl Dsmc {
     /// Makes an engine whose collisions are drawn with this seed.
     pub fn new(settings: DsmcSettings, seed: u64) -> Self {
         let (times, clock) = (EngineTimes::default(), Clock::default());
-        Self { settings, seed, progress: Progress::default(), setup: None, times, clock }
+        Self { settings, seed, progress: DsmcState::default(), setup: None, times, clock }
     }
 
     /// Lets pairs collide for `duration` [s]; with 0 s, only the collision rate is found.
@@ -68,13 +68,13 @@ impl Dsmc {
         duration: f64,
         log: &mut Log,
     ) -> Result<(), NotFinite> {
-        let Some(Setup { sizes, cells, .. }) = &mut self.setup else { return Ok(()) };
+        let Some(DsmcSetup { sizes, cells, .. }) = &mut self.setup else { return Ok(()) };
         self.clock.time(&mut self.times.neighbours, || cells.sort(particles));
         let crowding = self.settings.enskog.then(|| cells.crowding(particles, sizes));
         let (step, count) = (self.progress.counters.steps, cells.open.len());
         let radius = (!sizes.are_mixed()).then_some(sizes.range[1]);
         let in_piece = |(memory, noise): &mut (CellMemory, Noise), piece: usize| {
-            let mut collided = Collided::default();
+            let mut collided = CellCollisions::default();
             for cell in piece * PIECE..count.min((piece + 1) * PIECE) {
                 let crowding = crowding.as_ref().map(|blocks| blocks[cells.block_of(cell)]);
                 let (members, open) = (cells.members(cell), cells.open[cell]);
@@ -117,7 +117,7 @@ impl Dsmc {
         time: FlightTime,
         log: &mut Log,
     ) -> Result<(), Failure> {
-        let Some(Setup { walls, .. }) = &self.setup else { return Ok(()) };
+        let Some(DsmcSetup { walls, .. }) = &self.setup else { return Ok(()) };
         let impacts = self.clock.time(&mut self.times.flight, || fly(particles, scene, walls, time, log))?;
         self.progress.counters.events += impacts;
         Ok(())
@@ -136,13 +136,7 @@ impl Dsmc {
     }
 
     /// Moves the particles through a window.
-    fn run(
-        &mut self,
-        particles: &mut Particles,
-        scene: &Scene,
-        window: Window,
-        log: &mut Log,
-    ) -> Result<(), Failure> {
+    fn run(&mut self, particles: &mut Particles, scene: &Scene, window: Window, log: &mut Log) -> Result<(), Failure> {
         let broken = |particles: &Particles, time: f64| not_a_number(particles, time);
         let steps = match self.steps(particles, scene, window.duration) {
             Ok(steps) => steps,
@@ -182,9 +176,9 @@ impl Engine for Dsmc {
             particles.sort_by_id();
         }
         if self.setup.is_none() {
-            let sizes = Sizes::of(particles);
+            let sizes = RadiusSummary::of(particles);
             let cells = CollisionCells::new(scene, &sizes, &self.settings);
-            self.setup = Some(Setup { sizes, cells, walls: NearWalls::of(&scene.walls) });
+            self.setup = Some(DsmcSetup { sizes, cells, walls: NearWalls::of(&scene.walls) });
         }
         let mut log = Log::default();
         let result = self.run(particles, scene, window, &mut log);
