@@ -49,6 +49,7 @@ pub fn impact(args: &ImpactArguments) -> Result<(), StudyError> {
         let particles = start(experiment)?;
         let meeting = meeting(&experiment.scene, &particles, &path)?;
         check_path(experiment, particles.len(), &path)?;
+        check_chance(experiment, &meeting, &path)?;
         runs.push((experiment, particles, meeting));
     }
     let folder = folder(&args.output, &path, "impact")?;
@@ -138,6 +139,18 @@ fn check_path(experiment: &Experiment, particles: usize, case: &Path) -> Result<
     }
     Err(StudyError::Input(format!(
         "error: {}: the impact \"{}\" would have {steps:.3e} time steps, each a point of its path; allowed: up to {MOST_POINTS:e}\nhelp: lower `soft.steps_per_contact`, or shorten `run.duration` to a few contact times",
+        case.display(),
+        experiment.name
+    )))
+}
+
+/// Refuses two spheres that would collide by chance, if at all.
+fn check_chance(experiment: &Experiment, meeting: &ImpactPair, case: &Path) -> Result<(), StudyError> {
+    if experiment.model() != Model::Dsmc || matches!(meeting.partner, Partner::Wall(_)) {
+        return Ok(());
+    }
+    Err(StudyError::Input(format!(
+        "error: {}: in \"{}\" the two spheres collide by chance (model dsmc), so that their impact has no certain time and place\nhelp: use the soft, the hard or the hybrid model, or one sphere and a wall",
         case.display(),
         experiment.name
     )))

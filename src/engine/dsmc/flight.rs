@@ -6,7 +6,7 @@ use crate::engine::{Failure, Window};
 use crate::particles::{CHUNK, Motion, Particles};
 use crate::record::Log;
 use crate::scene::Scene;
-use crate::walls::{Flight, NearWalls, Touch};
+use crate::walls::{Flight, Geometry, NearWalls, Plane, Touch, Wall};
 use crate::work_sharing;
 use nalgebra::Vector3;
 
@@ -27,6 +27,42 @@ pub struct FlightTime {
     pub duration: f64,
 }
 
+/// Walls of a scene, as the flight of a particle needs them.
+pub struct FlightWalls {
+    near: NearWalls,
+    /// All flat walls.
+    planes: Vec<Plane>,
+    /// True if there are no others.
+    are_flat: bool,
+}
+
+impl FlightWalls {
+    /// Walls of a scene.
+    pub fn of(walls: &[Wall]) -> Self {
+        let planes: Vec<Plane> = walls.iter().filter_map(|wall| wall.geometry.plane()).copied().collect();
+        Self { near: NearWalls::of(walls), are_flat: planes.len() == walls.len(), planes }
+    }
+
+    /// True if a sphere may touch a wall on its way between two points [m]. Its path is within `reach` [m], less the
+    /// radius, of the straight line between them.
+    #[inline]
+    fn may_be_touched(&self, scene: &Scene, [from, to]: [&Vector3<f64>; 2], reach: f64) -> bool {
+        // the distance from a plane is least at an end of the line
+        let touches = |plane: &Plane| plane.nearest(from).distance.min(plane.nearest(to).distance) < reach;
+        self.planes.iter().any(touches) || (!self.are_flat && self.may_be_met(scene, [from, to], reach))
+    }
+
+    /// True if a wall is within `reach` [m] of the ball around a straight line between two points [m].
+    fn may_be_met(&self, scene: &Scene, [from, to]: [&Vector3<f64>; 2], reach: f64) -> bool {
+        let (middle, around) = ((from + to) * 0.5, reach + 0.5 * (to - from).norm());
+        let mut found = false;
+        self.near.for_each(&middle, around, |wall| {
+            found = found || scene.walls[wall as usize].geometry.is_within(&middle, around);
+        });
+        found
+    }
+}
+
 /// Flight of one particle near walls: its state afterwards, and the reason if it could not fly on.
 type FlownParticle = (u32, Motion, Option<Failure>);
 
@@ -37,7 +73,7 @@ type FlownParticle = (u32, Motion, Option<Failure>);
 pub fn fly(
     particles: &mut Particles,
     scene: &Scene,
-    walls: &NearWalls,
+    walls: &FlightWalls,
     time: FlightTime,
     log: &mut Log,
 ) -> Result<u64, Failure> {
@@ -50,7 +86,7 @@ pub fn fly(
             let fly = |&place: &u32| {
                 one.clear();
                 one.copy_from(particles, &[place]);
-                let failure = fly_among_walls(one, scene, (walls, found), time, &mut log).err();
+                let failure = fly_among_walls(one, scene, (&walls.near, found), time, &mut log).err();
                 (place, one.motion(0), failure)
             };
             (places.iter().map(fly).collect::<Vec<FlownParticle>>(), log)
@@ -71,7 +107,7 @@ pub fn fly(
 }
 
 /// Moves the particles that cannot touch a wall, and returns the indices of all others.
-fn fly_freely(particles: &mut Particles, scene: &Scene, walls: &NearWalls, duration: f64) -> Vec<u32> {
+fn fly_freely(particles: &mut Particles, scene: &Scene, walls: &FlightWalls, duration: f64) -> Vec<u32> {
     let fall = scene.gravity * duration;
     let sag = 0.125 * scene.gravity.norm() * duration * duration;
     let Particles { position, velocity, radius, .. } = particles;
@@ -80,7 +116,7 @@ fn fly_freely(particles: &mut Particles, scene: &Scene, walls: &NearWalls, durat
         let mut near = Vec::new();
         for (k, (x, v)) in positions.iter_mut().zip(velocities).enumerate() {
             let end = *x + (*v + 0.5 * fall) * duration;
-            if may_touch(scene, walls, [x, &end], radii[k] + sag) {
+            if walls.may_be_touched(scene, [x, &end], radii[k] + sag) {
                 near.push((part * PART + k) as u32);
             } else {
                 *x = scene.domain.wrap(&end);
@@ -90,26 +126,6 @@ fn fly_freely(particles: &mut Particles, scene: &Scene, walls: &NearWalls, durat
         near
     });
     near.concat()
-}
-
-/// True if a sphere may touch a wall on its way between two points [m]. Its path is within `reach` [m], less the radius,
-/// of the straight line between them.
-#[inline]
-fn may_touch(scene: &Scene, walls: &NearWalls, [from, to]: [&Vector3<f64>; 2], reach: f64) -> bool {
-    let mut touches = false;
-    let mut ask = |wall: u32, middle: &Vector3<f64>, reach_of_middle: f64| {
-        let shape = &scene.walls[wall as usize].geometry;
-        touches |= match shape.plane() {
-            // the distance from a plane is least at an end of the line
-            Some(_) => shape.nearest(from).distance.min(shape.nearest(to).distance) < reach,
-            None => shape.is_within(middle, reach_of_middle),
-        };
-    };
-    if !scene.walls.is_empty() {
-        let (middle, half) = ((from + to) * 0.5, 0.5 * (to - from).norm());
-        walls.for_each(&middle, reach + half, |wall| ask(wall, &middle, reach + half));
-    }
-    touches
 }
 
 /// Moves the only particle of a store through a flight, with all its impacts on walls. `found` is scratch memory.

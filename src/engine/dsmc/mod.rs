@@ -16,11 +16,10 @@ use crate::particles::Particles;
 use crate::record::{Log, Record};
 use crate::scene::Scene;
 use crate::stored::{StoreError, Stored};
-use crate::walls::NearWalls;
 use crate::work_sharing;
 use cells::{CollisionCells, PIECE, RadiusSummary};
 use collide::{CellCollisions, CellMemory, CellState, collide};
-use flight::{FlightTime, fly};
+use flight::{FlightTime, FlightWalls, fly};
 use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
 
@@ -32,7 +31,7 @@ pub use crate::experiment::DsmcSettings;
 pub struct Dsmc {
     settings: DsmcSettings,
     seed: u64,
-    progress: DsmcState,
+    state: DsmcState,
     setup: Option<DsmcSetup>,
     times: EngineTimes,
     clock: Clock,
@@ -44,20 +43,26 @@ struct DsmcState {
     counters: Counters,
     /// [1/s] collision rate of a particle, from the velocities at the last collisions; `None` before the first step.
     rate: Option<f64>,
+    /// [s] time for which particles have flown without having collided for it; negative if they have collided ahead.
+    owed: f64,
 }
+
+/// Largest number of windows between two collisions of all cells. The collision rate is known from the last ones only,
+/// and may change meanwhile.
+const MOST_WINDOWS: f64 = 16.0;
 
 /// Data that follow from the scene and from the sizes of the particles.
 struct DsmcSetup {
     sizes: RadiusSummary,
     cells: CollisionCells,
-    walls: NearWalls,
+    walls: FlightWalls,
 }
 
 impl Dsmc {
     /// Makes an engine whose collisions are drawn with this seed.
     pub fn new(settings: DsmcSettings, seed: u64) -> Self {
         let (times, clock) = (EngineTimes::default(), Clock::default());
-        Self { settings, seed, progress: DsmcState::default(), setup: None, times, clock }
+        Self { settings, seed, state: DsmcState::default(), setup: None, times, clock }
     }
 
     /// Lets pairs collide for `duration` [s]; with 0 s, only the collision rate is found.
@@ -71,7 +76,7 @@ impl Dsmc {
         let Some(DsmcSetup { sizes, cells, .. }) = &mut self.setup else { return Ok(()) };
         self.clock.time(&mut self.times.neighbours, || cells.sort(particles));
         let crowding = self.settings.enskog.then(|| cells.crowding(particles, sizes));
-        let (step, count) = (self.progress.counters.steps, cells.open.len());
+        let (step, count) = (self.state.counters.steps, cells.open.len());
         let radius = (!sizes.are_mixed()).then_some(sizes.range[1]);
         let in_piece = |(memory, noise): &mut (CellMemory, Noise), piece: usize| {
             let mut collided = CellCollisions::default();
@@ -93,8 +98,8 @@ impl Dsmc {
                 return Err(NotFinite);
             }
             rate += piece.rate;
-            self.progress.counters.pair_checks += piece.drawn;
-            self.progress.counters.events += piece.log.impacts.len() as u64;
+            self.state.counters.pair_checks += piece.drawn;
+            self.state.counters.events += piece.log.impacts.len() as u64;
             for (place, velocity, spin) in piece.changed {
                 particles.velocity[place as usize] = velocity;
                 if let Some(spins) = &mut particles.spin {
@@ -104,8 +109,8 @@ impl Dsmc {
             log.impacts.append(&mut piece.log.impacts);
             log.islands.push(piece.log.ledger.to_array());
         }
-        self.progress.rate = Some(rate / particles.len().max(1) as f64);
-        self.progress.counters.neighbour_builds += 1;
+        self.state.rate = Some(rate / particles.len().max(1) as f64);
+        self.state.counters.neighbour_builds += 1;
         Ok(())
     }
 
@@ -119,44 +124,79 @@ impl Dsmc {
     ) -> Result<(), Failure> {
         let Some(DsmcSetup { walls, .. }) = &self.setup else { return Ok(()) };
         let impacts = self.clock.time(&mut self.times.flight, || fly(particles, scene, walls, time, log))?;
-        self.progress.counters.events += impacts;
+        self.state.counters.events += impacts;
         Ok(())
     }
 
-    /// Number of steps of a window of `duration` [s], from the collision rate of the velocities.
-    fn steps(&mut self, particles: &mut Particles, scene: &Scene, duration: f64) -> Result<u64, NotFinite> {
-        if self.progress.rate.is_none() {
+    /// [s] longest step for the collision rate of the velocities.
+    fn longest_step(&mut self, particles: &mut Particles, scene: &Scene) -> Result<f64, NotFinite> {
+        if self.state.rate.is_none() {
             self.collide(particles, scene, 0.0, &mut Log::default())?;
         }
-        let steps = duration * self.progress.rate.unwrap_or_default() / self.settings.step;
-        if !steps.is_finite() {
-            return Err(NotFinite);
-        }
-        Ok((steps - 1e-9).ceil().max(1.0) as u64)
+        let longest = self.settings.step / self.state.rate.unwrap_or_default();
+        if longest.is_nan() { Err(NotFinite) } else { Ok(longest) }
     }
 
-    /// Moves the particles through a window.
+    /// Moves the particles through a window: several steps, one step, or a part of a step.
     fn run(&mut self, particles: &mut Particles, scene: &Scene, window: Window, log: &mut Log) -> Result<(), Failure> {
-        let broken = |particles: &Particles, time: f64| not_a_number(particles, time);
-        let steps = match self.steps(particles, scene, window.duration) {
-            Ok(steps) => steps,
-            Err(NotFinite) => return Err(broken(particles, window.start)),
-        };
+        let h = window.duration;
+        let longest = self.longest_step(particles, scene);
+        let Ok(longest) = longest else { return Err(not_a_number(particles, window.start)) };
+        let windows = (longest / h).min(MOST_WINDOWS).floor();
+        if windows < 2.0 {
+            let steps = (h / longest - 1e-9).ceil().max(1.0);
+            return self.steps(particles, scene, window, steps as u64, log);
+        }
+        self.fly(particles, scene, FlightTime { window, start: 0.0, duration: h }, log)?;
+        self.state.owed += h;
+        // collisions come in the middle of their step; the term 1e-9 allows for rounding of sums of windows
+        if self.state.owed >= (0.5 - 1e-9) * windows * h {
+            self.collide_after(particles, scene, windows * h, (window, h), log)?;
+        }
+        Ok(())
+    }
+
+    /// Moves the particles through a window in whole steps: half a flight, the collisions, and half a flight.
+    fn steps(
+        &mut self,
+        particles: &mut Particles,
+        scene: &Scene,
+        window: Window,
+        steps: u64,
+        log: &mut Log,
+    ) -> Result<(), Failure> {
         let step = window.duration / steps as f64;
         let mut flown = 0.0;
         for k in 0..=steps {
-            // half a step before the first and after the last collisions, whole steps between
+            // two halves in a row are one flight
             let to = if k < steps { (k as f64 + 0.5) * step } else { window.duration };
             self.fly(particles, scene, FlightTime { window, start: flown, duration: to - flown }, log)?;
             flown = to;
             self.clock.tell(window.start + flown);
             if k < steps {
-                self.progress.counters.steps += 1;
-                let collided = self.collide(particles, scene, step, log);
-                collided.map_err(|NotFinite| broken(particles, window.start + flown))?;
+                self.state.owed += step;
+                self.collide_after(particles, scene, self.state.owed, (window, flown), log)?;
             }
         }
         Ok(())
+    }
+
+    /// Lets pairs collide for `duration` [s], after a part of a window. Nothing happens if they have collided ahead.
+    fn collide_after(
+        &mut self,
+        particles: &mut Particles,
+        scene: &Scene,
+        duration: f64,
+        (window, flown): (Window, f64),
+        log: &mut Log,
+    ) -> Result<(), Failure> {
+        if duration <= 0.0 {
+            return Ok(());
+        }
+        self.state.owed -= duration;
+        self.state.counters.steps += 1;
+        let collided = self.collide(particles, scene, duration, log);
+        collided.map_err(|NotFinite| not_a_number(particles, window.start + flown))
     }
 }
 
@@ -178,7 +218,7 @@ impl Engine for Dsmc {
         if self.setup.is_none() {
             let sizes = RadiusSummary::of(particles);
             let cells = CollisionCells::new(scene, &sizes, &self.settings);
-            self.setup = Some(DsmcSetup { sizes, cells, walls: NearWalls::of(&scene.walls) });
+            self.setup = Some(DsmcSetup { sizes, cells, walls: FlightWalls::of(&scene.walls) });
         }
         let mut log = Log::default();
         let result = self.run(particles, scene, window, &mut log);
@@ -191,7 +231,7 @@ impl Engine for Dsmc {
     }
 
     fn work_done(&self) -> (Counters, EngineTimes) {
-        (self.progress.counters, self.times)
+        (self.state.counters, self.times)
     }
 
     fn elastic_energy(&self) -> f64 {
@@ -209,11 +249,11 @@ impl Engine for Dsmc {
     }
 
     fn stored(&self) -> Result<Stored, StoreError> {
-        Stored::of(&self.progress)
+        Stored::of(&self.state)
     }
 
     fn restore(&mut self, stored: &Stored) -> Result<(), StoreError> {
-        self.progress = stored.read()?;
+        self.state = stored.read()?;
         Ok(())
     }
 }
