@@ -45,14 +45,21 @@ fn carnahan_starling(phi: f64) -> f64 {
 }
 
 /// Number of collisions of each particle in a gas at equilibrium, over that of kinetic theory for the same number of
-/// particles, less 1. The gas collides ten times before it is measured, for as long as gives `collisions` of all.
-fn excess(scene: &Scene, particles: Particles, settings: DsmcSettings, rate: f64, collisions: f64) -> f64 {
+/// particles, less 1. The gas collides ten times before it is measured, for as long as gives `collisions` of all. Windows
+/// are `window` mean free times long.
+fn excess(
+    scene: &Scene,
+    particles: Particles,
+    settings: DsmcSettings,
+    (rate, window): (f64, f64),
+    collisions: f64,
+) -> f64 {
     let count = particles.len() as f64;
     let mut simulation = Simulation::with_engine(scene.clone(), particles, engine(settings, 7));
-    let windows = |times: f64| (times / 0.3).ceil() as u64;
-    simulation.run(windows(10.0), 0.3 / rate).unwrap();
+    let windows = |times: f64| (times / window).ceil() as u64;
+    simulation.run(windows(10.0), window / rate).unwrap();
     let (before, began) = (simulation.record.pairs.count, simulation.time);
-    simulation.run(windows(2.0 * collisions / count), 0.3 / rate).unwrap();
+    simulation.run(windows(2.0 * collisions / count), window / rate).unwrap();
     let found = 2.0 * (simulation.record.pairs.count - before) as f64 / count / (simulation.time - began);
     found / rate - 1.0
 }
@@ -66,15 +73,18 @@ fn rates_are_those_of_enskog() {
         let (scene, particles) = cube(4000, phi, 1.0, 3);
         let finite = 1.0 - 1.0 / 4000.0;
         let rate = rate_of(phi, carnahan_starling(phi)) * finite;
-        let with = excess(&scene, particles.clone(), DsmcSettings::default(), rate, collisions);
-        println!("phi {phi}: with the Enskog factor {with:+.5}");
-        assert!(with.abs() < 4.0 / collisions.sqrt() + of_blocks, "{phi}: {with}");
+        // windows of two steps, and steps of ten windows
+        for window in [0.3, 0.02] {
+            let with = excess(&scene, particles.clone(), DsmcSettings::default(), (rate, window), collisions);
+            println!("phi {phi}, windows of {window}: with the Enskog factor {with:+.5}");
+            assert!(with.abs() < 4.0 / collisions.sqrt() + of_blocks, "{phi}: {with}");
+        }
         let settings = DsmcSettings { enskog: false, ..DsmcSettings::default() };
-        let without = excess(&scene, particles.clone(), settings, rate_of(phi, 1.0) * finite, collisions);
+        let without = excess(&scene, particles.clone(), settings, (rate_of(phi, 1.0) * finite, 0.3), collisions);
         println!("phi {phi}: without {without:+.5}");
         assert!(without.abs() < 4.0 / collisions.sqrt(), "{phi}: {without}");
         // all particles in one block, whose volume fraction does not scatter
-        let alone = excess(&scene, particles, ONE_CELL, rate, collisions);
+        let alone = excess(&scene, particles, ONE_CELL, (rate, 0.3), collisions);
         println!("phi {phi}: in one cell {alone:+.5}");
         assert!(alone.abs() < 4.0 / collisions.sqrt(), "{phi}: {alone}");
     }
@@ -326,17 +336,24 @@ fn bits_do_not_depend_on_threads_order_or_restarts() {
 fn steps_are_a_share_of_the_mean_free_time() {
     let (scene, particles) = cube(2000, 0.05, 1.0, 3);
     let rate = rate_of(0.05, carnahan_starling(0.05));
-    for (step, window) in [(0.2, 5.0), (0.05, 1.0), (0.2, 0.01)] {
+    // the rate in a cell is that of the temperature in the cell, whose root is 1 % below the root of the mean: so 24 to 26
+    // steps, one, one for 4 windows, and one for 16 at most
+    for (step, window, least, most) in [
+        (0.2, 5.0, 24.0, 26.0),
+        (0.05, 1.0, 19.0, 21.0),
+        (0.2, 0.15, 1.0, 1.0),
+        (0.2, 0.045, 0.25, 0.25),
+        (0.2, 0.001, 0.0625, 0.0625),
+    ] {
         let settings = DsmcSettings { step, ..DsmcSettings::default() };
         let mut simulation = Simulation::with_engine(scene.clone(), particles.clone(), engine(settings, 1));
-        simulation.run(4, window / rate).unwrap();
-        let per_window = simulation.counters().steps as f64 / 4.0;
-        let want = (window / step).max(1.0);
-        // the rate in a cell is that of the temperature in the cell, whose root scatters: 5 %
-        assert!(
-            (want..1.05 * want + 1.0).contains(&(per_window + 0.05 * want)),
-            "{step} {window}: {per_window}, {want}"
-        );
+        simulation.run(320, window / rate).unwrap();
+        let per_window = simulation.counters().steps as f64 / 320.0;
+        assert!((least..=most).contains(&per_window), "{step} {window}: {per_window}");
+        // as much collided as flown, up to half a step of up to 16 windows; and 4 standard errors of the number
+        let collisions = simulation.record.pairs.count as f64;
+        let want = 0.5 * 2000.0 * 320.0 * window * (1.0 - 1.0 / 2000.0);
+        close("collisions", collisions / want, 1.0, 4.0 / want.sqrt() + 1e-3 + 0.5 * 16.0 / 320.0);
     }
 }
 
