@@ -101,7 +101,7 @@ pub fn collide(
         let fastest = 2.0 * farthest.sqrt();
         time += noise.sample::<f64, _>(Exp1) / (pairs * fastest);
         // without relative motion the time is infinite or not a number
-        if !(time < duration) {
+        if time.is_nan() || time >= duration {
             return;
         }
         into.drawn += 1;
