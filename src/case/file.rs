@@ -312,8 +312,8 @@ pub struct DsmcFile {
     pub enskog: Option<Located<bool>>,
     /// Numbers of cells along x, y and z, in which pairs are drawn. A cell is at least as wide as the largest particle.
     /// Cells divide the places that centres can reach between flat walls.
-    #[schemars(example = &[20, 30, 10], extend("x-default" = "chosen from the mean free path and the number of particles"))]
-    #[schemars(extend("x-range" = "1 ..= 10000"))]
+    #[schemars(extend("examples" = [[20, 30, 10]], "x-range" = "1 ..= 10000"))]
+    #[schemars(extend("x-default" = "chosen from the mean free path and the number of particles"))]
     pub cells: Option<Located<[Located<i64>; 3]>>,
     /// Longest time step, in mean free times.
     #[schemars(example = 0.1, extend("default" = 0.2, "x-range" = "greater than 0, up to 1"))]
