@@ -213,7 +213,7 @@ pub struct Run {
 }
 
 /// All collision models.
-const MODELS: [Model; 3] = [Model::Soft, Model::Hard, Model::Hybrid];
+const MODELS: [Model; 4] = [Model::Soft, Model::Hard, Model::Hybrid, Model::Dsmc];
 
 fn model_of(name: String) -> Result<Model, String> {
     MODELS.into_iter().find(|model| model.name() == name).ok_or(name)
@@ -228,6 +228,8 @@ pub enum ModelChoice {
     Hard,
     /// Instantaneous collisions where two bodies meet alone, spring-dashpot contacts elsewhere.
     Hybrid,
+    /// Instantaneous collisions of pairs that are drawn at random in cells.
+    Dsmc,
     /// The model that `plan` recommends for the case.
     Auto,
 }
@@ -239,6 +241,7 @@ impl ModelChoice {
             Self::Soft => Some(Model::Soft),
             Self::Hard => Some(Model::Hard),
             Self::Hybrid => Some(Model::Hybrid),
+            Self::Dsmc => Some(Model::Dsmc),
             Self::Auto => None,
         }
     }

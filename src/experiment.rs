@@ -17,6 +17,8 @@ pub enum Model {
     Hard,
     /// Instantaneous collisions where two particles meet alone, spring-dashpot contacts elsewhere.
     Hybrid,
+    /// Instantaneous collisions of pairs that are drawn at random in cells (direct simulation Monte Carlo).
+    Dsmc,
 }
 
 impl Model {
@@ -26,6 +28,7 @@ impl Model {
             Self::Soft => "soft",
             Self::Hard => "hard",
             Self::Hybrid => "hybrid",
+            Self::Dsmc => "dsmc",
         }
     }
 
@@ -33,7 +36,7 @@ impl Model {
     pub fn has_contacts(self) -> bool {
         match self {
             Self::Soft | Self::Hybrid => true,
-            Self::Hard => false,
+            Self::Hard | Self::Dsmc => false,
         }
     }
 }
@@ -48,6 +51,8 @@ pub enum Spheres {
     Hard,
     /// Hard spheres where two particles meet alone, soft spheres with this contact law elsewhere.
     Hybrid(ContactLaw),
+    /// Spheres that collide by chance.
+    Dsmc,
 }
 
 /// Reference of the comparison of a variant.
@@ -99,6 +104,8 @@ pub struct Experiment {
     pub hard: HardSettings,
     /// Additional settings of the hybrid engine, which also uses those of the soft engine.
     pub hybrid: HybridSettings,
+    /// Settings of collisions by chance.
+    pub dsmc: DsmcSettings,
     /// Length, window, seed and collision model of the run.
     pub run: RunSettings,
     /// Settings of the averages.
@@ -112,14 +119,15 @@ impl Experiment {
             Spheres::Soft(_) => Model::Soft,
             Spheres::Hard => Model::Hard,
             Spheres::Hybrid(_) => Model::Hybrid,
+            Spheres::Dsmc => Model::Dsmc,
         }
     }
 
-    /// Contact law of the run; `None` for hard spheres.
+    /// Contact law of the run; `None` for hard spheres and collisions by chance.
     pub fn law(&self) -> Option<ContactLaw> {
         match self.run.spheres {
             Spheres::Soft(law) | Spheres::Hybrid(law) => Some(law),
-            Spheres::Hard => None,
+            Spheres::Hard | Spheres::Dsmc => None,
         }
     }
 
@@ -277,6 +285,24 @@ pub struct HardSettings {
 pub struct HybridSettings {
     /// [-] clearance θ: a touch is treated as an instant if no other particle can come near within θ contact times.
     pub clearance: f64,
+}
+
+/// Settings of collisions by chance.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct DsmcSettings {
+    /// True if the collision rate has the Enskog factor: the contact value at the local volume fraction.
+    pub enskog: bool,
+    /// Numbers of cells along x, y and z; `None` if they are chosen from the mean free path and the number of particles.
+    pub cells: Option<[usize; 3]>,
+    /// [-] longest time step over the mean free time.
+    pub step: f64,
+}
+
+impl Default for DsmcSettings {
+    /// Enskog factor, chosen cells, and steps of a fifth of the mean free time (docs/design/dsmc.md).
+    fn default() -> Self {
+        Self { enskog: true, cells: None, step: 0.2 }
+    }
 }
 
 /// Method by which the hard engine finds collisions.

@@ -31,6 +31,7 @@ pub mod domain;
 pub mod exact;
 
 pub mod communicator;
+pub mod kinetic_theory;
 pub mod rotation;
 
 pub mod particles;
@@ -92,6 +93,7 @@ pub use nalgebra::Vector3;
 pub use contact_law::{ContactLaw, Hertz, LinearSpringDashpot};
 pub use domain::Domain;
 pub use drag::{Drag, DragLaw, SchillerNaumann, Stokes};
+pub use engine::dsmc::Dsmc;
 pub use engine::hard::{Hard, SteppedHard};
 pub use engine::hybrid::Hybrid;
 pub use engine::soft::Soft;

@@ -1,17 +1,18 @@
-//! Random numbers that are a function of a seed, a step and a particle, and not of the order in which they are drawn.
+//! Random numbers that are a function of a seed, a step and a particle or cell, and not of the order in which they are
+//! drawn.
 //!
 //! The generator is ChaCha with eight rounds, used as a counter: the key holds the seed and the use, the stream is the
-//! number of the step, and the position in the stream is that of the particle. So results are equal for any number of
-//! threads and processes, for any order of the particle store, and after a stopped run is continued.
+//! number of the step, and the position in the stream is that of the particle or cell. So results are equal for any
+//! number of threads and processes, for any order of the particle store, and after a stopped run is continued.
 
 use nalgebra::Vector3;
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-/// Number of blocks of 64 bytes that belong to one particle in one step: 32 numbers of 64 bits. The generator makes four
-/// blocks at a time. A normal number takes one of 64 bits, and in 1 % of the draws a few more.
-const BLOCKS: u64 = 4;
+/// Binary logarithm of the number of blocks of 64 bytes that belong to one particle or cell in one step. So many are
+/// never drawn, and all numbers of 32 bits fit beside it into the block counter of 64 bits.
+const BLOCKS: u32 = 32;
 
 /// Purpose of random numbers. Different uses have independent numbers for equal seeds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,9 +21,11 @@ pub enum NoiseUse {
     FirstEddies = 1,
     /// Later fluctuations of the gas that particles see.
     Eddies = 2,
+    /// Collisions by chance, of which each cell has its numbers.
+    Collisions = 3,
 }
 
-/// Random numbers of all particles in one step.
+/// Random numbers of all particles or cells in one step.
 pub struct Noise(ChaCha8Rng);
 
 impl Noise {
@@ -36,10 +39,10 @@ impl Noise {
         Self(random)
     }
 
-    /// Generator at the first of the numbers that belong to the particle `id`.
+    /// Generator at the first of the numbers that belong to the particle or cell `id`.
     #[inline]
     pub fn of(&mut self, id: u32) -> &mut ChaCha8Rng {
-        self.0.set_block_pos(BLOCKS * u64::from(id));
+        self.0.set_block_pos(u64::from(id) << BLOCKS);
         &mut self.0
     }
 

@@ -45,7 +45,7 @@ duration = "0.35 s"
 window = "0.1 ms"
 "#;
 
-const MODELS: [Model; 3] = [Model::Soft, Model::Hard, Model::Hybrid];
+const MODELS: [Model; 4] = [Model::Soft, Model::Hard, Model::Hybrid, Model::Dsmc];
 
 /// Velocities along z [m/s] of the only sphere of an experiment at `times` [s], in windows of 0.1 ms.
 fn velocities(experiment: &Experiment, times: &[f64]) -> Vec<f64> {

@@ -113,12 +113,13 @@ fn starts_have_the_distribution_asked_for() {
     assert_eq!(start.radius.iter().filter(|r| **r > 1e-4).count(), 1000);
 }
 
-const WAYS: [(Model, &str); 5] = [
+const WAYS: [(Model, &str); 6] = [
     (Model::Hard, "hard.stepping=events"),
     (Model::Soft, "soft.stepping=uniform"),
     (Model::Soft, "soft.stepping=local"),
     (Model::Soft, "soft.stepping=auto"),
     (Model::Hybrid, "soft.stepping=auto"),
+    (Model::Dsmc, "soft.stepping=auto"),
 ];
 
 /// Runs a dilute gas (islands) and a dense one (one calendar, crowds).
@@ -134,7 +135,7 @@ fn every_engine_keeps_energy_and_momentum() {
             let mut simulation = Simulation::new(&experiment, start);
             simulation.run(8, 2.5e-4).unwrap();
             assert!(simulation.record.pairs.count > 100, "{density} {stepping}: {}", simulation.record.pairs.count);
-            let tolerance = if model == Model::Hard { 1e-11 } else { 3e-3 };
+            let tolerance = if model.has_contacts() { 3e-3 } else { 1e-11 };
             close("energy", simulation.energy() / energy, 1.0, tolerance);
             let drift = (simulation.particles.momentum() - momentum).norm() / scale;
             assert!(drift < 1e-12, "{density} {model:?} {stepping}: {drift:e}");
@@ -167,7 +168,8 @@ fn three_sizes_meet_alike_in_every_engine() {
     hit(&mut want, 0, 1);
     hit(&mut want, 1, 2);
     hit(&mut want, 0, 1);
-    for (model, stepping) in WAYS {
+    // who meets whom is a matter of chance in the last one
+    for (model, stepping) in WAYS.into_iter().filter(|(model, _)| *model != Model::Dsmc) {
         let experiment = case(&text, model, &[stepping, "soft.linear_spring_dashpot.stiffness=1 MN/m"]).unwrap();
         let start = initial_state(&experiment).unwrap();
         close("mass", start.mass[0] / start.mass[1], 125.0 / 64.0, 1e-9);

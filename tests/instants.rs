@@ -126,7 +126,7 @@ fn instants_at_ends_of_windows_change_no_bit() {
 /// A run that is stopped after every window and every piece of a window, stored, and resumed gives identical bits.
 #[test]
 fn a_run_that_is_left_between_cuts_goes_on_with_the_same_bits() {
-    for model in [Model::Soft, Model::Hard, Model::Hybrid] {
+    for model in [Model::Soft, Model::Hard, Model::Hybrid, Model::Dsmc] {
         let experiment = with_instants(Some("0.7 ms"), model);
         let (schedule, start) = (Schedule::new(&experiment), initial_state(&experiment).unwrap());
         let run = |leave: bool| {

@@ -205,6 +205,7 @@ fn ranges_are_those_that_messages_name() {
             let model = match table.name.as_str() {
                 "hard" => Model::Hard,
                 "hybrid" => Model::Hybrid,
+                "dsmc" => Model::Dsmc,
                 _ => Model::Soft,
             };
             // other required keys of the table; the key itself replaces those that it excludes

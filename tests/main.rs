@@ -24,6 +24,7 @@ mod dissipation; // restitution below one: cooling, collapse, coming to rest, cr
 mod docs; // imports between modules; documents name existing things; public numbers have units
 mod domains; // one run cut into domains; nothing depends on the order of the store
 mod drag; // drag laws against independent integrations; order of the splitting
+mod dsmc; // collisions by chance: rates, cooling, walls, what is conserved, bits, messages
 mod endless; // surfaces of triangles through periodic sides
 mod everyday; // long names, folders in use or emptied, damaged files, large scenes, bad cases read by programs
 mod examples; // the programs of examples/ run

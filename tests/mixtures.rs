@@ -386,6 +386,7 @@ fn equilibrium(experiment: &Experiment, contact: ContactValue, tolerance: f64) {
 #[test]
 fn elastic_mixtures_share_energy_and_meet_as_theory_says() {
     equilibrium(&case(THREE_TO_ONE, Model::Hard, &["run.duration=0.4 s"]).unwrap(), bmcsl, 0.01);
+    equilibrium(&case(THREE_TO_ONE, Model::Dsmc, &["run.duration=0.4 s"]).unwrap(), bmcsl, 0.01);
     let sets = ["run.duration=25 ms", "run.average_from=5 ms"];
     equilibrium(&case(THREE_TO_ONE, Model::Soft, &sets).unwrap(), bmcsl, 0.01);
 }

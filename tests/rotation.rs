@@ -271,7 +271,7 @@ fn a_soft_ball_rolls_down_an_incline() {
 /// RG 2: without friction spins stay as they are to the last bit, and all else goes as without rotation.
 #[test]
 fn without_friction_rotation_changes_nothing() {
-    for model in [Model::Soft, Model::Hard, Model::Hybrid] {
+    for model in [Model::Soft, Model::Hard, Model::Hybrid, Model::Dsmc] {
         let scene = empty([3e-3; 3], [true; 3], small(), surface(0.9, 0.0));
         let plain = experiment(scene, 60, [0.0; 3], 0.5, model, 3);
         let mut rotating = plain.clone();

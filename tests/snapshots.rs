@@ -82,6 +82,10 @@ fn ways(of: &Experiment) -> Vec<(String, Experiment)> {
         (way.hard.stepping, way.hard.contact_time) = (stepping, contact_time);
         ways.push((name.to_owned(), way));
     }
+    let mut way = of.clone();
+    // in the dilute scene two windows share a step, so that its half is stored too
+    (way.run.spheres, way.dsmc.step) = (Spheres::Dsmc, 0.02);
+    ways.push(("dsmc".to_owned(), way));
     let elasticity = Elasticity { youngs_modulus: 2e6, poissons_ratio: 0.3 };
     for law in [ContactLaw::linear(3000.0), ContactLaw::Hertz(Hertz { elasticity })] {
         for stepping in [SoftStepping::Uniform, SoftStepping::Local, SoftStepping::Auto] {
@@ -238,7 +242,9 @@ fn a_run_left_within_a_sample_goes_on_with_the_same_bits_and_so_do_its_observers
     for mut experiment in [blown(), falling()] {
         (experiment.run.duration, experiment.run.window) = (12.0 * WINDOW, Some(WINDOW));
         experiment.statistics.sample_interval = Some(4.0 * WINDOW);
-        for (name, way) in ways(&experiment).into_iter().filter(|(name, _)| !name.contains("Hertz")) {
+        // spheres that collide by chance cannot rest on the floor of the second scene
+        let rests = |name: &str| name == "dsmc" && !experiment.scene.walls.is_empty();
+        for (name, way) in ways(&experiment).into_iter().filter(|(name, _)| !name.contains("Hertz") && !rests(name)) {
             let (whole, never) = in_parts(&way, 1 << 40);
             let (parts, left) = in_parts(&way, 3);
             // after every 11 windows, unless the run is over

@@ -9,8 +9,8 @@ use diptych::engine::hard::{Hard, SteppedHard};
 use diptych::engine::soft::Soft;
 use diptych::engine::{Engine, Failure};
 use diptych::experiment::{
-    Amount, AverageFrom, Experiment, HardSettings, HardStepping, HybridSettings, Integrator, Model, Population,
-    RunSettings, SoftSettings, SoftStepping, Spheres, StatisticsSettings, TimeStep,
+    Amount, AverageFrom, DsmcSettings, Experiment, HardSettings, HardStepping, HybridSettings, Integrator, Model,
+    Population, RunSettings, SoftSettings, SoftStepping, Spheres, StatisticsSettings, TimeStep,
 };
 use diptych::particles::Particles;
 use diptych::placement::initial_state;
@@ -79,6 +79,7 @@ pub fn experiment(scene: Scene, count: usize, mean: [f64; 3], fluctuation: f64, 
         Model::Soft => Spheres::Soft(law),
         Model::Hard => Spheres::Hard,
         Model::Hybrid => Spheres::Hybrid(law),
+        Model::Dsmc => Spheres::Dsmc,
     };
     Experiment {
         against: None,
@@ -102,6 +103,7 @@ pub fn experiment(scene: Scene, count: usize, mean: [f64; 3], fluctuation: f64, 
         },
         hard: HardSettings { stepping: HardStepping::Events, contact_time: None },
         hybrid: HybridSettings { clearance: 2.0 },
+        dsmc: DsmcSettings::default(),
         run: RunSettings {
             instants: None,
             spheres,

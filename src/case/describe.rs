@@ -1,7 +1,9 @@
 //! Describes an experiment in plain words.
 
 use super::parameters::{bulk_velocity, volume_fraction};
-use crate::experiment::{Amount, AverageFrom, Experiment, HardStepping, Integrator, Model, SoftStepping, TimeStep};
+use crate::experiment::{
+    Amount, AverageFrom, DsmcSettings, Experiment, HardStepping, Integrator, Model, SoftStepping, TimeStep,
+};
 use crate::fluid::{Fluid, Langevin, LocalTurbulence, Turbulence};
 use crate::predict::flow::terminal_slip;
 use crate::scene::{Kind, Scene, Species, Surface};
@@ -255,6 +257,19 @@ fn turbulence_in_words(text: &mut String, (scene, fluid): (&Scene, &Fluid), turb
     }
 }
 
+/// Describes the settings of collisions by chance.
+fn dsmc_in_words(settings: &DsmcSettings) -> String {
+    let cells = settings
+        .cells
+        .map_or("cells chosen from the mean free path".to_string(), |[x, y, z]| format!("{x} x {y} x {z} cells"));
+    let factor = if settings.enskog { "with" } else { "without" };
+    let step = settings.step;
+    format!(
+        "Model dsmc: pairs collide by chance in {cells}, {factor} the Enskog factor, in steps of at most {step} mean free times; \
+         collisions carry momentum over no distance and do not conserve angular momentum."
+    )
+}
+
 /// Describes the collision model and its settings.
 pub(crate) fn model_in_words(experiment: &Experiment) -> String {
     match experiment.model() {
@@ -289,6 +304,7 @@ pub(crate) fn model_in_words(experiment: &Experiment) -> String {
             let law = soft.law.map_or("no contact law".to_string(), |law| law.to_string());
             format!("Model soft: {law}; {step}, {integrator}, {stepping}.")
         }
+        Model::Dsmc => dsmc_in_words(&experiment.dsmc),
         Model::Hard => match experiment.hard.stepping {
             HardStepping::Events => match experiment.hard.contact_time {
                 None => "Model hard: collisions at the exact instants of touch.".to_string(),

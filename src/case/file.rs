@@ -73,6 +73,8 @@ pub struct CaseFile {
     pub hard: Option<Located<HardFile>>,
     /// Settings of the hybrid engine, which also uses those of `[soft]`.
     pub hybrid: Option<Located<HybridFile>>,
+    /// Settings of collisions by chance (direct simulation Monte Carlo).
+    pub dsmc: Option<Located<DsmcFile>>,
     /// Duration, drag window, seed and model of a run.
     #[schemars(extend("x-required" = "always"))]
     pub run: Option<Located<RunFile>>,
@@ -299,6 +301,24 @@ pub struct HybridFile {
     /// soft contact.
     #[schemars(example = 10, extend("default" = 2, "x-range" = "1 ..= 1e6"))]
     pub clearance: Option<Located<Ratio>>,
+}
+
+/// Table `[dsmc]`: settings of collisions by chance (direct simulation Monte Carlo).
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct DsmcFile {
+    /// True: the collision rate has the Enskog factor, the contact value of the pair distribution at the local volume
+    /// fraction. False: the rate is that of a dilute gas.
+    #[schemars(example = false, extend("default" = true))]
+    pub enskog: Option<Located<bool>>,
+    /// Numbers of cells along x, y and z, in which pairs are drawn. A cell is at least as wide as the largest particle.
+    /// Cells divide the places that centres can reach between flat walls.
+    #[schemars(extend("examples" = [[20, 30, 10]], "x-range" = "1 ..= 10000"))]
+    #[schemars(extend("x-default" = "chosen from the mean free path and the number of particles"))]
+    pub cells: Option<Located<[Located<i64>; 3]>>,
+    /// Longest time step, in mean free times.
+    #[schemars(example = 0.1, extend("default" = 0.2, "x-range" = "greater than 0, up to 1"))]
+    pub step: Option<Located<Ratio>>,
 }
 
 /// Method by which the hard engine finds collisions.

@@ -393,9 +393,10 @@ fn heading(text: &str) -> String {
 pub fn fingerprint(experiment: &Experiment) -> Result<String, serde_json::Error> {
     let mut json = serde_json::to_value(experiment)?;
     let others: &[&str] = match experiment.model() {
-        Model::Soft => &["hard", "hybrid"],
-        Model::Hard => &["soft", "hybrid"],
-        Model::Hybrid => &["hard"],
+        Model::Soft => &["hard", "hybrid", "dsmc"],
+        Model::Hard => &["soft", "hybrid", "dsmc"],
+        Model::Hybrid => &["hard", "dsmc"],
+        Model::Dsmc => &["soft", "hard", "hybrid"],
     };
     if let Some(table) = json.as_object_mut() {
         table.retain(|key, _| !["name", "against"].iter().chain(others).any(|other| other == key));

@@ -33,7 +33,7 @@ impl RunIdentity {
     /// # Errors
     /// If the experiment cannot be written as JSON.
     pub fn new(experiment: &Experiment, start: u64) -> Result<Self, serde_json::Error> {
-        let Experiment { name, against: _, scene, start: populations, soft, hard, hybrid, run, statistics } =
+        let Experiment { name, against: _, scene, start: populations, soft, hard, hybrid, dsmc, run, statistics } =
             experiment;
         let parts = [
             ("scene", serde_json::to_vec(scene)?),
@@ -41,6 +41,7 @@ impl RunIdentity {
             ("soft", serde_json::to_vec(soft)?),
             ("hard", serde_json::to_vec(hard)?),
             ("hybrid", serde_json::to_vec(hybrid)?),
+            ("dsmc", serde_json::to_vec(dsmc)?),
             ("run", serde_json::to_vec(run)?),
             ("statistics", serde_json::to_vec(statistics)?),
         ];

@@ -7,6 +7,7 @@
 
 pub mod distributed;
 pub mod driver;
+pub mod dsmc;
 pub mod hard;
 pub mod hybrid;
 mod islands;
@@ -142,17 +143,18 @@ impl EngineTimes {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Counters {
     /// Number of time steps. In soft uniform steps and in stepped hard spheres, these are steps of all particles. In
-    /// soft local steps, these are steps of islands in contact.
+    /// soft local steps, these are steps of islands in contact. In collisions by chance, they are steps of all particles.
     pub steps: u64,
     /// Number of steps in which all particles were moved (soft spheres), included in `steps`. Local stepping uses such
     /// steps if too many particles touch.
     pub uniform_steps: u64,
     /// Number of pairs, and particles with walls, whose gap or time of touch was computed. For soft uniform steps, all
-    /// candidates in the neighbour list are counted, although most of them are skipped as too far apart.
+    /// candidates in the neighbour list are counted, although most of them are skipped as too far apart. For collisions by
+    /// chance, the pairs that were drawn are counted.
     pub pair_checks: u64,
     /// Number of contact forces computed (soft spheres).
     pub force_evaluations: u64,
-    /// Number of impulses applied (hard spheres).
+    /// Number of impulses applied (hard spheres, and collisions by chance).
     pub events: u64,
     /// Number of collisions without impulse, because the spheres already separated at the next check (hard spheres with
     /// steps).
@@ -287,6 +289,29 @@ pub enum Failure {
         /// Coordinate z [m] of the particle.
         z: f64,
     },
+    /// A particle has infinitely many impacts on a wall in a model that knows no rest.
+    #[error(
+        "at t = {time} s particle {particle} comes to rest on {partner}, or slides along it, at ({x:.6e}, {y:.6e}, {z:.6e}) m: {impacts} impacts in one step, the last after {interval:.1e} s; a gas that collides by chance knows no rest, use the hybrid or the soft model",
+        time = nine(time)
+    )]
+    RestOnWall {
+        /// Time [s] of the failure: the end of the step in which the particle came to rest.
+        time: f64,
+        /// Id of the particle.
+        particle: u32,
+        /// The wall on which it rests.
+        partner: Partner,
+        /// Number of its impacts within the step.
+        impacts: u32,
+        /// Time [s] between the last two impacts.
+        interval: f64,
+        /// Coordinate x [m] of the particle.
+        x: f64,
+        /// Coordinate y [m] of the particle.
+        y: f64,
+        /// Coordinate z [m] of the particle.
+        z: f64,
+    },
     /// A particle left the domain through a side that is not periodic.
     #[error("at t = {time} s particle {particle} is outside the domain, at ({x:.6e}, {y:.6e}, {z:.6e}) m", time = nine(time))]
     Escaped {
@@ -342,6 +367,7 @@ impl Failure {
             Self::BrokenContract { .. } => "broken_contract",
             Self::EnergyGrew { .. } => "energy_grew",
             Self::InelasticCollapse { .. } => "inelastic_collapse",
+            Self::RestOnWall { .. } => "rest_on_wall",
             Self::Escaped { .. } => "escaped",
             Self::NotANumber { .. } => "not_a_number",
             Self::Stopped { .. } => "stopped",
@@ -358,6 +384,7 @@ impl Failure {
             | Self::StepTooLong { time, .. }
             | Self::EnergyGrew { time, .. }
             | Self::InelasticCollapse { time, .. }
+            | Self::RestOnWall { time, .. }
             | Self::Escaped { time, .. }
             | Self::Stopped { time }
             | Self::Unwritten { time, .. }

@@ -203,6 +203,7 @@ fn method(experiment: &Experiment, particles: usize) -> String {
         (Model::Hard, HardStepping::Steps { theta }) => {
             format!("impulses at the ends of steps, θ = {}", significant(theta, 3))
         }
+        (Model::Dsmc, _) => "pairs that are drawn at random in cells".to_owned(),
         (Model::Hybrid, _) => "impulses where two meet alone, contacts elsewhere".to_owned(),
     }
 }

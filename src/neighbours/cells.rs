@@ -21,16 +21,21 @@ pub struct CellGrid {
 }
 
 impl CellGrid {
-    /// Sets the numbers of cells along the axes of a region, so that the edges of cells are at least `edge` [m].
-    fn divide(&mut self, region: &Region, edge: f64) {
-        self.region = region.clone();
-        self.periodic = region.periodic();
-        self.count = std::array::from_fn(|axis| {
+    /// Numbers of cells along the axes of a region with edges of at least `edge` [m].
+    fn fitting(region: &Region, edge: f64) -> [usize; 3] {
+        std::array::from_fn(|axis| {
             // at most 4096 cells per axis, to limit their number in a nearly empty box
             let fitting = (region.size()[axis] / edge).clamp(1.0, 4096.0) as usize;
             // with two cells along a periodic axis, each would be a neighbour of the other on both sides
-            if self.periodic[axis] && fitting < 3 { 1 } else { fitting }
-        });
+            if region.periodic()[axis] && fitting < 3 { 1 } else { fitting }
+        })
+    }
+
+    /// Divides a region into these numbers of cells along the axes.
+    fn divide(&mut self, region: &Region, count: [usize; 3]) {
+        self.region = region.clone();
+        self.periodic = region.periodic();
+        self.count = count;
         self.per_length = Vector3::from_fn(|axis, _| self.count[axis] as f64 / region.size()[axis]);
     }
 
@@ -44,7 +49,19 @@ impl CellGrid {
         edge: f64,
         order: &mut Vec<u32>,
     ) {
-        self.divide(region, edge);
+        self.sort_among(items, position, region, Self::fitting(region, edge), order);
+    }
+
+    /// Sorts items into these numbers of cells along the axes, as [`sort`](Self::sort) does.
+    pub fn sort_among<T: Sync>(
+        &mut self,
+        items: &[T],
+        position: impl Fn(&T) -> Vector3<f64> + Sync,
+        region: &Region,
+        count: [usize; 3],
+        order: &mut Vec<u32>,
+    ) {
+        self.divide(region, count);
         let mut cell = std::mem::take(&mut self.cell);
         cell.resize(items.len(), 0);
         let spans: Vec<[u32; 2]> =
@@ -181,6 +198,12 @@ impl CellGrid {
             let some = |&count: &u32| piece.split_off_mut(..count as usize).unwrap_or_default();
             cells.iter().map(some).for_each(&visit);
         });
+    }
+
+    /// Range in the cell order of the items of a cell.
+    #[inline]
+    pub fn items_of(&self, cell: usize) -> Range<usize> {
+        self.places(cell, cell)
     }
 
     /// Number of rows of cells along x, which together form the grid.

@@ -79,6 +79,13 @@ pub fn effects(scene: &Scene, plan: &RunPrediction) -> Vec<Effect> {
             true,
         ));
     }
+    if let Some(gas) = &plan.gas {
+        // the pressure of a dense gas is n T (1 + 2 (1 + e) φ g): Jenkins and Richman 1985, Arch. Ration. Mech. Anal. 87, 355
+        let restitution = surfaces.iter().map(|surface| surface.restitution).fold(0.0, f64::max);
+        let share = 2.0 * (1.0 + restitution) * gas.volume_fraction * gas.contact_value;
+        let measure = "momentum that collisions carry from centre to centre over that which flights carry, 2 (1+e) φ g; below the threshold, collisions by chance (--model dsmc) suffice";
+        list.push(against_target("distance between colliding centres", measure, Some(share), true));
+    }
     list.extend(in_gas(scene, plan, longest));
     list
 }

@@ -54,11 +54,13 @@ pub enum EngineChoice {
     SoftUniform,
     /// Hybrid spheres: instantaneous collisions if two particles meet alone, soft contacts otherwise.
     Hybrid,
+    /// Collisions by chance: pairs are drawn at random in cells.
+    Dsmc,
 }
 
 impl EngineChoice {
     /// All kinds of engines, in the order of their declaration.
-    pub const ALL: [Self; 4] = [Self::Hard, Self::SoftLocal, Self::SoftUniform, Self::Hybrid];
+    pub const ALL: [Self; 5] = [Self::Hard, Self::SoftLocal, Self::SoftUniform, Self::Hybrid, Self::Dsmc];
 }
 
 impl std::fmt::Display for EngineChoice {
@@ -68,6 +70,7 @@ impl std::fmt::Display for EngineChoice {
             Self::SoftLocal => "soft spheres, local stepping",
             Self::SoftUniform => "soft spheres, uniform stepping",
             Self::Hybrid => "hybrid spheres",
+            Self::Dsmc => "collisions by chance (dsmc)",
         })
     }
 }
@@ -149,7 +152,7 @@ pub fn recommend(
     }
     let scheme = match engine {
         Some(EngineChoice::SoftUniform) => Scheme { method: Method::VelocityVerlet, exact_instants: false },
-        Some(EngineChoice::Hard | EngineChoice::SoftLocal | EngineChoice::Hybrid) | None => {
+        Some(EngineChoice::Hard | EngineChoice::SoftLocal | EngineChoice::Hybrid | EngineChoice::Dsmc) | None => {
             Scheme { method: Method::FourthOrder, exact_instants: true }
         }
     };

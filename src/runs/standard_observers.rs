@@ -131,8 +131,10 @@ fn timing(simulation: &Simulation) -> Timing {
 fn time_step(experiment: &Experiment, simulation: &Simulation, window: f64) -> Option<f64> {
     let steps = simulation.counters().steps;
     match (experiment.model(), experiment.soft.stepping) {
-        (Model::Soft, SoftStepping::Uniform) | (Model::Hard, _) if steps > 0 => Some(simulation.time / steps as f64),
+        (Model::Soft, SoftStepping::Uniform) | (Model::Hard | Model::Dsmc, _) if steps > 0 => {
+            Some(simulation.time / steps as f64)
+        }
         (Model::Soft | Model::Hybrid, _) => Some(soft_step(experiment, simulation.count()).min(window)),
-        (Model::Hard, _) => None,
+        (Model::Hard | Model::Dsmc, _) => None,
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::engine::Engine;
 use crate::engine::distributed::Distributed;
+use crate::engine::dsmc::Dsmc;
 use crate::engine::hard::{Hard, SteppedHard};
 use crate::engine::hybrid::Hybrid;
 use crate::engine::soft::Soft;
@@ -88,6 +89,9 @@ pub fn engine(experiment: &Experiment, particles: usize) -> SimulationEngine {
             HardStepping::Events => Box::new(Hard::new().with_contact_time(experiment.hard.contact_time)),
             HardStepping::Steps { theta } => return SimulationEngine::Single(Box::new(SteppedHard::new(theta))),
         },
+        Spheres::Dsmc => {
+            return SimulationEngine::Single(Box::new(Dsmc::new(experiment.dsmc, experiment.run.seed)));
+        }
         Spheres::Hybrid(law) => {
             let (settings, step) = (&experiment.soft, soft_step(experiment, particles));
             Box::new(Hybrid::new(law, settings.integrator, step, experiment.hybrid.clearance))

@@ -244,6 +244,7 @@ pub fn with_choice(experiment: &Experiment, choice: EngineChoice, law: Option<Co
             chosen.run.spheres = Spheres::Hard;
             chosen.hard.stepping = HardStepping::Events;
         }
+        EngineChoice::Dsmc => chosen.run.spheres = Spheres::Dsmc,
         EngineChoice::Hybrid => chosen.run.spheres = Spheres::Hybrid(chosen.soft.law?),
         EngineChoice::SoftLocal | EngineChoice::SoftUniform => {
             chosen.run.spheres = Spheres::Soft(chosen.soft.law?);
@@ -297,7 +298,7 @@ pub fn timed(experiment: &Experiment, start: &Particles, most: f64) -> Timed {
             let steps = (schedule.window / soft_step(experiment, start.len())).max(1.0);
             (steps * start.len() as f64 / STEPS).ceil().clamp(1.0, steps)
         }
-        (Model::Soft, SoftStepping::Local | SoftStepping::Auto) | (Model::Hard | Model::Hybrid, _) => {
+        (Model::Soft, SoftStepping::Local | SoftStepping::Auto) | (Model::Hard | Model::Hybrid | Model::Dsmc, _) => {
             (schedule.window / short_enough(experiment, start, schedule.window)).ceil()
         }
     };

@@ -49,6 +49,7 @@ pub fn impact(args: &ImpactArguments) -> Result<(), StudyError> {
         let particles = start(experiment)?;
         let meeting = meeting(&experiment.scene, &particles, &path)?;
         check_path(experiment, particles.len(), &path)?;
+        check_chance(experiment, &meeting, &path)?;
         runs.push((experiment, particles, meeting));
     }
     let folder = folder(&args.output, &path, "impact")?;
@@ -143,6 +144,18 @@ fn check_path(experiment: &Experiment, particles: usize, case: &Path) -> Result<
     )))
 }
 
+/// Refuses two spheres that would collide by chance, if at all.
+fn check_chance(experiment: &Experiment, meeting: &ImpactPair, case: &Path) -> Result<(), StudyError> {
+    if experiment.model() != Model::Dsmc || matches!(meeting.partner, Partner::Wall(_)) {
+        return Ok(());
+    }
+    Err(StudyError::Input(format!(
+        "error: {}: in \"{}\" the two spheres collide by chance (model dsmc), so that their impact has no certain time and place\nhelp: use the soft, the hard or the hybrid model, or one sphere and a wall",
+        case.display(),
+        experiment.name
+    )))
+}
+
 /// The two bodies of the scene: two spheres, or one sphere and the nearest wall.
 pub(super) fn meeting(scene: &Scene, particles: &Particles, case: &Path) -> Result<ImpactPair, StudyError> {
     let wrong = |what: String| {
@@ -199,7 +212,7 @@ fn bounce(experiment: &Experiment, particles: Particles, meeting: &ImpactPair) -
     let duration = experiment.run.duration;
     let step = match experiment.model() {
         Model::Soft => soft_step(experiment, particles.len()),
-        Model::Hard | Model::Hybrid => duration / POINTS,
+        Model::Hard | Model::Hybrid | Model::Dsmc => duration / POINTS,
     };
     let windows = (duration / step - 1e-9).ceil().max(1.0);
     let window = duration / windows;

@@ -120,7 +120,11 @@ fn overlaps(outcome: &Outcome) -> Vec<TrustCheck> {
         ["mean overlap δ/d, walls", "99 % of overlaps δ/d, walls", "largest overlap δ/d, walls"],
     ];
     let experiment = &outcome.experiment;
-    let instant = experiment.model() == Model::Hard && experiment.hard.stepping == HardStepping::Events;
+    let instant = match experiment.model() {
+        Model::Hard => experiment.hard.stepping == HardStepping::Events,
+        Model::Dsmc => true,
+        Model::Soft | Model::Hybrid => false,
+    };
     let source = if experiment.model().has_contacts() {
         ["Eq. 11 of the paper, at the mean impact speed", "", "the paper, below its Eq. 10"]
     } else {
@@ -202,6 +206,7 @@ fn soft_diameter(outcome: &Outcome) -> TrustCheck {
     const NAME: &str = "softness: spheres act as if smaller by";
     match outcome.experiment.model() {
         Model::Hard => return unknown(NAME, "", "hard spheres are not soft"),
+        Model::Dsmc => return unknown(NAME, "", "spheres that collide by chance are not soft"),
         Model::Hybrid => return unknown(NAME, "", "most impacts are instants: see what they leave out"),
         Model::Soft => {}
     }

@@ -150,7 +150,8 @@ impl Cooling {
         };
         gas.run.spheres = match model {
             Model::Soft => Spheres::Soft(ContactLaw::linear(1e5)),
-            _ => Spheres::Hard,
+            Model::Dsmc => Spheres::Dsmc,
+            Model::Hard | Model::Hybrid => Spheres::Hard,
         };
         let mut simulation = Simulation::new(&gas, initial_state(&gas).unwrap());
         let temperatures = |simulation: &Simulation| {
@@ -211,6 +212,11 @@ impl Cooling {
 #[test]
 fn hard_rough_gases_cool_as_the_reference() {
     GASES.iter().for_each(|gas| gas.compare(Model::Hard, 20.0));
+}
+
+#[test]
+fn rough_gases_that_collide_by_chance_cool_as_the_reference() {
+    GASES.iter().for_each(|gas| gas.compare(Model::Dsmc, 20.0));
 }
 
 #[test]

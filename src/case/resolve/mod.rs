@@ -100,11 +100,12 @@ pub fn resolve(
     scene.rotation = resolver.rotation(file, &scene, &soft)?;
     let hard = resolver.hard(file)?;
     let hybrid = resolver.hybrid(file)?;
+    let dsmc = resolver.dsmc(file, &scene, &start)?;
     let run = resolver.run(file, choice, &soft)?;
     let statistics = resolver.statistics(file)?;
     let name = choice.name.clone().unwrap_or_else(|| model_name(resolver.model).to_string());
     let against = choice.against.as_ref().map(|against| resolver.reference(&against.value, &scene)).transpose()?;
-    let experiment = Experiment { name, against, scene, start, soft, hard, hybrid, run, statistics };
+    let experiment = Experiment { name, against, scene, start, soft, hard, hybrid, dsmc, run, statistics };
     resolver.check_step(file, &experiment)?;
     resolver.check_stability(file, &experiment)?;
     resolver.check_length(file, &experiment)?;
@@ -122,7 +123,7 @@ pub fn trajectories(file: &CaseFile, sources: Sources) -> Result<Option<Trajecto
     Resolver { sources, warnings: Vec::new(), model: Model::Hard }.trajectories(file)
 }
 
-/// Name of a collision model: `soft`, `hard` or `hybrid`.
+/// Name of a collision model: `soft`, `hard`, `hybrid` or `dsmc`.
 pub(super) fn model_name(model: Model) -> &'static str {
     model.name()
 }

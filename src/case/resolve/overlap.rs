@@ -78,7 +78,9 @@ impl Resolver {
             });
         }
         let (mut looked_at, mut deepest) = (0, 0.0f64);
-        let _ = for_near_pairs(placed, &scene.domain, |j, i| {
+        // pairs that collide by chance need no distance from each other
+        let paired = if self.model == Model::Dsmc && rule != Rule::PushedApart { &[] } else { placed };
+        let _ = for_near_pairs(paired, &scene.domain, |j, i| {
             let (a, b) = (&placed[i], &placed[j]);
             let distance = scene.domain.separation(&a.position, &b.position).norm();
             let ratio = (a.radius + b.radius - distance) / (2.0 * a.radius.min(b.radius));
@@ -114,15 +116,15 @@ impl Resolver {
     /// [-] largest overlap with which the model starts, over the smaller diameter. `of` are two particles, or one
     /// particle twice if it touches a wall. Soft and hybrid spheres of a saved state or of another program's file may
     /// overlap as during a run, and those placed by the user only a little. Stepped hard spheres may overlap only in a
-    /// saved state, event-driven ones not at all.
+    /// saved state, event-driven ones not at all. Spheres that collide by chance may overlap each other as they like.
     fn deepest(&self, of: [&Placed; 2], rule: Rule, flat: bool) -> f64 {
         let saved = of.iter().all(|placed| placed.saved);
         let settled = of.iter().all(|placed| placed.saved || placed.foreign);
         match self.model {
             _ if rule == Rule::PushedApart => overlap_limit(false),
             Model::Hard if rule == Rule::Events => 0.0,
-            Model::Hard if saved => overlap_limit(flat),
-            Model::Hard => 0.0,
+            Model::Hard | Model::Dsmc if saved => overlap_limit(flat),
+            Model::Hard | Model::Dsmc => 0.0,
             Model::Soft | Model::Hybrid if saved => overlap_limit(flat),
             Model::Soft | Model::Hybrid if settled => overlap_limit(false),
             Model::Soft | Model::Hybrid => SOFT_LIMIT,
@@ -163,7 +165,7 @@ impl Resolver {
             let help = match self.model {
                 _ if rule == Rule::PushedApart => "they are pushed apart before the start",
                 Model::Soft | Model::Hybrid => "the soft model starts within a contact: its spring holds energy",
-                Model::Hard => "the stepped hard model starts with overlaps that a run has left",
+                Model::Hard | Model::Dsmc => "the model starts with overlaps that a run has left",
             };
             self.warn(&at.origin, message, help);
             return Ok(());
@@ -175,8 +177,10 @@ impl Resolver {
                 "{help}; the soft model starts with overlaps up to {SOFT_LIMIT} of a diameter, and up to {deepest} from the state that a run has \
                  saved and from XYZ and LAMMPS files{relax}"
             ),
-            Model::Hard if at.saved => format!("{help}; run this state with the model that has saved it{relax}"),
-            Model::Hard => format!("{help}{relax}"),
+            Model::Hard | Model::Dsmc if at.saved => {
+                format!("{help}; run this state with the model that has saved it{relax}")
+            }
+            Model::Hard | Model::Dsmc => format!("{help}{relax}"),
         };
         Err(self.sources.error(&at.origin, message).help(help))
     }

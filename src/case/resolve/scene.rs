@@ -201,19 +201,20 @@ impl Resolver {
             DragFile::DiFelice { cells } => (SuspensionLaw::DiFelice, cells),
         };
         let cells = self.need(cells, "drag.*.cells")?;
-        Ok(Drag::Suspension(SuspensionDrag { law, cells: self.cells(cells, domain, species)? }))
+        let help =
+            "in a channel, slices such as [1, 20, 1]; the more particles a cell holds, the less their number scatters";
+        Ok(Drag::Suspension(SuspensionDrag { law, cells: self.cells(cells, domain, species, help)? }))
     }
 
-    /// Numbers of cells along x, y and z in which volume fractions are computed.
-    fn cells(
+    /// Numbers of cells along x, y and z, none of which is narrower than a particle. `help` says how many are good.
+    pub(super) fn cells(
         &self,
         typed: &Located<[Located<i64>; 3]>,
         domain: &Domain,
         species: &[Species],
+        help: &str,
     ) -> Result<[u32; 3], Diagnostic> {
         let largest = species.iter().map(Species::largest).fold(0.0, f64::max);
-        let help =
-            "in a channel, slices such as [1, 20, 1]; the more particles a cell holds, the less their number scatters";
         let mut cells = [1; 3];
         for (axis, (count, typed)) in cells.iter_mut().zip(&typed.value).enumerate() {
             *count = self.whole(typed, 1, 10_000, help)? as u32;

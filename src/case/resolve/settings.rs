@@ -3,16 +3,16 @@
 use super::{Resolver, VariantChoice};
 use crate::case::de::Located;
 use crate::case::diagnostic::Diagnostic;
-use crate::case::file::{CaseFile, ElasticityFile, HardFile, HardSteppingFile, SoftFile};
+use crate::case::file::{CaseFile, DsmcFile, ElasticityFile, HardFile, HardSteppingFile, SoftFile};
 use crate::case::time_or_word::{AverageFromFile, WindowFile};
 use crate::contact_law::{ContactLaw, Hertz};
 use crate::experiment::{
-    AverageFrom, Experiment, HardSettings, HardStepping, HybridSettings, Integrator, Model, RunSettings, SoftSettings,
-    SoftStepping, Spheres, StatisticsSettings, TimeStep,
+    AverageFrom, DsmcSettings, Experiment, HardSettings, HardStepping, HybridSettings, Integrator, Model, Population,
+    RunSettings, SoftSettings, SoftStepping, Spheres, StatisticsSettings, TimeStep,
 };
 use crate::predict::contact::ContactTimes;
 use crate::predict::energy::too_long;
-use crate::scene::Elasticity;
+use crate::scene::{Elasticity, Scene};
 use crate::simulation::soft_step;
 
 /// [-] smallest number of steps per contact N_c by which a contact is resolved; fewer are refused.
@@ -28,13 +28,13 @@ const DEFAULT_STEPS: f64 = 20.0;
 const CLEARANCE: f64 = 2.0;
 
 impl Resolver {
-    /// Settings of the soft engine. If the model is hard, these settings are not used, and an error in them is only a
-    /// warning.
+    /// Settings of the soft engine. If no contact of the model lasts, these settings are not used, and an error in them is
+    /// only a warning.
     pub(super) fn soft(&mut self, file: &CaseFile) -> Result<SoftSettings, Diagnostic> {
         match self.soft_settings(file) {
-            Err(error) if self.model == Model::Hard => {
-                self.warnings
-                    .push(error.into_warning().help("not used by the hard model; correct it for the soft one"));
+            Err(error) if !self.model.has_contacts() => {
+                let help = format!("not used by the {} model; correct it for the soft one", self.model.name());
+                self.warnings.push(error.into_warning().help(help));
                 Ok(SoftSettings {
                     law: None,
                     time_step: TimeStep::PerContact(DEFAULT_STEPS),
@@ -238,6 +238,48 @@ impl Resolver {
         Ok(settings)
     }
 
+    /// Settings of collisions by chance.
+    pub(super) fn dsmc(
+        &mut self,
+        file: &CaseFile,
+        scene: &Scene,
+        start: &[Population],
+    ) -> Result<DsmcSettings, Diagnostic> {
+        let Some(dsmc) = file.dsmc.as_ref().map(|dsmc| &dsmc.value) else { return Ok(DsmcSettings::default()) };
+        let particles = start.iter().map(|population| population.amount.count()).sum();
+        match self.dsmc_settings(dsmc, scene, particles) {
+            Err(error) if self.model != Model::Dsmc => {
+                self.warnings.push(error.into_warning());
+                Ok(DsmcSettings::default())
+            }
+            result => result,
+        }
+    }
+
+    /// Settings of collisions by chance of so many particles.
+    fn dsmc_settings(&mut self, dsmc: &DsmcFile, scene: &Scene, particles: usize) -> Result<DsmcSettings, Diagnostic> {
+        let mut settings = DsmcSettings::default();
+        if let Some(enskog) = &dsmc.enskog {
+            settings.enskog = enskog.value;
+        }
+        if let Some(step) = &dsmc.step {
+            settings.step =
+                self.in_range(step, "a fifth of the mean free time is a good choice; longer steps are wrong")?;
+        }
+        if let Some(cells) = &dsmc.cells {
+            let help = "leave it out to have them chosen; about 20 particles in a cell are good";
+            let numbers = self.cells(cells, &scene.domain, &scene.species, help)?.map(|count| count as usize);
+            let (total, particles) = (numbers.iter().product::<usize>(), particles.max(1));
+            if total > particles {
+                let why =
+                    format!("makes {total} cells for {particles} particles; allowed: at most one cell for a particle");
+                return Err(self.refuse(cells, why).help(help));
+            }
+            settings.cells = Some(numbers);
+        }
+        Ok(settings)
+    }
+
     /// Settings of the run: model, duration, averaging, window (time between two exchanges with the gas) and seed.
     pub(super) fn run(
         &mut self,
@@ -293,6 +335,7 @@ impl Resolver {
             Model::Soft => Spheres::Soft(law()?),
             Model::Hard => Spheres::Hard,
             Model::Hybrid => Spheres::Hybrid(law()?),
+            Model::Dsmc => Spheres::Dsmc,
         };
         // other errors of `[output]` are reported where that table is checked
         let every = file.output.as_ref().and_then(|output| output.value.every.as_ref()).map(|every| every.value.0);

@@ -10,6 +10,7 @@ mod impulse;
 mod islands;
 mod steps;
 
+pub(super) use collapse_detector::LastCollision;
 pub use impulse::{Collision, impulse};
 pub use steps::SteppedHard;
 

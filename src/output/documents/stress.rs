@@ -1,6 +1,7 @@
 //! Parts of a report about stress, contacts per particle and volume fraction.
 
 use super::run::{measured, table};
+use crate::experiment::Model;
 use crate::outcome::Outcome;
 use crate::output::document::{Block, known};
 use crate::output::numbers::{significant, with_error};
@@ -27,14 +28,23 @@ pub(super) fn blocks(outcomes: &[Outcome]) -> Vec<Block> {
         ];
         (false, cells)
     };
-    vec![
+    // pairs that collide by chance do not touch, so that there is no force from centre to centre
+    let by_chance = outcomes.iter().filter(|outcome| outcome.experiment.model() == Model::Dsmc);
+    let kinetic_only = by_chance.map(|outcome| {
+        let name = &outcome.experiment.name;
+        Block::Note(format!(
+            "“{name}”: pairs collide by chance and do not touch; its pressure is the kinetic part only."
+        ))
+    });
+    let blocks = [
         Block::heading("Stress"),
         table(head, outcomes, cells),
         Block::note(
             "Averages over the volume of the whole box. Kinetic: Σ m c c, with velocities about the mean of their slice. Contact: Σ r f, with the force f between two particles that touch (of hard \
              spheres the impulse over time) and r from centre to centre; walls count in the contacts per particle only. All components and the volume fraction of each slice are in summary.json.",
         ),
-    ]
+    ];
+    blocks.into_iter().chain(kinetic_only).collect()
 }
 
 /// Stress of a variant for `summary.json`, in SI units.

@@ -16,6 +16,7 @@ pub fn costs(outcomes: &[Outcome]) -> Vec<Block> {
         let model = match (o.experiment.model(), o.experiment.hard.stepping) {
             (Model::Soft, _) => "soft",
             (Model::Hybrid, _) => "hybrid",
+            (Model::Dsmc, _) => "dsmc",
             (Model::Hard, HardStepping::Events) => "hard, events",
             (Model::Hard, HardStepping::Steps { .. }) => "hard, steps",
         };

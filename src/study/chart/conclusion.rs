@@ -120,8 +120,8 @@ fn within(
     // hard spheres may give a quantity exactly by construction; the cheapest soft method is then named too
     let soft = match (model, cheapest_of(methods, points, index, target, &[Model::Soft])) {
         (Model::Soft, _) => String::new(),
-        (Model::Hard | Model::Hybrid, Some((_, text))) => format!("; of soft methods {text}"),
-        (Model::Hard | Model::Hybrid, None) => ", and no soft method for certain".into(),
+        (Model::Hard | Model::Hybrid | Model::Dsmc, Some((_, text))) => format!("; of soft methods {text}"),
+        (Model::Hard | Model::Hybrid | Model::Dsmc, None) => ", and no soft method for certain".into(),
     };
     format!("within {words} the cheapest is {first}{soft}")
 }

@@ -234,7 +234,7 @@ impl HeadOn {
                 step.min(self.duration)
             }
             // without steps, any time serves to vary the start
-            (Model::Hard, HardStepping::Events) => 0.01 * self.touch,
+            (Model::Hard, HardStepping::Events) | (Model::Dsmc, _) => 0.01 * self.touch,
         };
         let touch = ((self.touch / step).floor() + phase) * step;
         self.place(&mut particles, touch);

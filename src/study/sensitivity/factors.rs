@@ -102,6 +102,7 @@ fn model(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<PlannedFactor
     let (other, change) = match plan.reference().model() {
         Model::Soft => (plan.hard()?, format!("soft ({}) → hard", stiff(plan.reference().law()))),
         Model::Hybrid => (plan.hard()?, "hybrid → hard".to_owned()),
+        Model::Dsmc => (plan.hard()?, "dsmc → hard".to_owned()),
         Model::Hard => {
             let soft = plan.soft()?;
             (soft, format!("hard → soft ({})", stiff(plan.run(soft).law())))

@@ -37,7 +37,7 @@ fn time(plan: &SensitivityPlan) -> Result<f64, StudyError> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build();
     let pool = pool.map_err(|why| StudyError::Input(format!("error: cannot start a thread: {why}")))?;
     let mut times = 0.0;
-    for model in [Model::Hard, Model::Soft, Model::Hybrid] {
+    for model in [Model::Hard, Model::Soft, Model::Hybrid, Model::Dsmc] {
         let of = || plan.runs.iter().filter(|one| one.experiment.model() == model);
         let Some(first) = of().next() else { continue };
         let start = start(&first.experiment)?;

@@ -2,7 +2,6 @@
 
 use super::factors::{no_size, plain, sized, why};
 use super::plan::{PlannedFactor, SensitivityPlan};
-use crate::experiment::Model;
 use crate::rotation::{ImpactRule, LinearTangential, TangentialLaw};
 use crate::scene::Surface;
 
@@ -88,7 +87,7 @@ pub fn rolling(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<Planned
     let first = plan.first();
     let reference = plan.run(first);
     let Some(rotation) = reference.scene.rotation.clone() else { return Err("spheres do not rotate".into()) };
-    if reference.model() == Model::Hard {
+    if !reference.model().has_contacts() {
         return Err("impacts leave rolling resistance out, and hard spheres have nothing else".into());
     }
     let own = rotation.rolling.map(|law| law.to_string());

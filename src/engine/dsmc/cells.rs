@@ -1,0 +1,263 @@
+//! Cells in which pairs collide by chance: their number, the volume open to centres, and local volume fractions.
+
+use super::DsmcSettings;
+use crate::kinetic_theory::contact_value;
+use crate::neighbours::cells::CellGrid;
+use crate::neighbours::region::Region;
+use crate::particles::Particles;
+use crate::scene::Scene;
+use crate::walls::NearWalls;
+use crate::work_sharing;
+use nalgebra::Vector3;
+use std::f64::consts::PI;
+
+/// [-] longest edge of a cell over the mean free path, where enough particles allow it (Bird 1994, chapter 11).
+const EDGE: f64 = 1.0 / 3.0;
+
+/// Mean number of particles in a cell (Bird 1994, chapter 11).
+const PER_CELL: f64 = 20.0;
+
+/// Mean number of particles in a block of cells with one volume fraction. The mean of N (N - 1) χ(N) over the scatter of
+/// N differs from its value at the mean N by the share (2 φ χ'/χ + φ² χ''/(2 χ))/N. With the contact value of Carnahan
+/// and Starling this is less than 0.01 up to φ = 0.3.
+const PER_BLOCK: f64 = 500.0;
+
+/// [-] volume fraction above which the contact value is not evaluated: no packing is denser than 0.7405 (Kepler).
+const DENSEST: f64 = 0.74;
+
+/// Number of lattice points along each edge of a cell that a wall cuts: the open share is then right within about a
+/// tenth of a cell.
+const LATTICE: usize = 6;
+
+/// Largest number of cells along an axis that is chosen; it limits the memory in a nearly empty box.
+const MOST_CELLS: f64 = 1024.0;
+
+/// Number of cells in a piece of parallel work.
+pub const PIECE: usize = 256;
+
+/// Sizes of all particles of a run, which do not change.
+#[derive(Clone, Copy, Debug)]
+pub struct RadiusSummary {
+    /// [m] smallest and largest radius.
+    pub range: [f64; 2],
+    /// [m] mean radius, and [m²] mean square of the radii.
+    mean: [f64; 2],
+    /// [m³] volume of all particles.
+    volume: f64,
+    /// Number of particles.
+    count: usize,
+}
+
+impl RadiusSummary {
+    /// Sizes of these particles.
+    pub fn of(particles: &Particles) -> Self {
+        let radius = &particles.radius;
+        let [mean, square, cube] = particles.mean_radii(1.0);
+        Self {
+            range: [radius.iter().fold(f64::INFINITY, |a, &r| a.min(r)), radius.iter().fold(0.0, |a, &r| a.max(r))],
+            mean: [mean, square],
+            volume: 4.0 / 3.0 * PI * cube * radius.len() as f64,
+            count: radius.len(),
+        }
+    }
+
+    /// True if the particles have different radii.
+    pub fn are_mixed(&self) -> bool {
+        self.range[0] < self.range[1]
+    }
+
+    /// [m] mean free path 1/(√2 n σ χ) in a volume [m³], where n is the number density and σ the mean cross-section of
+    /// two particles. Infinite for a single particle.
+    pub fn mean_free_path(&self, volume: f64, enskog: bool) -> f64 {
+        let [mean, square] = self.mean;
+        let filled = (self.volume / volume).min(DENSEST);
+        // the factor of equal spheres: ξ_2 d = 3 φ/2
+        let factor = if enskog { contact_value(1.0, 1.0, filled, 1.5 * filled) } else { 1.0 };
+        // the mean of (r_i + r_j)² is twice that of the squares plus twice the square of the mean
+        let section = 2.0 * PI * (square + mean * mean);
+        volume / (2.0_f64.sqrt() * self.count.saturating_sub(1) as f64 * section * factor)
+    }
+}
+
+/// Volume fraction around a pair, as the contact value needs it.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Crowding {
+    /// [-] volume fraction φ.
+    pub fraction: f64,
+    /// [1/m] ξ_2 = π/6 Σ n_i d_i².
+    pub second_moment: f64,
+}
+
+impl Crowding {
+    /// [-] contact value of two spheres with these radii [m].
+    #[inline]
+    pub fn contact_value(&self, [one, other]: [f64; 2]) -> f64 {
+        contact_value(2.0 * one, 2.0 * other, self.fraction, self.second_moment)
+    }
+}
+
+/// Cells in which pairs collide, and the particles in each.
+#[derive(Debug)]
+pub struct CollisionCells {
+    grid: CellGrid,
+    region: Region,
+    /// Number of cells along each axis.
+    pub count: [usize; 3],
+    /// Indices of the particles in the store, cell by cell; in a cell they are in the order of the store.
+    pub order: Vec<u32>,
+    /// [m³] volume of each cell that is open to centres.
+    pub open: Vec<f64>,
+    /// Number of blocks of cells along each axis; the cells of a block have one volume fraction.
+    blocks: [usize; 3],
+    /// [-] volume open to spheres over that open to their centres.
+    shell: f64,
+}
+
+impl CollisionCells {
+    /// Makes the cells for particles of these sizes.
+    pub fn new(scene: &Scene, sizes: &RadiusSummary, settings: &DsmcSettings) -> Self {
+        let [low, high] = corners(scene, 0.0);
+        // a box narrower than its particles keeps some width
+        let radius = sizes.range[0].min(0.25 * (high - low).min());
+        let inner = corners(scene, radius);
+        let region = Region::around(&scene.domain, inner, 0.0);
+        let count = settings.cells.unwrap_or_else(|| numbers(scene, &region, sizes, settings.enskog));
+        Self {
+            grid: CellGrid::default(),
+            order: Vec::new(),
+            open: open_volumes(scene, [inner[0], region.size()], count, radius),
+            blocks: blocks(&region, count, sizes.count),
+            shell: (high - low).product() / region.volume(),
+            region,
+            count,
+        }
+    }
+
+    /// Sorts the particles into the cells.
+    pub fn sort(&mut self, particles: &Particles) {
+        self.grid.sort_among(&particles.position, |x| *x, &self.region, self.count, &mut self.order);
+    }
+
+    /// Indices of the particles of a cell in the store.
+    #[inline]
+    pub fn members(&self, cell: usize) -> &[u32] {
+        &self.order[self.grid.items_of(cell)]
+    }
+
+    /// Crowding in each block of cells.
+    pub fn crowding(&self, particles: &Particles, sizes: &RadiusSummary) -> Vec<Crowding> {
+        let cells = self.open.len();
+        let pieces = (0..cells.div_ceil(PIECE)).map(|piece| piece * PIECE..cells.min((piece + 1) * PIECE));
+        // Σ r² and Σ r³ of each cell
+        let of_cell = |cell: usize| {
+            let members = self.members(cell);
+            if sizes.are_mixed() {
+                let radii = members.iter().map(|&place| particles.radius[place as usize]);
+                radii.fold([0.0, 0.0], |[two, three], r| [two + r * r, three + r * r * r])
+            } else {
+                let r = sizes.range[1];
+                [r * r, r * r * r].map(|power| members.len() as f64 * power)
+            }
+        };
+        let sums =
+            work_sharing::map(pieces.collect::<Vec<_>>().into_iter(), |piece| piece.map(of_cell).collect::<Vec<_>>());
+        let mut of_blocks = vec![[0.0; 3]; self.blocks.iter().product()];
+        for (cell, [two, three]) in sums.into_iter().flatten().enumerate() {
+            let block = &mut of_blocks[self.block_of(cell)];
+            *block = [block[0] + two, block[1] + three, block[2] + self.open[cell]];
+        }
+        let crowding = |[two, three, open]: [f64; 3]| {
+            let volume = open * self.shell;
+            // n d³ π/6 = 4π/3 n r³, n d² π/6 = 2π/3 n r²
+            let fraction = (4.0 / 3.0 * PI * three / volume).min(DENSEST);
+            Crowding { fraction, second_moment: 2.0 / 3.0 * PI * two / volume }
+        };
+        of_blocks.into_iter().map(crowding).collect()
+    }
+
+    /// Number of the block to which a cell belongs.
+    pub fn block_of(&self, cell: usize) -> usize {
+        let [nx, ny, _] = self.count;
+        let place = [cell % nx, cell / nx % ny, cell / (nx * ny)];
+        let [x, y, z] = std::array::from_fn(|axis| place[axis] * self.blocks[axis] / self.count[axis]);
+        x + self.blocks[0] * (y + self.blocks[1] * z)
+    }
+}
+
+/// [m] lowest and highest corner of the part of the box in which flat walls and vessels keep points that are `inwards`
+/// [m] away from them.
+fn corners(scene: &Scene, inwards: f64) -> [Vector3<f64>; 2] {
+    let inwards = Vector3::repeat(inwards);
+    let rooms = scene.walls.iter().filter_map(|wall| wall.geometry.law().room_corners());
+    rooms.fold([Vector3::zeros(), scene.domain.size], |[low, high], [from, to]| {
+        [low.sup(&(from + inwards)), high.inf(&(to - inwards))]
+    })
+}
+
+/// Numbers of cells along the axes, as docs/design/dsmc.md explains.
+fn numbers(scene: &Scene, region: &Region, sizes: &RadiusSummary, enskog: bool) -> [usize; 3] {
+    let (size, periodic) = (region.size(), scene.domain.periodic);
+    if sizes.count < 2 {
+        return [1; 3];
+    }
+    let wanted = PER_CELL * region.volume() / sizes.count as f64;
+    let (cube, thin) = (wanted.cbrt(), EDGE * sizes.mean_free_path(region.volume(), enskog));
+    let walled = periodic.iter().filter(|periodic| !**periodic).count() as i32;
+    let mut edges = Vector3::repeat(cube);
+    if cube > thin && walled > 0 && walled < 3 {
+        let long = (wanted / thin.powi(walled)).powf(1.0 / f64::from(3 - walled));
+        let along: f64 = (0..3).filter(|&axis| periodic[axis]).map(|axis| long.min(size[axis])).product();
+        // a box that is short along its periodic axes has thicker cells
+        let across = thin.max((wanted / along).powf(1.0 / f64::from(walled)));
+        edges = Vector3::from_fn(|axis, _| if periodic[axis] { long } else { across });
+    }
+    std::array::from_fn(|axis| (size[axis] / edges[axis]).round().clamp(1.0, MOST_CELLS) as usize)
+}
+
+/// Numbers of blocks along the axes. Blocks grow along their shortest edge until they hold enough particles.
+fn blocks(region: &Region, count: [usize; 3], particles: usize) -> [usize; 3] {
+    let mut blocks = count;
+    let edge = |blocks: &[usize; 3], axis: usize| region.size()[axis] / blocks[axis] as f64;
+    while blocks.iter().product::<usize>() as f64 * PER_BLOCK > particles as f64 {
+        let divided = (0..3).filter(|&axis| blocks[axis] > 1);
+        let shortest = divided.min_by(|&a, &b| edge(&blocks, a).total_cmp(&edge(&blocks, b)));
+        let Some(axis) = shortest else { break };
+        blocks[axis] -= 1;
+    }
+    blocks
+}
+
+/// [m³] volume of each cell in which the centre of a sphere of `radius` [m] can be. The cells divide a box, given by its
+/// lowest corner and its edges [m].
+fn open_volumes(scene: &Scene, [low, size]: [Vector3<f64>; 2], count: [usize; 3], radius: f64) -> Vec<f64> {
+    let cells = count.iter().product::<usize>();
+    let edges = Vector3::from_fn(|axis, _| size[axis] / count[axis] as f64);
+    // flat walls across an axis limit the box already
+    let cuts = |wall: &&crate::walls::Wall| !wall.geometry.is_flat() || wall.geometry.law().room_corners().is_none();
+    if scene.walls.iter().filter(cuts).count() == 0 {
+        return vec![edges.product(); cells];
+    }
+    let near = NearWalls::of(&scene.walls);
+    let share = |cell: usize| {
+        let place = [cell % count[0], cell / count[0] % count[1], cell / (count[0] * count[1])];
+        let corner = low + Vector3::from_fn(|axis, _| place[axis] as f64 * edges[axis]);
+        let (middle, reach) = (corner + edges * 0.5, radius + 0.5 * edges.norm());
+        let mut walls = Vec::new();
+        near.list(&middle, reach, &mut walls);
+        walls.retain(|&wall| scene.walls[wall as usize].geometry.is_within(&middle, reach));
+        if walls.is_empty() {
+            return 1.0;
+        }
+        let is_open = |k: &usize| {
+            let at = [k % LATTICE, k / LATTICE % LATTICE, k / (LATTICE * LATTICE)];
+            let point = corner + Vector3::from_fn(|axis, _| (at[axis] as f64 + 0.5) / LATTICE as f64 * edges[axis]);
+            walls.iter().all(|&wall| scene.walls[wall as usize].geometry.nearest(&point).distance >= radius)
+        };
+        let points = LATTICE.pow(3);
+        // a particle in a corner that no point hits needs some volume
+        ((0..points).filter(is_open).count() as f64).max(0.5) / points as f64
+    };
+    let pieces: Vec<_> = (0..cells.div_ceil(PIECE)).map(|k| k * PIECE..cells.min((k + 1) * PIECE)).collect();
+    let shares = work_sharing::map(pieces.into_iter(), |piece| piece.map(share).collect::<Vec<_>>());
+    shares.into_iter().flatten().map(|share| share * edges.product()).collect()
+}

@@ -1,0 +1,157 @@
+//! Collisions by chance of the pairs in one cell.
+
+use super::cells::Crowding;
+use crate::encounter::{Couple, Encounter};
+use crate::engine::hard::Collision;
+use crate::particles::Particles;
+use crate::record::Log;
+use crate::scene::Scene;
+use nalgebra::Vector3;
+use rand::RngExt;
+use rand::rngs::ChaCha8Rng;
+use rand_distr::{Distribution, Exp1, UnitDisc};
+use std::f64::consts::PI;
+
+/// Data on which the collisions in a cell depend.
+#[derive(Clone, Copy)]
+pub struct CellState<'a> {
+    /// Particles of the run.
+    pub particles: &'a Particles,
+    /// Scene of the run.
+    pub scene: &'a Scene,
+    /// Indices of the particles in the cell.
+    pub members: &'a [u32],
+    /// Volume [m³] open to their centres.
+    pub open: f64,
+    /// Volume fraction for the Enskog factor; `None` without this factor.
+    pub crowding: Option<Crowding>,
+    /// Largest radius [m] in the scene if all are equal; `None` if they differ.
+    pub radius: Option<f64>,
+}
+
+/// Collisions in some cells.
+#[derive(Default)]
+pub struct CellCollisions {
+    /// Particles that collided, with velocity [m/s] and spin [rad/s] afterwards. A later entry replaces an earlier one.
+    pub changed: Vec<(u32, Vector3<f64>, Vector3<f64>)>,
+    /// Records of the collisions.
+    pub log: Log,
+    /// Number of pairs that were drawn.
+    pub drawn: u64,
+    /// [1/s] expected number of collisions per time, times two: the rate that each particle sees, summed over all.
+    pub rate: f64,
+    /// True if a velocity is not a number.
+    pub broken: bool,
+}
+
+/// Memory of a thread for the cell in work.
+#[derive(Default)]
+pub struct CellMemory {
+    velocity: Vec<Vector3<f64>>,
+    spin: Vec<Vector3<f64>>,
+    /// The two particles of a collision.
+    pair: Particles,
+}
+
+/// Lets the particles of a cell collide during `duration` [s].
+pub fn collide(
+    cell: &CellState,
+    duration: f64,
+    noise: &mut ChaCha8Rng,
+    memory: &mut CellMemory,
+    into: &mut CellCollisions,
+) {
+    let count = cell.members.len();
+    if count < 2 {
+        return;
+    }
+    let CellMemory { velocity, spin, pair } = memory;
+    velocity.clear();
+    velocity.extend(cell.members.iter().map(|&place| cell.particles.velocity[place as usize]));
+    let rotating = cell.particles.spin.is_some();
+    spin.clear();
+    if rotating {
+        spin.extend(cell.members.iter().map(|&place| cell.particles.spin_of(place as usize)));
+    }
+    let number = count as f64;
+    let mean = velocity.iter().sum::<Vector3<f64>>() / number;
+    let (squares, mut farthest) = velocity.iter().fold((0.0, 0.0_f64), |(sum, most), v| {
+        let square = (v - mean).norm_squared();
+        (sum + square, most.max(square))
+    });
+    // a largest value passes over numbers that are none
+    if !squares.is_finite() {
+        into.broken = true;
+        return;
+    }
+    let radius_of = |k: usize| cell.particles.radius[cell.members[k] as usize];
+    let largest = cell.radius.unwrap_or_else(|| (0..count).map(radius_of).fold(0.0, f64::max));
+    let section = |radii: [f64; 2]| {
+        let reach = radii[0] + radii[1];
+        PI * reach * reach * cell.crowding.map_or(1.0, |crowding| crowding.contact_value(radii))
+    };
+    let largest_section = section([largest; 2]);
+    // number of pairs, times cross-section over volume
+    let pairs = 0.5 * number * (number - 1.0) * largest_section / cell.open;
+    // Chapman & Cowling 1970, 5.21: the mean relative speed is 4 sqrt(T/π)
+    into.rate += 2.0 * pairs * 4.0 * (squares / (3.0 * (number - 1.0)) / PI).sqrt();
+    let mut time = 0.0;
+    loop {
+        // no relative speed exceeds twice the largest speed relative to any one velocity
+        let fastest = 2.0 * farthest.sqrt();
+        time += noise.sample::<f64, _>(Exp1) / (pairs * fastest);
+        // without relative motion the time is infinite or not a number
+        if time.is_nan() || time >= duration {
+            return;
+        }
+        into.drawn += 1;
+        let (i, other) = (noise.random_range(0..count), noise.random_range(0..count - 1));
+        let j = if other < i { other } else { other + 1 };
+        let relative = velocity[i] - velocity[j];
+        let speed = relative.norm();
+        let own = if cell.radius.is_some() { largest_section } else { section([radius_of(i), radius_of(j)]) };
+        if noise.random::<f64>() * largest_section * fastest >= own * speed {
+            continue;
+        }
+        pair.clear();
+        pair.copy_from(cell.particles, &[cell.members[i], cell.members[j]]);
+        for (k, &member) in [i, j].iter().enumerate() {
+            pair.velocity[k] = velocity[member];
+            if let (Some(of_pair), true) = (&mut pair.spin, rotating) {
+                of_pair[k] = spin[member];
+            }
+        }
+        let collision = by_chance(pair, relative, speed, noise);
+        collision.resolve(pair, cell.scene, 0.0, &mut into.log);
+        for (k, &member) in [i, j].iter().enumerate() {
+            velocity[member] = pair.velocity[k];
+            if rotating {
+                spin[member] = pair.spin_of(k);
+            }
+            farthest = farthest.max((velocity[member] - mean).norm_squared());
+            into.changed.push((cell.members[member], pair.velocity[k], pair.spin_of(k)));
+        }
+    }
+}
+
+/// Collision of the two particles of a store, whose velocity [m/s] and speed [m/s] relative to each other are given. Their
+/// impact parameter is uniform in the disc that the second shows to the first.
+fn by_chance(pair: &Particles, relative: Vector3<f64>, speed: f64, noise: &mut ChaCha8Rng) -> Collision {
+    let along = relative / speed;
+    let (aside, across) = perpendicular(&along);
+    let [a, b]: [f64; 2] = UnitDisc.sample(noise);
+    // a unit vector from the second particle to the first, which approaches against it
+    let normal = aside * a + across * b - along * (1.0 - a * a - b * b).sqrt();
+    let met = Encounter { normal, gap: 0.0, velocity: relative, normal_velocity: relative.dot(&normal) };
+    let couple = Couple::pair(0, 1);
+    Collision { couple, met, elastic: false, kinds: couple.kinds(pair), wall: None }
+}
+
+/// Two unit vectors that are perpendicular to a unit vector and to each other.
+fn perpendicular(along: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
+    // the axis that is farthest from the vector keeps the cross product away from 0
+    let mut axis = Vector3::zeros();
+    axis[along.iamin()] = 1.0;
+    let aside = along.cross(&axis).normalize();
+    (aside, along.cross(&aside))
+}

@@ -1,0 +1,182 @@
+//! Free flight of all particles, with the impacts on walls at their exact times.
+
+use crate::encounter::{AtWall, Couple, FrameTime};
+use crate::engine::hard::{Collision, LastCollision};
+use crate::engine::{Failure, Window};
+use crate::particles::{CHUNK, Motion, Particles};
+use crate::record::Log;
+use crate::scene::Scene;
+use crate::walls::{Flight, Geometry, NearWalls, Plane, Touch, Wall};
+use crate::work_sharing;
+use nalgebra::Vector3;
+
+/// Number of particles that a thread moves at a time.
+const PART: usize = CHUNK / 4;
+
+/// Number of particles near walls that a thread moves at a time: one costs as much as dozens of others.
+const FEW: usize = 128;
+
+/// A part of a window in which particles fly.
+#[derive(Clone, Copy, Debug)]
+pub struct FlightTime {
+    /// The whole window.
+    pub window: Window,
+    /// [s] start of the flight, since that of the window.
+    pub start: f64,
+    /// [s] length of the flight.
+    pub duration: f64,
+}
+
+/// Walls of a scene, as the flight of a particle needs them.
+pub struct FlightWalls {
+    near: NearWalls,
+    /// All flat walls.
+    planes: Vec<Plane>,
+    /// True if there are no others.
+    are_flat: bool,
+}
+
+impl FlightWalls {
+    /// Walls of a scene.
+    pub fn of(walls: &[Wall]) -> Self {
+        let planes: Vec<Plane> = walls.iter().filter_map(|wall| wall.geometry.plane()).copied().collect();
+        Self { near: NearWalls::of(walls), are_flat: planes.len() == walls.len(), planes }
+    }
+
+    /// True if a sphere may touch a wall on its way between two points [m]. Its path is within `reach` [m], less the
+    /// radius, of the straight line between them.
+    #[inline]
+    fn may_be_touched(&self, scene: &Scene, [from, to]: [&Vector3<f64>; 2], reach: f64) -> bool {
+        // the distance from a plane is least at an end of the line
+        let touches = |plane: &Plane| plane.nearest(from).distance.min(plane.nearest(to).distance) < reach;
+        self.planes.iter().any(touches) || (!self.are_flat && self.may_be_met(scene, [from, to], reach))
+    }
+
+    /// True if a wall is within `reach` [m] of the ball around a straight line between two points [m].
+    fn may_be_met(&self, scene: &Scene, [from, to]: [&Vector3<f64>; 2], reach: f64) -> bool {
+        let (middle, around) = ((from + to) * 0.5, reach + 0.5 * (to - from).norm());
+        let mut found = false;
+        self.near.for_each(&middle, around, |wall| {
+            found = found || scene.walls[wall as usize].geometry.is_within(&middle, around);
+        });
+        found
+    }
+}
+
+/// Flight of one particle near walls: its state afterwards, and the reason if it could not fly on.
+type FlownParticle = (u32, Motion, Option<Failure>);
+
+/// Moves all particles along their parabolas, and resolves their impacts on walls. Returns the number of impacts.
+///
+/// # Errors
+/// A particle has infinitely many impacts on a wall. The others are then at the end of the flight.
+pub fn fly(
+    particles: &mut Particles,
+    scene: &Scene,
+    walls: &FlightWalls,
+    time: FlightTime,
+    log: &mut Log,
+) -> Result<u64, Failure> {
+    let near = fly_freely(particles, scene, walls, time.duration);
+    let some = work_sharing::map_with(
+        near.chunks(FEW),
+        || (Particles::default(), Vec::new()),
+        |(one, found), places| {
+            let mut log = Log::default();
+            let fly = |&place: &u32| {
+                one.clear();
+                one.copy_from(particles, &[place]);
+                let failure = fly_among_walls(one, scene, (&walls.near, found), time, &mut log).err();
+                (place, one.motion(0), failure)
+            };
+            (places.iter().map(fly).collect::<Vec<FlownParticle>>(), log)
+        },
+    );
+    let (mut impacts, mut failed) = (0, None);
+    for (flown, mut some) in some {
+        for (place, mut motion, failure) in flown {
+            motion.position = scene.domain.wrap(&motion.position);
+            particles.set_motion(place as usize, &motion);
+            failed = failed.or(failure);
+        }
+        impacts += some.impacts.len() as u64;
+        log.impacts.append(&mut some.impacts);
+        log.islands.push(some.ledger.to_array());
+    }
+    failed.map_or(Ok(impacts), Err)
+}
+
+/// Moves the particles that cannot touch a wall, and returns the indices of all others.
+fn fly_freely(particles: &mut Particles, scene: &Scene, walls: &FlightWalls, duration: f64) -> Vec<u32> {
+    let fall = scene.gravity * duration;
+    let sag = 0.125 * scene.gravity.norm() * duration * duration;
+    let Particles { position, velocity, radius, .. } = particles;
+    let parts = position.chunks_mut(PART).zip(velocity.chunks_mut(PART)).zip(radius.chunks(PART)).enumerate();
+    let near = work_sharing::map(parts, |(part, ((positions, velocities), radii))| {
+        let mut near = Vec::new();
+        for (k, (x, v)) in positions.iter_mut().zip(velocities).enumerate() {
+            let end = *x + (*v + 0.5 * fall) * duration;
+            if walls.may_be_touched(scene, [x, &end], radii[k] + sag) {
+                near.push((part * PART + k) as u32);
+            } else {
+                *x = scene.domain.wrap(&end);
+                *v += fall;
+            }
+        }
+        near
+    });
+    near.concat()
+}
+
+/// Moves the only particle of a store through a flight, with all its impacts on walls. `found` is scratch memory.
+fn fly_among_walls(
+    one: &mut Particles,
+    scene: &Scene,
+    (walls, found): (&NearWalls, &mut Vec<u32>),
+    time: FlightTime,
+    log: &mut Log,
+) -> Result<(), Failure> {
+    let (mut flown, mut history) = (0.0, LastCollision::default());
+    loop {
+        let rest = time.duration - flown;
+        let flight = Flight { position: one.position[0], velocity: one.velocity[0], gravity: scene.gravity };
+        let reach = one.radius[0] + (flight.velocity.norm() + 0.5 * scene.gravity.norm() * rest) * rest;
+        walls.list(&flight.position, reach, found);
+        let next = first_touch(one, scene, found, rest);
+        let until = next.map_or(rest, |(_, touch)| touch.time.min(rest));
+        one.position[0] = flight.position_at(until);
+        one.velocity[0] = flight.velocity_at(until);
+        let Some((couple, touch)) = next else { return Ok(()) };
+        flown += until;
+        let now = time.start + flown;
+        let here = FrameTime::default();
+        let met = couple.strike(one, scene, here, touch.place);
+        let wall = couple.wall_motion(&met, (one, scene), here);
+        let collision = Collision { couple, met, elastic: false, kinds: couple.kinds(one), wall };
+        collision.resolve(one, scene, time.window.duration - now, log);
+        if let Some(interval) = history.note(&collision, scene, time.window.start + now, None) {
+            let [x, y, z] = scene.domain.wrap(&one.position[0]).into();
+            return Err(Failure::RestOnWall {
+                time: time.window.start + time.start + time.duration,
+                particle: one.id[0],
+                partner: couple.partner(one),
+                impacts: history.impacts,
+                interval,
+                x,
+                y,
+                z,
+            });
+        }
+    }
+}
+
+/// First touch of the only particle of a store with one of these walls within `until` [s].
+fn first_touch(one: &Particles, scene: &Scene, walls: &[u32], until: f64) -> Option<(Couple, Touch)> {
+    let contacts = walls.iter().flat_map(|&wall| {
+        (0..scene.walls[wall as usize].geometry.contacts()).map(move |which| Couple::at_wall(0, AtWall { wall, which }))
+    });
+    let touches = contacts.filter_map(|couple| {
+        Some((couple, couple.touch(one, scene, FrameTime::default(), until)?)).filter(|(_, touch)| touch.time <= until)
+    });
+    touches.reduce(|first, next| if next.1.time < first.1.time { next } else { first })
+}

@@ -1,0 +1,259 @@
+//! Collisions by chance: direct simulation Monte Carlo (DSMC). Particles fly and meet walls as hard spheres do, and
+//! collide with particles of their cell that are chosen at random, at the rate of kinetic theory.
+//!
+//! docs/design/dsmc.md explains the scheme, its sources, and what it leaves out: pairs that collide do not touch, so that
+//! collisions carry momentum over no distance and do not conserve angular momentum.
+
+mod cells;
+mod collide;
+mod flight;
+
+use super::{Counters, Engine, EngineTimes, Failure, Window, not_a_number};
+use crate::clock::Clock;
+use crate::encounter::Couple;
+use crate::noise::{Noise, NoiseUse};
+use crate::particles::Particles;
+use crate::record::{Log, Record};
+use crate::scene::Scene;
+use crate::stored::{StoreError, Stored};
+use crate::work_sharing;
+use cells::{CollisionCells, PIECE, RadiusSummary};
+use collide::{CellCollisions, CellMemory, CellState, collide};
+use flight::{FlightTime, FlightWalls, fly};
+use nalgebra::Matrix3;
+use serde::{Deserialize, Serialize};
+
+pub use crate::experiment::DsmcSettings;
+
+/// Engine in which particles of a cell collide by chance.
+///
+/// The cells follow from the sizes of the particles and from the scene, which must not change during a run.
+pub struct Dsmc {
+    settings: DsmcSettings,
+    seed: u64,
+    state: DsmcState,
+    setup: Option<DsmcSetup>,
+    times: EngineTimes,
+    clock: Clock,
+}
+
+/// State of the engine that a snapshot of a run contains.
+#[derive(Clone, Copy, Default, Serialize, Deserialize)]
+struct DsmcState {
+    counters: Counters,
+    /// [1/s] collision rate of a particle, from the velocities at the last collisions; `None` before the first step.
+    rate: Option<f64>,
+    /// [s] time for which particles have flown without having collided for it; negative if they have collided ahead.
+    owed: f64,
+}
+
+/// Largest number of windows between two collisions of all cells. The collision rate is known from the last ones only,
+/// and may change meanwhile.
+const MOST_WINDOWS: f64 = 16.0;
+
+/// Data that follow from the scene and from the sizes of the particles.
+struct DsmcSetup {
+    sizes: RadiusSummary,
+    cells: CollisionCells,
+    walls: FlightWalls,
+}
+
+impl Dsmc {
+    /// Makes an engine whose collisions are drawn with this seed.
+    pub fn new(settings: DsmcSettings, seed: u64) -> Self {
+        let (times, clock) = (EngineTimes::default(), Clock::default());
+        Self { settings, seed, state: DsmcState::default(), setup: None, times, clock }
+    }
+
+    /// Lets pairs collide for `duration` [s]; with 0 s, only the collision rate is found.
+    fn collide(
+        &mut self,
+        particles: &mut Particles,
+        scene: &Scene,
+        duration: f64,
+        log: &mut Log,
+    ) -> Result<(), NotFinite> {
+        let Some(DsmcSetup { sizes, cells, .. }) = &mut self.setup else { return Ok(()) };
+        self.clock.time(&mut self.times.neighbours, || cells.sort(particles));
+        let crowding = self.settings.enskog.then(|| cells.crowding(particles, sizes));
+        let (step, count) = (self.state.counters.steps, cells.open.len());
+        let radius = (!sizes.are_mixed()).then_some(sizes.range[1]);
+        let in_piece = |(memory, noise): &mut (CellMemory, Noise), piece: usize| {
+            let mut collided = CellCollisions::default();
+            for cell in piece * PIECE..count.min((piece + 1) * PIECE) {
+                let crowding = crowding.as_ref().map(|blocks| blocks[cells.block_of(cell)]);
+                let (members, open) = (cells.members(cell), cells.open[cell]);
+                let state = CellState { particles, scene, members, open, crowding, radius };
+                collide(&state, duration, noise.of(cell as u32), memory, &mut collided);
+            }
+            // the centres do not touch, so that no momentum moves from one to the other
+            collided.log.ledger.pair_virial = Matrix3::zeros();
+            collided
+        };
+        let own = || (CellMemory::default(), Noise::new(self.seed, NoiseUse::Collisions, step));
+        let pieces = work_sharing::map_with(0..count.div_ceil(PIECE), own, in_piece);
+        let mut rate = 0.0;
+        for mut piece in pieces {
+            if piece.broken {
+                return Err(NotFinite);
+            }
+            rate += piece.rate;
+            self.state.counters.pair_checks += piece.drawn;
+            self.state.counters.events += piece.log.impacts.len() as u64;
+            for (place, velocity, spin) in piece.changed {
+                particles.velocity[place as usize] = velocity;
+                if let Some(spins) = &mut particles.spin {
+                    spins[place as usize] = spin;
+                }
+            }
+            log.impacts.append(&mut piece.log.impacts);
+            log.islands.push(piece.log.ledger.to_array());
+        }
+        self.state.rate = Some(rate / particles.len().max(1) as f64);
+        self.state.counters.neighbour_builds += 1;
+        Ok(())
+    }
+
+    /// Moves all particles for a part of a window, with their impacts on walls.
+    fn fly(
+        &mut self,
+        particles: &mut Particles,
+        scene: &Scene,
+        time: FlightTime,
+        log: &mut Log,
+    ) -> Result<(), Failure> {
+        let Some(DsmcSetup { walls, .. }) = &self.setup else { return Ok(()) };
+        let impacts = self.clock.time(&mut self.times.flight, || fly(particles, scene, walls, time, log))?;
+        self.state.counters.events += impacts;
+        Ok(())
+    }
+
+    /// [s] longest step for the collision rate of the velocities.
+    fn longest_step(&mut self, particles: &mut Particles, scene: &Scene) -> Result<f64, NotFinite> {
+        if self.state.rate.is_none() {
+            self.collide(particles, scene, 0.0, &mut Log::default())?;
+        }
+        let longest = self.settings.step / self.state.rate.unwrap_or_default();
+        if longest.is_nan() { Err(NotFinite) } else { Ok(longest) }
+    }
+
+    /// Moves the particles through a window: several steps, one step, or a part of a step.
+    fn run(&mut self, particles: &mut Particles, scene: &Scene, window: Window, log: &mut Log) -> Result<(), Failure> {
+        let h = window.duration;
+        let longest = self.longest_step(particles, scene);
+        let Ok(longest) = longest else { return Err(not_a_number(particles, window.start)) };
+        let windows = (longest / h).min(MOST_WINDOWS).floor();
+        if windows < 2.0 {
+            let steps = (h / longest - 1e-9).ceil().max(1.0);
+            return self.steps(particles, scene, window, steps as u64, log);
+        }
+        self.fly(particles, scene, FlightTime { window, start: 0.0, duration: h }, log)?;
+        self.state.owed += h;
+        // collisions come in the middle of their step; the term 1e-9 allows for rounding of sums of windows
+        if self.state.owed >= (0.5 - 1e-9) * windows * h {
+            self.collide_after(particles, scene, windows * h, (window, h), log)?;
+        }
+        Ok(())
+    }
+
+    /// Moves the particles through a window in whole steps: half a flight, the collisions, and half a flight.
+    fn steps(
+        &mut self,
+        particles: &mut Particles,
+        scene: &Scene,
+        window: Window,
+        steps: u64,
+        log: &mut Log,
+    ) -> Result<(), Failure> {
+        let step = window.duration / steps as f64;
+        let mut flown = 0.0;
+        for k in 0..=steps {
+            // two halves in a row are one flight
+            let to = if k < steps { (k as f64 + 0.5) * step } else { window.duration };
+            self.fly(particles, scene, FlightTime { window, start: flown, duration: to - flown }, log)?;
+            flown = to;
+            self.clock.tell(window.start + flown);
+            if k < steps {
+                self.state.owed += step;
+                self.collide_after(particles, scene, self.state.owed, (window, flown), log)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Lets pairs collide for `duration` [s], after a part of a window. Nothing happens if they have collided ahead.
+    fn collide_after(
+        &mut self,
+        particles: &mut Particles,
+        scene: &Scene,
+        duration: f64,
+        (window, flown): (Window, f64),
+        log: &mut Log,
+    ) -> Result<(), Failure> {
+        if duration <= 0.0 {
+            return Ok(());
+        }
+        self.state.owed -= duration;
+        self.state.counters.steps += 1;
+        let collided = self.collide(particles, scene, duration, log);
+        collided.map_err(|NotFinite| not_a_number(particles, window.start + flown))
+    }
+}
+
+/// A velocity is not a number, or too large to compute with.
+struct NotFinite;
+
+impl Engine for Dsmc {
+    fn advance(
+        &mut self,
+        particles: &mut Particles,
+        scene: &Scene,
+        window: Window,
+        record: &mut Record,
+    ) -> Result<(), Failure> {
+        // the particles of a cell are numbered by id, so that results do not depend on the order of the store
+        if !particles.id.is_sorted() {
+            particles.sort_by_id();
+        }
+        if self.setup.is_none() {
+            let sizes = RadiusSummary::of(particles);
+            let cells = CollisionCells::new(scene, &sizes, &self.settings);
+            self.setup = Some(DsmcSetup { sizes, cells, walls: FlightWalls::of(&scene.walls) });
+        }
+        let mut log = Log::default();
+        let result = self.run(particles, scene, window, &mut log);
+        record.absorb(&mut log);
+        result
+    }
+
+    fn forget(&mut self) {
+        self.setup = None;
+    }
+
+    fn work_done(&self) -> (Counters, EngineTimes) {
+        (self.state.counters, self.times)
+    }
+
+    fn elastic_energy(&self) -> f64 {
+        0.0
+    }
+
+    fn for_each_touching(&self, _visit: &mut dyn FnMut(Couple)) {}
+
+    fn in_islands(&self) -> Option<&[u32]> {
+        None
+    }
+
+    fn use_clock(&mut self, clock: Clock) {
+        self.clock = clock;
+    }
+
+    fn stored(&self) -> Result<Stored, StoreError> {
+        Stored::of(&self.state)
+    }
+
+    fn restore(&mut self, stored: &Stored) -> Result<(), StoreError> {
+        self.state = stored.read()?;
+        Ok(())
+    }
+}

@@ -1,0 +1,431 @@
+//! Collisions by chance (DSMC): rates against kinetic theory, cooling, walls, vessels, what is conserved, bits, messages.
+//! Mixtures are in `mixtures.rs`, rough spheres in `rotation/gases.rs`, stored states in `snapshots.rs`.
+
+use crate::support::*;
+use diptych::engine::dsmc::Dsmc;
+use diptych::engine::{Engine, Failure};
+use diptych::experiment::{DsmcSettings, Experiment, Model};
+use diptych::particles::Particles;
+use diptych::placement::initial_state;
+use diptych::scene::Scene;
+use diptych::simulation::Simulation;
+use diptych::walls::{Cavity, Hollow, Obstacle, RoundAxis, Wall, WallGeometry};
+use nalgebra::Vector3;
+use rand::SeedableRng;
+use rand::seq::SliceRandom;
+use rand_xoshiro::Xoshiro256PlusPlus;
+use rayon::prelude::*;
+use std::f64::consts::PI;
+
+fn engine(settings: DsmcSettings, seed: u64) -> Box<dyn Engine> {
+    Box::new(Dsmc::new(settings, seed))
+}
+
+/// One cell for all particles.
+const ONE_CELL: DsmcSettings = DsmcSettings { enskog: true, cells: Some([1; 3]), step: 0.2 };
+
+/// Unit spheres in a periodic cube at the volume fraction `phi`, T = 1.
+fn cube(count: usize, phi: f64, restitution: f64, seed: u64) -> (Scene, Particles) {
+    let scene = empty([edge(count, 1.0, phi); 3], [true; 3], unit(), surface(restitution, 0.0));
+    let mut particles = random(&scene, count, 1.0, seed);
+    let scale = 1.0 / temperature(&particles).sqrt();
+    particles.velocity.iter_mut().for_each(|v| *v *= scale);
+    (scene, particles)
+}
+
+/// Collision rate of a particle at T = 1 with the contact value g, by kinetic theory (Chapman and Cowling 1970, 5.21,
+/// and 16.2 with g).
+fn rate_of(phi: f64, g: f64) -> f64 {
+    24.0 * phi * g / PI.sqrt()
+}
+
+/// Contact value of Carnahan and Starling 1969.
+fn carnahan_starling(phi: f64) -> f64 {
+    (1.0 - 0.5 * phi) / (1.0 - phi).powi(3)
+}
+
+/// Number of collisions of each particle in a gas at equilibrium, over that of kinetic theory for the same number of
+/// particles, less 1. The gas collides ten times before it is measured, for as long as gives `collisions` of all. Windows
+/// are `window` mean free times long.
+fn excess(
+    scene: &Scene,
+    particles: Particles,
+    settings: DsmcSettings,
+    (rate, window): (f64, f64),
+    collisions: f64,
+) -> f64 {
+    let count = particles.len() as f64;
+    let mut simulation = Simulation::with_engine(scene.clone(), particles, engine(settings, 7));
+    let windows = |times: f64| (times / window).ceil() as u64;
+    simulation.run(windows(10.0), window / rate).unwrap();
+    let (before, began) = (simulation.record.pairs.count, simulation.time);
+    simulation.run(windows(2.0 * collisions / count), window / rate).unwrap();
+    let found = 2.0 * (simulation.record.pairs.count - before) as f64 / count / (simulation.time - began);
+    found / rate - 1.0
+}
+
+#[test]
+fn rates_are_those_of_enskog() {
+    // collisions are drawn one by one, so that their number n has the relative standard error 1/sqrt(n) or less: 4 of them
+    // are allowed; and the mean of the Enskog factor over blocks of 500 particles, by the formula at PER_BLOCK
+    let collisions = 400_000.0_f64;
+    for (phi, of_blocks) in [(0.01, 1e-4), (0.1, 1.2e-3), (0.3, 1e-2)] {
+        let (scene, particles) = cube(4000, phi, 1.0, 3);
+        let finite = 1.0 - 1.0 / 4000.0;
+        let rate = rate_of(phi, carnahan_starling(phi)) * finite;
+        // windows of two steps, and steps of ten windows
+        for window in [0.3, 0.02] {
+            let with = excess(&scene, particles.clone(), DsmcSettings::default(), (rate, window), collisions);
+            println!("phi {phi}, windows of {window}: with the Enskog factor {with:+.5}");
+            assert!(with.abs() < 4.0 / collisions.sqrt() + of_blocks, "{phi}: {with}");
+        }
+        let settings = DsmcSettings { enskog: false, ..DsmcSettings::default() };
+        let without = excess(&scene, particles.clone(), settings, (rate_of(phi, 1.0) * finite, 0.3), collisions);
+        println!("phi {phi}: without {without:+.5}");
+        assert!(without.abs() < 4.0 / collisions.sqrt(), "{phi}: {without}");
+        // all particles in one block, whose volume fraction does not scatter
+        let alone = excess(&scene, particles, ONE_CELL, (rate, 0.3), collisions);
+        println!("phi {phi}: in one cell {alone:+.5}");
+        assert!(alone.abs() < 4.0 / collisions.sqrt(), "{phi}: {alone}");
+    }
+}
+
+#[test]
+fn impact_speeds_are_those_of_a_maxwellian_gas() {
+    let (scene, particles) = cube(4000, 0.01, 1.0, 5);
+    let mut simulation = Simulation::with_engine(scene, particles, engine(DsmcSettings::default(), 1));
+    simulation.run(300, 2.0).unwrap();
+    let speeds = &simulation.record.pairs.normal_speed;
+    // normal speeds of impact have the density u exp(-u²/4)/2: mean sqrt(π), mean square 4, standard deviation
+    // sqrt(4 - π)
+    let count = simulation.record.pairs.count as f64;
+    let error = ((4.0 - PI) / count).sqrt();
+    println!("{count} impacts, mean normal speed {:.4} ± {error:.4}", speeds.sum() / count);
+    close("mean normal speed", speeds.sum() / count, PI.sqrt(), 4.0 * error);
+    // the variance of u² is 16
+    close("mean square", speeds.sum_of_squares() / count, 4.0, 4.0 * 4.0 / count.sqrt());
+}
+
+#[test]
+fn haff_s_law_and_a2() {
+    // T(t) = T_0 (1 + (1 - e²) Γ_0 t/6)^-2 (Haff 1983), with the cooling rate times 1 + 3/16 a2, a2 of van Noije and Ernst
+    // 1998 (Granular Matter 1, 57). Without space, as in one cell, nothing clusters
+    for (e, a2) in [(0.9_f64, -0.0146), (0.5, 0.0525)] {
+        let (starts, count, phi) = (16_u64, 8000, 0.05);
+        let rate = rate_of(phi, carnahan_starling(phi));
+        let time = 30.0 / rate;
+        let runs: Vec<[f64; 2]> = (0..starts)
+            .into_par_iter()
+            .map(|seed| {
+                let (scene, particles) = cube(count, phi, e, seed);
+                let mut simulation = Simulation::with_engine(scene, particles, engine(ONE_CELL, seed));
+                let mut kurtosis = 0.0;
+                for _ in 0..3 {
+                    simulation.run(50, time / 150.0).unwrap();
+                    let velocities = &simulation.particles.velocity;
+                    let mean = |power: i32| velocities.iter().map(|v| v.norm().powi(power)).sum::<f64>() / count as f64;
+                    kurtosis += (0.6 * mean(4) / mean(2).powi(2) - 1.0) / 3.0;
+                }
+                [temperature(&simulation.particles), kurtosis]
+            })
+            .collect();
+        let [found, kurtosis] = [0, 1].map(|k| runs.iter().map(|run| run[k]).sum::<f64>() / starts as f64);
+        let law = (1.0 + (1.0 - e * e) * (1.0 + 3.0 / 16.0 * a2) * rate * time / 6.0).powi(-2);
+        let all = (starts * count as u64) as f64;
+        println!("e {e}: T {found:.5}, law {law:.5}; a2 {kurtosis:.4}, theory {a2}");
+        // four standard errors of T, sqrt(2/(3 N)), and the start, whose a2 is 0 for some of the first collisions
+        close("T by Haff's law", found / law, 1.0, 4.0 * (2.0 / (3.0 * all)).sqrt() + 2.0 * a2.abs() / 16.0);
+        // four of a2, sqrt(8/(15 N)), at three instants some collisions apart; and a fifth of a2, since the theory is of
+        // first order in it
+        close("a2", kurtosis, a2, 4.0 * (8.0 / (15.0 * 3.0 * all)).sqrt() + 0.2 * a2.abs());
+    }
+}
+
+/// Unit spheres in a slit between two planes, T = 1.
+fn slit(count: usize, size: [f64; 3]) -> (Scene, Particles) {
+    let wall = surface(1.0, 0.0);
+    let mut scene = empty(size, [true, false, true], unit(), wall);
+    scene.walls = vec![plane([0.0; 3], [0.0, 1.0, 0.0], wall), plane([0.0, size[1], 0.0], [0.0, -1.0, 0.0], wall)];
+    let mut particles = random(&scene, count, 1.0, 4);
+    let scale = (3.0 * count as f64 / (2.0 * particles.kinetic_energy())).sqrt();
+    particles.velocity.iter_mut().for_each(|v| *v *= scale);
+    (scene, particles)
+}
+
+#[test]
+fn walls_see_a_uniform_gas_of_centres() {
+    // n sqrt(T/2π) impacts and the impulse n T per area and time, with the density n of centres between planes a radius
+    // nearer to each other; pairs in the same volume. Four standard errors of numbers of events
+    let (count, size) = (2000, [20.0, 10.0, 20.0]);
+    let (scene, particles) = slit(count, size);
+    let time = 600.0;
+    let mut simulation = Simulation::with_engine(scene, particles, engine(DsmcSettings::default(), 2));
+    simulation.run(3000, time / 3000.0).unwrap();
+    let (volume, area) = (20.0 * 9.0 * 20.0, 2.0 * 400.0);
+    let density = count as f64 / volume;
+    let within = |what: &str, found: f64, want: f64, events: f64| {
+        println!("{what}: {:.5} of theory", found / want);
+        close(what, found / want, 1.0, 4.0 / events.sqrt());
+    };
+    let hits = simulation.record.walls.count as f64;
+    within("impacts on walls", hits, density * area * time / (2.0 * PI).sqrt(), hits);
+    within("pressure", simulation.record.ledger.wall_normal_impulse, density * area * time, hits);
+    // the fraction is that of the whole box
+    let phi = PI / 6.0 * count as f64 / (20.0 * 10.0 * 20.0);
+    let pairs = simulation.record.pairs.count as f64;
+    let want = 0.5 * (count - 1) as f64 * 4.0 * density * PI.sqrt() * carnahan_starling(phi) * time;
+    println!("phi {phi}");
+    // 1 % for the scatter of the volume fraction among four blocks: the formula at PER_BLOCK
+    close("pairs", simulation.record.pairs.count as f64 / want, 1.0, 4.0 / pairs.sqrt() + 0.01);
+}
+
+#[test]
+fn cells_that_curved_walls_cut_are_as_full_as_others() {
+    // pairs in a pipe and around a ball: ½ N (N - 1) 4 sqrt(π)/V with the volume V open to centres
+    let wall = surface(1.0, 0.0);
+    let of = |geometry| Wall::new(geometry, wall);
+    let pipe =
+        Hollow::new(Cavity::Pipe { axle: RoundAxis { center: Vector3::new(10.0, 10.0, 0.0), axis: 2 }, radius: 10.0 });
+    let ball = Obstacle::sphere(Vector3::repeat(15.0), 8.0);
+    let scenes = [
+        ("pipe", [20.0, 20.0, 40.0], [false, false, true], of(WallGeometry::Hollow(pipe)), PI * 9.5_f64.powi(2) * 40.0),
+        ("ball", [30.0; 3], [true; 3], of(WallGeometry::Obstacle(ball)), 27_000.0 - 4.0 / 3.0 * PI * 8.5_f64.powi(3)),
+    ];
+    for (name, size, periodic, wall, volume) in scenes {
+        let mut scene = empty(size, periodic, unit(), surface(1.0, 0.0));
+        scene.walls = vec![wall];
+        let count = 1000;
+        let mut particles = random(&scene, count, 1.0, 8);
+        let scale = (3.0 * count as f64 / (2.0 * particles.kinetic_energy())).sqrt();
+        particles.velocity.iter_mut().for_each(|v| *v *= scale);
+        let settings = DsmcSettings { enskog: false, ..DsmcSettings::default() };
+        let mut simulation = Simulation::with_engine(scene, particles, engine(settings, 3));
+        simulation.run(200, 1.0).unwrap();
+        let before = simulation.record.pairs.count;
+        simulation.run(3000, 1.0).unwrap();
+        let found = (simulation.record.pairs.count - before) as f64;
+        let want = 0.5 * (count * (count - 1)) as f64 * 4.0 * PI.sqrt() / volume * 3000.0;
+        println!("{name}: {:.5} of theory, {found} pairs", found / want);
+        // lattices of six points along an edge leave 1 % of the volume of all cells
+        close(name, found / want, 1.0, 4.0 / found.sqrt() + 0.01);
+    }
+}
+
+/// Case of a channel with gas, gravity, friction and rotation.
+const CHANNEL: &str = r#"
+[domain]
+size = ["10 mm", "8 mm", "12 mm"]
+periodic = ["x", "z"]
+
+[gravity]
+acceleration = ["0 m/s^2", "-20 m/s^2", "-9.81 m/s^2"]
+
+[fluid]
+density = "1.2 kg/m^3"
+kinematic_viscosity = "1.5e-5 m^2/s"
+[fluid.profile.uniform]
+velocity = "3 m/s"
+[drag.schiller_naumann]
+
+[[particles]]
+name = "small"
+diameter = "0.4 mm"
+density = "1000 kg/m^3"
+count = 900
+velocity_mean = ["0 m/s", "0 m/s", "1 m/s"]
+velocity_fluctuation = "0.5 m/s"
+
+[[particles]]
+name = "large"
+diameter = "0.8 mm"
+density = "1500 kg/m^3"
+count = 100
+velocity_fluctuation = "0.5 m/s"
+
+[[walls]]
+plane = { point = ["0 m", "0 m", "0 m"], normal = [0, 1, 0] }
+restitution = 0.8
+friction = 0.2
+
+[[walls]]
+plane = { point = ["0 m", "8 mm", "0 m"], normal = [0, -1, 0] }
+restitution = 0.9
+friction = 0.1
+
+[contact]
+restitution = 0.9
+friction = 0.3
+
+[hard.friction.walton]
+tangential_restitution = 0.4
+
+[run]
+model = "dsmc"
+duration = "40 ms"
+average_from = "10 ms"
+seed = 5
+"#;
+
+fn channel(sets: &[&str]) -> Experiment {
+    case(CHANNEL, Model::Dsmc, sets).unwrap()
+}
+
+#[test]
+fn the_ledger_closes_and_momentum_is_that_of_walls_and_gas() {
+    let experiment = channel(&[]);
+    let start = initial_state(&experiment).unwrap();
+    let mut simulation = Simulation::new(&experiment, start);
+    let energy = |s: &Simulation| s.particles.kinetic_energy() + s.particles.rotational_energy();
+    let (before, momentum) = (energy(&simulation), simulation.particles.momentum());
+    simulation.run(40, 1e-3).unwrap();
+    let ledger = *simulation.record.ledger;
+    assert!(simulation.record.pairs.count > 1000 && simulation.record.walls.count > 1000);
+    for loss in [
+        ledger.pair_restitution_loss,
+        ledger.pair_friction_loss,
+        ledger.wall_restitution_loss,
+        ledger.wall_friction_loss,
+    ] {
+        assert!(loss > 0.0);
+    }
+    // rounding of some thousand impacts and windows
+    let through = ledger.through(before);
+    close("energy", ledger.residual(before, energy(&simulation)) / through, 0.0, 1e-12);
+    let given = ledger.drag_impulse + ledger.gravity_impulse + ledger.wall_impulse;
+    let off = simulation.particles.momentum() - momentum - given;
+    close("momentum", off.norm() / given.norm(), 0.0, 1e-12);
+    // pairs do not touch, so no momentum moves from centre to centre
+    assert_eq!(ledger.pair_virial.norm(), 0.0);
+    let counters = simulation.counters();
+    assert_eq!(counters.events, simulation.record.pairs.count + simulation.record.walls.count);
+    assert!(counters.pair_checks > simulation.record.pairs.count);
+}
+
+#[test]
+fn bits_do_not_depend_on_threads_order_or_restarts() {
+    let experiment = channel(&[]);
+    let start = initial_state(&experiment).unwrap();
+    let run = |start: &Particles, threads: usize, stop: bool| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| {
+            let mut simulation = Simulation::new(&experiment, start.clone());
+            simulation.run(7, 1e-3).unwrap();
+            if stop {
+                simulation = Simulation::restore(&experiment, simulation.snapshot().unwrap()).unwrap();
+            }
+            simulation.run(13, 1e-3).unwrap();
+            (simulation.state().fingerprint(), simulation.record.clone(), simulation.counters())
+        })
+    };
+    let alone = run(&start, 1, false);
+    assert!(run(&start, 3, false) == alone, "threads");
+    assert!(run(&start, 2, true) == alone, "restart");
+    let mut order: Vec<u32> = (0..start.len() as u32).collect();
+    order.shuffle(&mut Xoshiro256PlusPlus::seed_from_u64(1));
+    let mut shuffled = start.clone();
+    shuffled.reorder(&order);
+    assert!(run(&shuffled, 3, true) == alone, "order");
+    let other =
+        Experiment { run: diptych::experiment::RunSettings { seed: 6, ..experiment.run.clone() }, ..experiment };
+    let mut simulation = Simulation::new(&other, start);
+    simulation.run(20, 1e-3).unwrap();
+    assert!(simulation.state().fingerprint() != alone.0, "another seed draws other collisions");
+}
+
+#[test]
+fn steps_are_a_share_of_the_mean_free_time() {
+    let (scene, particles) = cube(2000, 0.05, 1.0, 3);
+    let rate = rate_of(0.05, carnahan_starling(0.05));
+    // the rate in a cell is that of the temperature in the cell, whose root is 1 % below the root of the mean: so 24 to 26
+    // steps, one, one for 4 windows, and one for 16 at most
+    for (step, window, least, most) in [
+        (0.2, 5.0, 24.0, 26.0),
+        (0.05, 1.0, 19.0, 21.0),
+        (0.2, 0.15, 1.0, 1.0),
+        (0.2, 0.045, 0.25, 0.25),
+        (0.2, 0.001, 0.0625, 0.0625),
+    ] {
+        let settings = DsmcSettings { step, ..DsmcSettings::default() };
+        let mut simulation = Simulation::with_engine(scene.clone(), particles.clone(), engine(settings, 1));
+        simulation.run(320, window / rate).unwrap();
+        let per_window = simulation.counters().steps as f64 / 320.0;
+        assert!((least..=most).contains(&per_window), "{step} {window}: {per_window}");
+        // as much collided as flown, up to half a step of up to 16 windows; and 4 standard errors of the number
+        let collisions = simulation.record.pairs.count as f64;
+        let want = 0.5 * 2000.0 * 320.0 * window * (1.0 - 1.0 / 2000.0);
+        close("collisions", collisions / want, 1.0, 4.0 / want.sqrt() + 1e-3 + 0.5 * 16.0 / 320.0);
+    }
+}
+
+#[test]
+fn few_particles_and_equal_velocities() {
+    let scene = empty([4.0, 5.0, 6.0], [true, false, true], unit(), surface(0.5, 0.1));
+    let go = |list: &[([f64; 3], [f64; 3])]| {
+        let particles = placed(&scene, list);
+        let mut simulation = Simulation::with_engine(scene.clone(), particles, engine(DsmcSettings::default(), 1));
+        simulation.run(50, 0.1).unwrap();
+        simulation
+    };
+    assert_eq!(go(&[]).record.pairs.count, 0);
+    let alone = go(&[([1.0, 2.0, 3.0], [2.0, 0.0, -2.0])]);
+    close("x after 5 s", alone.particles.position[0].x, 3.0, 1e-12);
+    close("z after 5 s", alone.particles.position[0].z, 5.0, 1e-12);
+    assert_eq!(alone.record.pairs.count, 0);
+    // at rest with respect to one another, in one place or not
+    let together = go(&[([1.0, 2.0, 3.0], [1.0, 0.0, 0.0]); 5]);
+    assert_eq!(together.record.pairs.count, 0);
+    assert_eq!(together.particles.velocity, vec![Vector3::x(); 5]);
+    // two in one cell that approach and part again and again, which costs energy: 0.2 times a second at the start
+    let scene = empty([4.0, 5.0, 6.0], [true; 3], unit(), surface(0.5, 0.1));
+    let particles = placed(&scene, &[([1.0, 2.0, 3.0], [4.0, 0.0, 0.0]), ([3.0, 2.0, 3.0], [-4.0, 0.0, 0.0])]);
+    let pair = run(&scene, particles, engine(DsmcSettings::default(), 1), 100.0, 100);
+    assert!(pair.record.pairs.count > 0 && pair.particles.kinetic_energy() < 16.0);
+    close("momentum", pair.particles.momentum().norm(), 0.0, 1e-14);
+}
+
+#[test]
+fn a_particle_that_comes_to_rest_is_named() {
+    let mut scene = empty([0.1; 3], [true, false, true], small(), surface(1.0, 0.0));
+    scene.gravity = Vector3::new(0.0, -9.81, 0.0);
+    scene.walls = vec![plane([0.0; 3], [0.0, 1.0, 0.0], surface(0.5, 0.0))];
+    let (height, radius) = (0.01, 0.5 * small().diameter);
+    let particles = placed(&scene, &[([0.05, height + radius, 0.05], [0.0; 3])]);
+    let (simulation, result) = try_run(&scene, particles, engine(DsmcSettings::default(), 1), 1.0, 100);
+    // (1 + e)/(1 - e) sqrt(2 h/g), found at the end of its half of a window
+    let rest = 3.0 * (2.0 * height / 9.81).sqrt();
+    let Err(why @ Failure::RestOnWall { time, particle: 0, .. }) = result else { panic!("{result:?}") };
+    assert!((rest..rest + 0.0051).contains(&time), "{time}, {rest}");
+    assert!(why.to_string().contains("use the hybrid or the soft model"), "{why}");
+    assert!(simulation.record.walls.count > 20);
+}
+
+#[test]
+fn bad_keys_are_named() {
+    for (set, words) in [
+        ("dsmc.step=0", "`dsmc.step` = 0 is out of range"),
+        ("dsmc.step=1.5", "`dsmc.step` = 1.5 is out of range"),
+        ("dsmc.cells=[1, 0, 1]", "`dsmc.cells[1]` = 0"),
+        ("dsmc.cells=[1, 50, 1]", "makes cells narrower than the largest particle; allowed: 1 ..= 10"),
+        ("dsmc.cells=[12, 10, 15]", "makes 1800 cells for 1000 particles; allowed: at most one cell for a particle"),
+        ("dsmc.enskog=3", "dsmc.enskog"),
+        ("dsmc.factor=true", "dsmc.factor"),
+    ] {
+        let why = case(CHANNEL, Model::Dsmc, &[set]).err().unwrap_or_else(|| panic!("{set} is taken"));
+        assert!(why.contains(words), "{set}: {why}");
+    }
+    // another model does not use them, and only warns of a bad value
+    assert!(case(CHANNEL, Model::Hard, &["dsmc.step=0"]).is_ok());
+    let cells = channel(&["dsmc.cells=[2, 8, 3]", "dsmc.step=0.1", "dsmc.enskog=false"]).dsmc;
+    assert_eq!(cells, DsmcSettings { enskog: false, cells: Some([2, 8, 3]), step: 0.1 });
+}
+
+/// Particles that collide by chance may lie within each other, as their saved states show; hard ones may not.
+#[test]
+fn a_start_may_overlap_pairs_but_not_walls() {
+    let at = |y: &str| {
+        CHANNEL.replace("count = 100\n", &format!("at = [{{ position = [\"5 mm\", \"{y}\", \"5 mm\"] }}, {{ position = [\"5 mm\", \"4.1 mm\", \"5 mm\"] }}]\n"))
+    };
+    assert!(case(&at("4 mm"), Model::Dsmc, &[]).is_ok());
+    assert!(case(&at("4 mm"), Model::Hard, &[]).unwrap_err().contains("overlap"));
+    assert!(case(&at("0.3 mm"), Model::Dsmc, &[]).unwrap_err().contains("from walls[0]"));
+}
