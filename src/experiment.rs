@@ -81,9 +81,9 @@ pub struct ReferencePoint {
     pub quantity: String,
     /// [m] distance y from the lower side of the domain; `None` for an average over the whole scene.
     pub y: Option<f64>,
-    /// Value in the SI unit of the quantity.
+    /// Value [SI unit of the quantity].
     pub value: f64,
-    /// Standard error in the SI unit of the quantity; `None` if the table states none.
+    /// Standard error [SI unit of the quantity]; `None` if the table states none.
     pub standard_error: Option<f64>,
 }
 

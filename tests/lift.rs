@@ -29,8 +29,10 @@ density = "1000 kg/m^3"
 at = [{ position = ["50 mm", "50 mm", "50 mm"] }]
 [[walls]]
 plane = { point = ["0 m", "0 m", "0 m"], normal = [0, 1, 0] }
+restitution = 0.9
 [[walls]]
 plane = { point = ["0 m", "100 mm", "0 m"], normal = [0, -1, 0] }
+restitution = 0.9
 [contact]
 restitution = 0.9
 rotation = true

@@ -70,8 +70,8 @@ impl LiftedSphere {
         PI / 8.0 * self.gas_density * self.diameter.powi(3) * coefficient / self.mass
     }
 
-    /// [-] factor k of the acceleration k Ω × s of the sphere by its spin, where s is the slip and Ω = ω/2 - ω_p the rate of
-    /// turn of the gas relative to the sphere. Both magnitudes [m/s, rad/s] are greater than 0.
+    /// [-] factor k of the acceleration k Ω × s of the sphere by its spin. Here s is the slip, and Ω = ω/2 - ω_p is the rate
+    /// of turn of the gas relative to the sphere. Both magnitudes [m/s, rad/s] are greater than 0.
     fn magnus(&self, slip: f64, turn: f64) -> f64 {
         let (re, re_turn) = (self.reynolds(slip), self.reynolds_of_turn(turn));
         let coefficient = 0.45 + (re_turn / re - 0.45) * (-0.05684 * re_turn.powf(0.4) * re.powf(0.3)).exp();

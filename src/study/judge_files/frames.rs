@@ -38,7 +38,7 @@ const OF_MASSES: [&str; 12] = [
 ];
 
 /// A column of a trajectory's table, and its value at an instant.
-type Column = (String, Option<f64>);
+type AveragedColumn = (String, Option<f64>);
 
 impl NumberTable {
     /// Fills the table from a text with the particles of several instants. Returns false if the text has another format.
@@ -95,7 +95,7 @@ fn times(frames: &[ParticleFrame]) -> (&'static str, Vec<f64>) {
 }
 
 /// Averages over the particles of one instant.
-fn columns(frame: &ParticleFrame, slices: usize) -> Vec<Column> {
+fn columns(frame: &ParticleFrame, slices: usize) -> Vec<AveragedColumn> {
     // without a box nothing is periodic, and one slice holds all particles
     let domain = frame.domain.clone().unwrap_or_else(|| Domain::new(Vector3::repeat(f64::INFINITY), [false; 3]));
     let particles = &frame.particles;

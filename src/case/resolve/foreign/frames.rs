@@ -18,7 +18,7 @@ const SOLID: f64 = 0.4;
 pub struct ParticleFrame {
     /// [s] time, if the file gives it.
     pub time: Option<f64>,
-    /// Number of the time step, if the file gives it.
+    /// [-] number of the time step, if the file gives it.
     pub step: Option<f64>,
     /// Box of the instant; `None` if the file gives none.
     pub domain: Option<Domain>,
