@@ -74,16 +74,16 @@ pub struct ReferenceTable {
     pub points: Vec<ReferencePoint>,
 }
 
-/// One value of a table.
+/// One value of a table in SI units, such as a velocity [m/s] with its error.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ReferencePoint {
     /// Name of the quantity: a column of `profiles.csv`, or an average over the whole scene.
     pub quantity: String,
     /// [m] distance y from the lower side of the domain; `None` for an average over the whole scene.
     pub y: Option<f64>,
-    /// Value [SI unit of the quantity].
+    /// Value in the SI unit of the quantity.
     pub value: f64,
-    /// Standard error [SI unit of the quantity]; `None` if the table states none.
+    /// Standard error in the SI unit of the quantity; `None` if the table states none.
     pub standard_error: Option<f64>,
 }
 
