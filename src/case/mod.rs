@@ -33,7 +33,7 @@ mod written;
 pub use describe::{describe, describe_variants};
 pub use diagnostic::{Diagnostic, Severity, SourceLocation};
 pub use parameters::parameters;
-pub use resolve::{ParticleFrame, particle_frames};
+pub use resolve::{FramesAndWarnings, ParticleFrame, particle_frames};
 pub use source::{Origin, Source, SourceKind, Sources};
 pub use sweep::SweepAxis;
 pub use written::Variant;

@@ -77,7 +77,7 @@ impl Batches {
     pub fn of_stated(value: f64, error: f64, number: usize) -> Self {
         let apart = error * (MOST_STATED as f64).sqrt();
         // Walsh functions: each has as many runs above as below the value, and any two are orthogonal
-        let is_above = |run: usize| (run & (1 + number % MOST_STATED)).count_ones() % 2 == 0;
+        let is_above = |run: usize| (run & (1 + number % MOST_STATED)).count_ones().is_multiple_of(2);
         let blocks = (0..=MOST_STATED).map(|run| if is_above(run) { value + apart } else { value - apart }).collect();
         Self { values: vec![value], ..Self::of_runs(vec![blocks]) }
     }

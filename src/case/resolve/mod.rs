@@ -36,7 +36,7 @@ use nalgebra::Vector3;
 use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
 
-pub use foreign::{ParticleFrame, particle_frames};
+pub use foreign::{FramesAndWarnings, ParticleFrame, particle_frames};
 pub(super) use table::leads_out;
 pub(crate) use table::read_text;
 use table::{read_bytes, text_of};

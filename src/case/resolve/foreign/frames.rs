@@ -30,6 +30,9 @@ pub struct ParticleFrame {
     pub origin: Origin,
 }
 
+/// Particles of all instants of a file, and the warnings about the file.
+pub type FramesAndWarnings = (Vec<ParticleFrame>, Vec<Diagnostic>);
+
 /// Reads all instants of a text in a format with positions and velocities; `None` if the text has another format.
 /// `source` is the index of the text in `sources`. The list contains the warnings.
 ///
@@ -38,7 +41,7 @@ pub struct ParticleFrame {
 pub fn particle_frames(
     (source, text): (usize, &str),
     sources: &Sources,
-) -> Result<Option<(Vec<ParticleFrame>, Vec<Diagnostic>)>, Diagnostic> {
+) -> Result<Option<FramesAndWarnings>, Diagnostic> {
     let lines = Lines::of(source, text);
     let mut reader = ForeignReader { sources, warnings: Vec::new() };
     let frames = match Foreign::of_frames(text) {

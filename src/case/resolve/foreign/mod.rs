@@ -12,7 +12,7 @@ use super::table::DataTable;
 use crate::case::diagnostic::Diagnostic;
 use crate::case::source::{Origin, Sources};
 use crate::legible::quote;
-pub use frames::{ParticleFrame, particle_frames};
+pub use frames::{FramesAndWarnings, ParticleFrame, particle_frames};
 
 use columns::SPECIES;
 use csv::StringRecord;
