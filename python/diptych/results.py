@@ -159,6 +159,11 @@ class Results:
         return self._table("paths.csv", "it is written for scenes of up to 50 particles")
 
     @cached_property
+    def judged(self) -> pd.DataFrame:
+        """Means, errors and correlation times of both sides, of `diptych judge`."""
+        return self._table("judge.csv", "`diptych judge` writes it")
+
+    @cached_property
     def state(self) -> pd.DataFrame:
         """The particles at the end."""
         return self._table("state.csv", "run with arguments=['--save-state']")

@@ -34,6 +34,32 @@ def binary() -> Path:
     raise FileNotFoundError("no diptych binary: build it (cargo build --release) or set DIPTYCH to its path")
 
 
+def _started(line: list[str], out) -> Results:
+    """Starts the program, and loads the results that it has written to `out`."""
+    done = subprocess.run(line, capture_output=True, text=True, check=False)
+    if done.returncode == 2:
+        raise InputError(done.stderr.strip())
+    written = load(out) if (Path(out) / "summary.json").is_file() else None
+    if done.returncode != 0 or written is None:
+        raise RunError(done.stderr.strip() or f"diptych ended with {done.returncode}", written)
+    return written
+
+
+def judge(a, b, out, *, settings=None, margin=None, overwrite=False) -> Results:
+    """Compares two sides, each a file or a list of files (replicas), and loads the answer; `judged` is its table.
+
+    settings: path of judge.toml. margin: such as "2 %".
+    """
+    def side(files) -> str:
+        return ",".join(map(str, files)) if isinstance(files, (list, tuple)) else str(files)
+
+    line = [str(binary()), "judge", side(a), side(b), "--out", str(out), "--quiet"]
+    for name, value in (("--settings", settings), ("--margin", margin)):
+        if value is not None:
+            line += [name, str(value)]
+    return _started(line + ["--overwrite"] * overwrite, out)
+
+
 def run(case, out, *, command="compare", model=None, set=None, seed=None, threads=None, overwrite=False, arguments=()) -> Results:
     """Runs a case and loads what it wrote into the folder `out`.
 
@@ -49,10 +75,4 @@ def run(case, out, *, command="compare", model=None, set=None, seed=None, thread
         line += ["--set", f"{key}={value}"]
     if overwrite:
         line.append("--overwrite")
-    done = subprocess.run([*line, *map(str, arguments)], capture_output=True, text=True, check=False)
-    if done.returncode == 2:
-        raise InputError(done.stderr.strip())
-    written = load(out) if (Path(out) / "summary.json").is_file() else None
-    if done.returncode != 0 or written is None:
-        raise RunError(done.stderr.strip() or f"diptych ended with {done.returncode}", written)
-    return written
+    return _started([*line, *map(str, arguments)], out)

@@ -1,12 +1,15 @@
 """Runs the binary and reads all that it writes. DIPTYCH names the binary; `python/check` sets everything up."""
 
+import importlib.util
 import tempfile
 import unittest
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 
 import diptych
+from diptych import second_opinion
 from diptych.results import extended_xyz, table
 
 CASES = Path(__file__).resolve().parents[2] / "cases"
@@ -46,6 +49,34 @@ class Everything(unittest.TestCase):
         # two spheres of 406 um
         self.assertTrue((found.state["diameter_m"] == 4.06e-4).all())
         self.assertEqual(len(diptych.load(self.folder).state), 2)
+
+    @unittest.skipUnless(importlib.util.find_spec("pymbar"), "pymbar is not installed")
+    def test_judge_and_a_second_opinion(self):
+        # a process of unit variance whose integral correlation time is 10 samples, about 5 and about 6
+        random = np.random.default_rng(1)
+        files, series = [], []
+        for mean in (5.0, 6.0):
+            kicks = random.normal(size=20_000)
+            rho = np.exp(-1 / 10)
+            values = np.empty_like(kicks)
+            values[0] = kicks[0]
+            for k in range(1, len(kicks)):
+                values[k] = rho * values[k - 1] + np.sqrt(1 - rho**2) * kicks[k]
+            file = Path(self.temporary.name) / f"{mean}.csv"
+            pd.DataFrame({"t_s": 0.5 * np.arange(len(kicks)), "x": mean + values}).to_csv(file, index=False)
+            files.append(file)
+            series.append(mean + values)
+        found = diptych.judge(files[1], files[0], self.folder, margin="2 %")
+        self.assertIn("different", found.verdicts[0])
+        for row, values in zip(found.judged.itertuples(), reversed(series)):
+            other = second_opinion.average(values, 0.5)
+            self.assertAlmostEqual(row.mean, other.mean, delta=0.3 * other.standard_error)
+            # an error from 20 to 39 blocks of time is itself known to 12 to 16 %; pymbar's time is known to some 10 %
+            self.assertAlmostEqual(row.mean_se / other.standard_error, 1.0, delta=0.5)
+            self.assertAlmostEqual(row.correlation_time / other.correlation_time, 1.0, delta=0.8)
+            self.assertAlmostEqual(other.correlation_time / 5.0, 1.0, delta=0.3)
+        with self.assertRaises(diptych.InputError):
+            diptych.judge(files[0], "none.csv", self.folder / "other")
 
     def test_over_time(self):
         every = ["--every", "5 ms", "--save-state"]

@@ -1,0 +1,29 @@
+"""Average of a correlated series by pymbar, to check the errors that `diptych judge` states."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass
+class Average:
+    """Average of the steady part of a series. Times have the unit of the interval."""
+
+    #: Start of the steady part.
+    start: float
+    mean: float
+    standard_error: float
+    #: Integral correlation time: the mean over a long time L has the variance 2 time/L of that of a sample.
+    correlation_time: float
+
+
+def average(values, interval: float) -> Average:
+    """Average of a series sampled at every `interval`. The steady part, and the statistical inefficiency g = 2 time/interval,
+    are those of pymbar (Chodera 2016, J. Chem. Theory Comput. 12, 1799). Needs pymbar: pip install ./python[statistics]."""
+    from pymbar import timeseries
+
+    series = np.asarray(values, dtype=float)
+    start, inefficiency, independent = timeseries.detect_equilibration(series)
+    steady = series[start:]
+    error = float(steady.std(ddof=1) / np.sqrt(independent))
+    return Average(start * interval, float(steady.mean()), error, 0.5 * float(inefficiency) * interval)
