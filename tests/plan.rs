@@ -353,10 +353,17 @@ fn a_cooling_gas_is_asked_for_its_curve() {
     let outcome = run(&gas);
     let lost = 1.0 - outcome.energy_at_end / outcome.energy_at_start;
     assert!((lost / half.share - 1.0).abs() < 0.06, "{lost} lost where {} was predicted", half.share);
-    // nothing is lost in the first case, and the gas drives the second
-    for (name, sets) in [("dense-gas", &[][..]), ("channel-f", &["domain.size[0]=60 mm", "domain.size[2]=32 mm"])] {
+    // nothing is lost in the first case, the gas drives the second, and walls that slide stir the third
+    let driven = [
+        ("dense-gas", &[][..]),
+        ("channel-f", &["domain.size[0]=60 mm", "domain.size[2]=32 mm"]),
+        ("walls/sheared-cell", &[]),
+    ];
+    for (name, sets) in driven {
         assert!(planned(&case(name, sets)).plan.transient.is_none(), "{name}");
     }
+    let still = ["walls[0].velocity[2]=0 m/s", "walls[1].velocity[2]=0 m/s"];
+    assert!(planned(&case("walls/sheared-cell", &still)).plan.transient.is_some());
 }
 
 /// Beads between floor and lid come to rest: no average, no local stepping, no hard spheres.

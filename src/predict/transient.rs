@@ -5,6 +5,9 @@ use super::gas::Gas;
 use super::rest::Rest;
 use crate::experiment::{Amount, Experiment};
 use crate::fluid::Profile;
+use crate::scene::Scene;
+use crate::walls::Wall;
+use nalgebra::Vector3;
 use serde::Serialize;
 
 /// [-] fractions of the energy of agitation for whose loss a time is predicted.
@@ -72,7 +75,14 @@ pub fn fades(experiment: &Experiment) -> bool {
     let sheared = scene.fluid.as_ref().is_some_and(|fluid| !matches!(fluid.profile, Profile::Uniform(_)));
     let surfaces = scene.surfaces(experiment.count());
     let lossy = surfaces.iter().any(|surface| surface.restitution < 1.0 || surface.friction > 0.0);
-    !(drag.is_some() && sheared) && (drag.is_some() || lossy)
+    !(drag.is_some() && sheared) && !is_stirred(scene) && (drag.is_some() || lossy)
+}
+
+/// True if moving walls or eddies of the gas give energy to the particles.
+fn is_stirred(scene: &Scene) -> bool {
+    let turbulent = scene.fluid.as_ref().is_some_and(|fluid| fluid.drag.is_some() && fluid.turbulence.is_some());
+    let moves = |wall: &Wall| wall.turning.is_some() || wall.velocity != Vector3::zeros();
+    turbulent || scene.walls.iter().any(|wall| moves(wall) && wall.surface.friction > 0.0)
 }
 
 /// Weighted mean of numbers, given as pairs of weight and number; 0 for an empty list.
@@ -97,9 +107,10 @@ pub fn transient(
     let falls = scene.gravity.norm() > 0.0;
     let drag = scene.fluid.as_ref().and_then(|fluid| fluid.drag.as_ref());
     // a sheared gas keeps the particles moving; so does a fall of species with different speeds, which only drag limits
-    let driven = drag.is_some()
-        && (!scene.fluid.as_ref().is_some_and(|fluid| matches!(fluid.profile, Profile::Uniform(_)))
-            || falls && kinds > 1 && rest.is_none());
+    let driven = is_stirred(scene)
+        || drag.is_some()
+            && (!scene.fluid.as_ref().is_some_and(|fluid| matches!(fluid.profile, Profile::Uniform(_)))
+                || falls && kinds > 1 && rest.is_none());
     let count = experiment.count() as f64;
     let loss = |e: f64| 1.0 - e * e;
     let counts = experiment.counts();
