@@ -203,7 +203,7 @@ fn json_names_the_unit_of_every_number() {
             without_unit(&document[part], part, &document["units"], &mut missing);
         }
         assert!(missing.is_empty(), "{name}: {missing:?}");
-        assert!(document["plan"]["costs"].as_array().is_some_and(|costs| costs.len() == 4), "{name}");
+        assert!(document["plan"]["costs"].as_array().is_some_and(|costs| costs.len() == 5), "{name}");
     }
 }
 
@@ -331,7 +331,7 @@ fn a_plan_of_a_very_long_run_ends() {
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let plan: Value = serde_json::from_slice(&output.stdout).unwrap();
     let costs = plan["plan"]["costs"].as_array().unwrap();
-    assert_eq!(costs.len(), 4);
+    assert_eq!(costs.len(), 5);
     for cost in costs {
         // at least a tenth of a microsecond of wall time for each of more than 10¹⁰ collisions
         assert!(cost["wall_seconds"].as_f64().unwrap() > 1e3, "{cost}");
