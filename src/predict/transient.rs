@@ -75,7 +75,8 @@ pub fn fades(experiment: &Experiment) -> bool {
     let sheared = scene.fluid.as_ref().is_some_and(|fluid| !matches!(fluid.profile, Profile::Uniform(_)));
     let surfaces = scene.surfaces(experiment.count());
     let lossy = surfaces.iter().any(|surface| surface.restitution < 1.0 || surface.friction > 0.0);
-    !(drag.is_some() && sheared) && !is_stirred(scene) && (drag.is_some() || lossy)
+    let driven = is_stirred(scene) || drag.is_some() && sheared;
+    !driven && (drag.is_some() || lossy)
 }
 
 /// True if moving walls or eddies of the gas give energy to the particles.
