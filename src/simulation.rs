@@ -26,7 +26,6 @@ use crate::communicator::Communicator;
 use crate::drag::{Kick, Sphere};
 use crate::engine::distributed::Distributed;
 use crate::engine::{Counters, Engine, Failure, Window};
-use crate::exact;
 use crate::experiment::{Experiment, Integrator};
 use crate::particles::{Particles, Sample};
 use crate::predict::energy::{Bound, broken_contract, too_long};
@@ -419,7 +418,7 @@ impl Simulation {
         });
         let fractions = law.law().cells().map(|cells| self.fractions(cells));
         let kick = &self.kicks[place];
-        let mut sums = match &fluid.turbulence {
+        let sums = match &fluid.turbulence {
             None => kick_among(&mut self.particles, &fluid.profile, kick, fractions.as_ref()),
             Some(turbulence) => {
                 turbulence::draw_first_eddies(&mut self.particles, self.seed);
@@ -428,14 +427,7 @@ impl Simulation {
                 TurbulentKick { profile, turbulence, kick, fractions, seed_and_number }.apply(&mut self.particles)
             }
         };
-        self.sample().total(&mut sums.each_mut());
-        if self.is_follower() {
-            return;
-        }
-        let [x, y, z, work] = exact::values(&sums);
-        let impulse = Vector3::new(x, y, z);
-        self.record.ledger += Ledger { drag_impulse: impulse, drag_work: work, ..Ledger::default() };
-        self.totals.momentum += impulse;
+        self.book_kick(sums, |drag_impulse, drag_work| Ledger { drag_impulse, drag_work, ..Ledger::default() });
         self.spent.drag += self.clock.now() - began;
     }
 

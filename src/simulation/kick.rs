@@ -5,6 +5,7 @@ use crate::drag::Kick;
 use crate::exact::{self, BLOCK, ExactSum};
 use crate::fluid::{LocalFractions, Profile};
 use crate::particles::{CHUNK, Particles};
+use crate::record::Ledger;
 use crate::work_sharing;
 use nalgebra::Vector3;
 
@@ -12,6 +13,19 @@ impl Simulation {
     /// Local volume fractions of the particles of all processes, in `cells` cells along x, y and z.
     pub(super) fn fractions(&self, cells: [u32; 3]) -> LocalFractions {
         LocalFractions::of(&self.particles, &self.scene.domain, cells, self.parts())
+    }
+
+    /// Books a kick. `sums` contains the impulse [kg m/s] along x, y and z and the work [J] of the particles of this
+    /// process, and `entry` makes an entry of the ledger from the totals over all processes.
+    pub(super) fn book_kick(&mut self, mut sums: [ExactSum; 4], entry: fn(Vector3<f64>, f64) -> Ledger) {
+        self.sample().total(&mut sums.each_mut());
+        if self.is_follower() {
+            return;
+        }
+        let [x, y, z, work] = exact::values(&sums);
+        let impulse = Vector3::new(x, y, z);
+        self.record.ledger += entry(impulse, work);
+        self.totals.momentum += impulse;
     }
 }
 

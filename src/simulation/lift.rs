@@ -27,16 +27,9 @@ impl Simulation {
             return;
         };
         let began = self.clock.now();
-        let mut sums = apply(&mut self.particles, (fluid, lift), duration, kick);
-        self.sample().total(&mut sums.each_mut());
+        let sums = apply(&mut self.particles, (fluid, lift), duration, kick);
+        self.book_kick(sums, |drag_impulse, drag_work| Ledger { drag_impulse, drag_work, ..Ledger::default() });
         self.spent.drag += self.clock.now() - began;
-        if self.is_follower() {
-            return;
-        }
-        let [x, y, z, work] = exact::values(&sums);
-        let impulse = Vector3::new(x, y, z);
-        self.record.ledger += Ledger { drag_impulse: impulse, drag_work: work, ..Ledger::default() };
-        self.totals.momentum += impulse;
     }
 }
 

@@ -43,16 +43,13 @@ impl Simulation {
         }
         let began = self.clock.now();
         let changes: Vec<Vector3<f64>> = differences.iter().map(|difference| difference * duration).collect();
-        let mut sums = accelerate(&mut self.particles, &changes);
-        self.sample().total(&mut sums.each_mut());
+        let sums = accelerate(&mut self.particles, &changes);
+        self.book_kick(sums, |gravity_impulse, gravity_work| Ledger {
+            gravity_impulse,
+            gravity_work,
+            ..Ledger::default()
+        });
         self.spent.drag += self.clock.now() - began;
-        if self.is_follower() {
-            return;
-        }
-        let [x, y, z, work] = exact::values(&sums);
-        let impulse = Vector3::new(x, y, z);
-        self.record.ledger += Ledger { gravity_impulse: impulse, gravity_work: work, ..Ledger::default() };
-        self.totals.momentum += impulse;
     }
 }
 

@@ -113,14 +113,7 @@ pub fn collide(
         if noise.random::<f64>() * largest_section * fastest >= own * speed {
             continue;
         }
-        pair.clear();
-        pair.copy_from(cell.particles, &[cell.members[i], cell.members[j]]);
-        for (k, &member) in [i, j].iter().enumerate() {
-            pair.velocity[k] = velocity[member];
-            if let (Some(of_pair), true) = (&mut pair.spin, rotating) {
-                of_pair[k] = spin[member];
-            }
-        }
+        take_pair(cell, [i, j], (velocity, spin), pair);
         let collision = by_chance(pair, relative, speed, noise);
         collision.resolve(pair, cell.scene, 0.0, &mut into.log);
         for (k, &member) in [i, j].iter().enumerate() {
@@ -130,6 +123,23 @@ pub fn collide(
             }
             farthest = farthest.max((velocity[member] - mean).norm_squared());
             into.changed.push((cell.members[member], pair.velocity[k], pair.spin_of(k)));
+        }
+    }
+}
+
+/// Puts two members of a cell into the store `pair`, with their present velocities [m/s] and spins [rad/s].
+fn take_pair(
+    cell: &CellState,
+    members: [usize; 2],
+    (velocity, spin): (&[Vector3<f64>], &[Vector3<f64>]),
+    pair: &mut Particles,
+) {
+    pair.clear();
+    pair.copy_from(cell.particles, &members.map(|member| cell.members[member]));
+    for (k, member) in members.into_iter().enumerate() {
+        pair.velocity[k] = velocity[member];
+        if let (Some(of_pair), Some(spin)) = (&mut pair.spin, spin.get(member)) {
+            of_pair[k] = *spin;
         }
     }
 }
