@@ -19,6 +19,7 @@ mod contact;
 mod gas;
 mod region;
 mod rotation;
+mod shear;
 mod sizes;
 mod walls;
 
@@ -26,6 +27,7 @@ pub use contact::{ContactFile, PairFile};
 pub use gas::{DragFile, FluidFile, LangevinFile, ProfileFile, SeenTurbulenceFile, TurbulenceFile};
 pub use region::{BlockRegionFile, CylinderRegionFile, RegionFile};
 pub use rotation::{HistoryFile, ImpactRuleFile, RollingFile, TangentialFile, TwistingFile};
+pub use shear::ShearFile;
 pub use sizes::{ByFile, SizesFile};
 pub use walls::{BoxFile, ConeFile, CuboidFile, CylinderFile, MeshFile, PlaneFile, SphereFile, WallFile};
 
@@ -100,6 +102,8 @@ pub struct DomainFile {
     /// Axes along which the box is periodic.
     #[schemars(extend("examples" = [["x", "z"]], "default" = []))]
     pub periodic: Option<Vec<Located<Axis>>>,
+    /// Uniform shear, by which images across y slide along z.
+    pub shear: Option<Located<ShearFile>>,
 }
 
 /// Axis of space, given by its name.

@@ -145,8 +145,9 @@ impl Observer for Motion {
 
     fn see(&mut self, simulation: &Simulation) {
         let (mean, height) = (simulation.mean_velocity(), simulation.scene().domain.size.y);
-        let spread = VelocitySpread::about(mean, simulation.sample(), self.slices, height);
-        let sample = simulation.sample();
+        let relative = simulation.relative_to_flow();
+        let sample = simulation.sample().with(&relative);
+        let spread = VelocitySpread::about(mean, sample, self.slices, height);
         let [x, y, z, square] = sample.sums(|place| {
             let at = sample.particles.position[place];
             [at.x, at.y, at.z, at.y * at.y]

@@ -40,6 +40,8 @@ pub struct Row {
     pub friction: Option<FrictionSums>,
     /// Turbulence that the particles see; `None` if they see the mean velocity of the gas alone.
     pub turbulence: Option<TurbulenceMeans>,
+    /// Stress in a sheared box; `None` without shear.
+    pub shear: Option<ShearStress>,
     /// [kg m/s] momentum of all particles.
     pub momentum: Vector3<f64>,
     /// Number of impacts between particles that have ended since the start.
@@ -54,6 +56,38 @@ pub struct Row {
     /// [m] centre of mass along x, y and z. `None` without particles, and along a periodic axis, where a centre of mass
     /// is not defined.
     pub centre: [Option<f64>; 3],
+}
+
+/// Component yz of the stress in a sheared box, which is negative for a positive rate: particles carry momentum along z
+/// down. The work of this stress is -rate times stress times volume.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ShearStress {
+    /// [J] work of shear on the particles in the box since the start.
+    pub work: f64,
+    /// [Pa] kinetic part: Σ m c_y c_z over the volume of the box, with velocities c relative to the mean flow.
+    pub kinetic: f64,
+    /// [Pa] contact part, as its mean since the row before; `None` in the first row.
+    pub contact: Option<f64>,
+    /// [J s] integral of Σ r_y f_z over pairs in contact since the start.
+    virial: f64,
+}
+
+impl ShearStress {
+    /// Stress at the present instant; `before` is the row before.
+    fn of(simulation: &Simulation, before: Option<&Row>) -> Option<Self> {
+        let domain = &simulation.scene().domain;
+        domain.shear?;
+        let (relative, ledger) = (simulation.relative_to_flow(), &simulation.record.ledger);
+        let sample = simulation.sample().with(&relative);
+        let [mass, y, z, yz] = sample.sums(|place| {
+            let (c, m) = (relative.velocity[place], relative.mass[place]);
+            [m, m * c.y, m * c.z, m * c.y * c.z]
+        });
+        let virial = ledger.pair_virial[(1, 2)];
+        let since = |row: &Row| Some((virial - row.shear?.virial) / (simulation.time - row.time) / domain.volume());
+        let kinetic = if mass > 0.0 { (yz - y * z / mass) / domain.volume() } else { 0.0 };
+        Some(Self { work: ledger.shear_work, kinetic, contact: before.and_then(since), virial })
+    }
 }
 
 /// Energy that friction has taken since the start, and energy that the springs of contacts hold.
@@ -150,13 +184,15 @@ impl Row {
         self.rotation.map(|rotation| rotation.temperature.sum() / 3.0)
     }
 
-    fn of(simulation: &Simulation, slices: usize) -> Self {
+    /// Averages at the present instant; `before` is the row before.
+    fn of(simulation: &Simulation, slices: usize, before: Option<&Self>) -> Self {
         let (time, sample) = (simulation.time, simulation.sample());
         let touching = simulation.touching();
         Self {
             elastic_energy: simulation.elastic_energy(),
             friction: FrictionSums::of(simulation),
             turbulence: TurbulenceMeans::of(simulation),
+            shear: ShearStress::of(simulation, before),
             pair_impacts: simulation.record.pairs.count,
             wall_impacts: simulation.record.walls.count,
             coordination: touching.ends as f64 / simulation.count().max(1) as f64,
@@ -167,9 +203,10 @@ impl Row {
 
     /// Averages over particles at `time` [s] without contacts and impacts, which are 0. The temperature is relative to
     /// the mean velocities of equal slices of the domain along y, whose number follows the domain. `reference` [m/s] is
-    /// a velocity near the mean.
+    /// a velocity near the mean. In a sheared box temperature and mean velocity are relative to the mean flow.
     pub fn of_sample(time: f64, sample: Sample, reference: Vector3<f64>, (domain, slices): (&Domain, usize)) -> Self {
-        let spread = VelocitySpread::about(reference, sample, slices, domain.size.y);
+        let relative = sample.particles.relative_to_flow(domain);
+        let spread = VelocitySpread::about(reference, sample.with(&relative), slices, domain.size.y);
         let sums = MassSums::of(sample);
         let centre = |axis: usize| (!domain.periodic[axis] && sums.mass > 0.0).then(|| sums.moment[axis] / sums.mass);
         Self {
@@ -181,6 +218,7 @@ impl Row {
             rotation: RotationSums::of(sample, sums.mass),
             friction: None,
             turbulence: None,
+            shear: None,
             momentum: sums.momentum,
             pair_impacts: 0,
             wall_impacts: 0,
@@ -274,7 +312,7 @@ impl Observer for Series {
     }
 
     fn see(&mut self, simulation: &Simulation) {
-        self.rows.push(Row::of(simulation, self.slices));
+        self.rows.push(Row::of(simulation, self.slices, self.rows.last()));
     }
 
     fn sight_of_end(&self, now: f64) -> Needs {

@@ -116,3 +116,10 @@ pub const TURBULENCE_COLUMNS: [SeriesColumn; 3] = [
         row.turbulence.map(|of| of.covariance)
     }),
 ];
+
+/// Further columns of sheared boxes: the work of shear since the start and the stress yz.
+pub const SHEAR_COLUMNS: [SeriesColumn; 3] = [
+    sum("shear_work_J", "work of shear", "J", |row| row.shear.map(|of| of.work)),
+    mean("kinetic_stress_yz_Pa", "kinetic stress yz", "Pa", |row| row.shear.map(|of| of.kinetic)),
+    mean("contact_stress_yz_Pa", "contact stress yz", "Pa", |row| row.shear.and_then(|of| of.contact)),
+];

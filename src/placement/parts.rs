@@ -63,11 +63,11 @@ impl Start {
 
 /// True if processes can make a start together, so that no process stores all particles. All particles must be drawn at
 /// random, anywhere in the box, and all particles of a species must have equal size. The scene must be so dilute that
-/// overlapping particles draw new positions.
+/// overlapping particles draw new positions, and not sheared.
 pub fn comes_in_parts(experiment: &Experiment) -> bool {
     let drawn = experiment.start.iter().all(|population| matches!(population.amount, Amount::Count(_)));
     let anywhere = experiment.start.iter().all(|population| population.region.is_none());
-    let is_simple = drawn && anywhere && !experiment.scene.has_sizes();
+    let is_simple = drawn && anywhere && !experiment.scene.has_sizes() && experiment.scene.domain.shear.is_none();
     is_simple && filled(experiment, &FreeRoom::of(&experiment.scene)) <= INSERTION_LIMIT
 }
 

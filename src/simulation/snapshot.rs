@@ -95,7 +95,8 @@ impl Simulation {
         let Snapshot { half_kicked, bound, unseen, engine, .. } = snapshot;
         self.engine.restore(&engine)?;
         let by_walls = record.ledger.by_walls();
-        let run = Self { particles, record, time, windows, spent, totals, by_walls, ..self };
+        let mut run = Self { particles, record, time, windows, spent, totals, by_walls, ..self };
+        run.scene.domain = run.scene.domain.at(time).into_owned();
         Ok(Self { half_kicked, bound, unseen, ..run })
     }
 }

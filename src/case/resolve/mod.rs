@@ -14,6 +14,7 @@ mod region;
 mod rotation;
 mod scene;
 mod settings;
+mod shear;
 mod sizes;
 mod start;
 mod table;
@@ -90,6 +91,7 @@ pub fn resolve(
     };
     let pairs = crate::scene::Pairs::default();
     let mut scene = crate::scene::Scene { domain, gravity, fluid, walls, contact, pairs, species, rotation: None };
+    resolver.check_shear(file, &scene)?;
     resolver.added_mass(file, &mut scene)?;
     resolver.buoyancy(file, &mut scene);
     // the start depends on whether spheres rotate; the actual law is set below, when all surfaces are known

@@ -152,7 +152,7 @@ fn fly_among_walls(
         let here = FrameTime::default();
         let met = couple.strike(one, scene, here, touch.place);
         let wall = couple.wall_motion(&met, (one, scene), here);
-        let collision = Collision { couple, met, elastic: false, kinds: couple.kinds(one), wall };
+        let collision = Collision { couple, met, elastic: false, kinds: couple.kinds(one), wall, image: 0.0 };
         collision.resolve(one, scene, time.window.duration - now, log);
         if let Some(interval) = history.note(&collision, scene, time.window.start + now, None) {
             let [x, y, z] = scene.domain.wrap(&one.position[0]).into();

@@ -91,6 +91,13 @@ pub const BOUNDED: PartCosts = PartCosts { search: 90.0, pair: 1.2, island: 1400
 /// a hot particle (member of an island) costs 1.1 µs for parts of 0.375 ms, 1.2 µs for 0.5 ms, and 1.6 µs for 0.75 ms.
 pub const TRACED: PartCosts = PartCosts { search: 80.0, pair: 1.2, island: 1000.0, reach: 0.5, crowded: 0.15 };
 
+/// [-] largest shear of a sheared box in a part. The balls of particles are enlarged by about this fraction, so with a
+/// tenth they are little larger than needed.
+const STRAINED: f64 = 0.1;
+
+/// [-] factor for the length of a part in a sheared box, in which balls are enlarged by a fifth of the flights at most.
+const STRAINED_ROOM: f64 = 0.8;
+
 /// The part of a time window with the lowest cost per simulated time.
 #[derive(Clone, Copy)]
 pub struct Cheapest {
@@ -131,6 +138,7 @@ pub fn cheapest_part(
     // only the nearest images of two particles may meet, also if the particles approach each other through a side: the
     // distance between them is at most half a period
     let room = (0.5 * period - diameter) / (2.0 * speeds.largest);
+    let room = if domain.shear.is_some() { STRAINED_ROOM * room.min(STRAINED / domain.strain_rate()) } else { room };
     if room <= 0.0 {
         return None;
     }

@@ -269,6 +269,8 @@ fn energy(outcomes: &[Outcome]) -> Vec<Block> {
         work("gravity", |o| o.record.ledger.gravity_work),
     ];
     rows.extend(driven.then(|| work("moving walls", |o| o.record.ledger.wall_work)));
+    let sheared = outcomes.iter().any(|o| o.experiment.scene.domain.shear.is_some());
+    rows.extend(sheared.then(|| work("shear", |o| o.record.ledger.shear_work)));
     rows.extend([
         loss("restitution between particles", |o| o.record.ledger.pair_restitution_loss),
         loss("friction between particles", |o| o.record.ledger.pair_friction_loss),
@@ -363,7 +365,7 @@ fn hashes(outcomes: &[Outcome]) -> Block {
 }
 
 /// [-] energy that is unexplained in the energy balance (ledger), over the sum of the initial energy and the magnitudes
-/// of the work of drag, gravity and moving walls. `None` if this sum is 0.
+/// of the work of drag, gravity, moving walls and shear. `None` if this sum is 0.
 fn relative_residual(outcome: &Outcome) -> Option<f64> {
     let ledger = &outcome.record.ledger;
     let through = ledger.through(outcome.energy_at_start);
@@ -388,6 +390,11 @@ fn energies(outcome: &Outcome) -> Value {
         energies.remove("friction");
     } else {
         energies["friction"]["sliding"] = ledger.sliding_loss().into();
+    }
+    if let Value::Object(energies) = &mut energies
+        && outcome.experiment.scene.domain.shear.is_none()
+    {
+        energies.retain(|key, _| !key.starts_with("shear_"));
     }
     energies["dissipated"] = ledger.dissipated().into();
     energies["residual"] = ledger.residual(outcome.energy_at_start, outcome.energy_at_end).into();

@@ -46,7 +46,7 @@ pub struct Segment {
     /// Position [m] at the start of the part of the time window on the straight line of this piece, extended if
     /// necessary.
     pub origin: Vector3<f64>,
-    /// Velocity [m/s] on this piece, relative to the moving frame in which speeds are measured.
+    /// Velocity [m/s] on this piece, relative to the moving frame of the search.
     pub velocity: Vector3<f64>,
 }
 
