@@ -200,7 +200,9 @@ impl Domain {
         let sliding = shear.rate * self.size.y;
         let above = -(d.y / self.size.y).round();
         let z = d.z + above * (shear.offset + sliding * elapsed);
-        let near = |x: f64, axis: usize| if self.periodic[axis] { x - self.size[axis] * (x / self.size[axis]).round() } else { x };
+        let near = |x: f64, axis: usize| {
+            if self.periodic[axis] { x - self.size[axis] * (x / self.size[axis]).round() } else { x }
+        };
         let apart = Vector3::new(near(d.x, 0), d.y + above * self.size.y, near(z, 2));
         NearestImage { apart, velocity: above * sliding }
     }

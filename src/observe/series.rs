@@ -69,12 +69,12 @@ pub struct ShearStress {
     /// [Pa] contact part, as its mean since the row before; `None` in the first row.
     pub contact: Option<f64>,
     /// [J s] integral of Σ r_y f_z over pairs in contact since the start.
-    virial: f64,
+    pub(super) virial: f64,
 }
 
 impl ShearStress {
     /// Stress at the present instant; `before` is the row before.
-    fn of(simulation: &Simulation, before: Option<&Row>) -> Option<Self> {
+    pub(super) fn of(simulation: &Simulation, before: Option<&Row>) -> Option<Self> {
         let domain = &simulation.scene().domain;
         domain.shear?;
         let (relative, ledger) = (simulation.relative_to_flow(), &simulation.record.ledger);

@@ -271,7 +271,11 @@ impl PartialEq for Books {
 /// Stores the exact sums in binary formats, and the rounded ledger in formats that people read.
 impl Serialize for Books {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        if serializer.is_human_readable() { (**self).serialize(serializer) } else { self.sums[..].serialize(serializer) }
+        if serializer.is_human_readable() {
+            (**self).serialize(serializer)
+        } else {
+            self.sums[..].serialize(serializer)
+        }
     }
 }
 

@@ -5,7 +5,6 @@ use crate::case::de::Located;
 use crate::case::diagnostic::Diagnostic;
 use crate::case::file::{CaseFile, DomainFile, ShearFile};
 use crate::domain::Domain;
-use crate::experiment::Model;
 use crate::scene::Scene;
 use nalgebra::Vector3;
 
@@ -39,7 +38,7 @@ impl Resolver {
     /// Refuses what a sheared box cannot have.
     ///
     /// # Errors
-    /// Walls, a gas, gravity, collisions by chance, or a box of few diameters.
+    /// Walls, a gas, gravity, or a box of few diameters.
     pub(super) fn check_shear(&self, file: &CaseFile, scene: &Scene) -> Result<(), Diagnostic> {
         let Some(shear) = file.domain.as_ref().and_then(|domain| domain.value.shear.as_ref()) else { return Ok(()) };
         let no = |what: &str, help: &str| Err(self.refuse_shear(shear, what).help(help));
@@ -54,10 +53,6 @@ impl Resolver {
         if scene.gravity != Vector3::zeros() {
             let help = "leave [gravity] out";
             return no("cannot have gravity: nothing holds the particles against it", help);
-        }
-        if self.model == Model::Dsmc {
-            let help = "use the model `soft`, `hard` or `hybrid`";
-            return no("is not known to the model `dsmc`, whose cells are at rest", help);
         }
         let (edge, diameter) = (scene.domain.size.min(), scene.largest_diameter());
         if edge < SMALLEST_EDGE * diameter {

@@ -103,6 +103,9 @@ pub fn fly(
         log.impacts.append(&mut some.impacts);
         log.islands.push(some.ledger.to_array());
     }
+    if scene.domain.shear.is_some() {
+        log.ledger += particles.wrap(&scene.domain.at(time.window.start + time.start + time.duration));
+    }
     failed.map_or(Ok(impacts), Err)
 }
 
@@ -119,7 +122,8 @@ fn fly_freely(particles: &mut Particles, scene: &Scene, walls: &FlightWalls, dur
             if walls.may_be_touched(scene, [x, &end], radii[k] + sag) {
                 near.push((part * PART + k) as u32);
             } else {
-                *x = scene.domain.wrap(&end);
+                // across a sheared side the velocity changes too
+                *x = if scene.domain.shear.is_none() { scene.domain.wrap(&end) } else { end };
                 *v += fall;
             }
         }

@@ -182,11 +182,7 @@ impl<C> Island<C> {
 
     /// Borrows three fields of the island at the same time: particles, log and speed limits.
     pub fn open(&mut self) -> (&mut Particles, &mut Log, Bounds<'_>) {
-        (
-            &mut self.particles,
-            &mut self.log,
-            Bounds { limits: &self.limits, frame: self.frame, flow: &self.flow },
-        )
+        (&mut self.particles, &mut self.log, Bounds { limits: &self.limits, frame: self.frame, flow: &self.flow })
     }
 
     /// Records a velocity change of the particle at local index `place`, at `time` [s since the start of the part].

@@ -308,7 +308,7 @@ fn energy(outcomes: &[Outcome]) -> Vec<Block> {
         ))
     }));
     blocks.push(Block::note(
-        "Kinetic and elastic energy; in brackets the share of what went through the ledger (start + |drag| + |gravity| + |moving walls|). \
+        "Kinetic and elastic energy; in brackets the share of what went through the ledger (start + |drag| + |gravity| + |moving walls| + |shear|). \
          Unexplained: rounding for hard spheres, also the integrator’s own gain or loss for soft ones; marked above 0.1 %.",
     ));
     blocks

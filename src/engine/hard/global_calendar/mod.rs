@@ -237,8 +237,7 @@ impl GlobalCalendar {
             Other::Particle(j) => {
                 let other = &self.bodies[j as usize];
                 let velocity = body.velocity - other.velocity;
-                let (apart, velocity) =
-                    self.domain(scene).relative(&body.position, &other.position, velocity, 0.0);
+                let (apart, velocity) = self.domain(scene).relative(&body.position, &other.position, velocity, 0.0);
                 let distance = apart.norm();
                 let normal = if distance > 0.0 { apart / distance } else { Vector3::y() };
                 (normal, distance - (radius + self.shells.radius(other)), velocity)

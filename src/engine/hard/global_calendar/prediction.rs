@@ -252,8 +252,7 @@ impl GlobalCalendar {
         for &j in neighbours {
             let other = &self.bodies[j as usize];
             let there = other.position + other.velocity * (self.now - other.time);
-            let (apart, velocity) =
-                domain.relative(&body.position, &there, body.velocity - other.velocity, 0.0);
+            let (apart, velocity) = domain.relative(&body.position, &there, body.velocity - other.velocity, 0.0);
             let reach = self.shells.radius(body) + self.shells.radius(other);
             let speeds = body.velocity.norm() + other.velocity.norm();
             let images = (0..8usize).filter(|image| (0..3).all(|axis| image >> axis & 1 == 0 || self.far_images[axis]));

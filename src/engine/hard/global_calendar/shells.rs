@@ -7,6 +7,7 @@
 use super::cells::{ROUNDING, ShellGrid, rounded, widened};
 use super::list_pool::{ListPool, room_for, size};
 use super::next_events::{FlightState, NextEvents};
+use super::sliding::SLIDE;
 use crate::domain::Domain;
 use crate::particles::CHUNK;
 use nalgebra::Vector3;
@@ -332,7 +333,7 @@ impl Shells {
     }
 
     /// Appends to `found` all particles whose shells may overlap an image of that of particle `i` across a sheared side,
-    /// while images slide by the margin in either direction from their places in `domain`. Returns the number of shells
+    /// while images slide by [`SLIDE`] margins in either direction from their places in `domain`. Returns the number of shells
     /// tested.
     fn look_across(
         &self,
@@ -347,14 +348,14 @@ impl Shells {
         domain.for_each_across(&centre, self.sight(domain), |image| {
             for ShellLevel { cells, largest, .. } in &self.levels {
                 let before = found.len();
-                checks += cells.near_by_far(&image, radius + largest + 3.0 * self.margin, found);
+                checks += cells.near_by_far(&image, radius + largest + (2.0 + SLIDE) * self.margin, found);
                 let mut end = before;
                 for k in before..found.len() {
                     let j = found[k];
                     found[end] = j;
                     let reach = radius + self.radius(&bodies[j as usize]) + 2.0 * self.margin;
                     let apart = domain.separation(&centre, &next_events[j as usize].shell.centre());
-                    end += usize::from(apart.y.abs() < reach && apart.norm() < reach + self.margin);
+                    end += usize::from(apart.y.abs() < reach && apart.norm() < reach + SLIDE * self.margin);
                 }
                 found.truncate(end);
             }

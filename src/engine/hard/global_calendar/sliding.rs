@@ -2,8 +2,8 @@
 //!
 //! Two particles and the nearest images of each other fly straight also across a sheared side, so their touches are
 //! predicted exactly. Only neighbour lists need more: a shell (ball in which a list is valid) rests, but its images
-//! slide. Time is therefore divided into intervals in which images slide by twice the margin of the shells. A list holds
-//! for the present interval. When the interval ends, all shells near the sheared sides are made anew.
+//! slide. Time is therefore divided into intervals in which images slide by some margins of the shells. A list holds for
+//! the present interval. When the interval ends, all shells near the sheared sides are made anew.
 
 use super::{GlobalCalendar, Recent};
 use crate::domain::Domain;
@@ -11,6 +11,10 @@ use crate::engine::driver::Work;
 use crate::particles::Crossings;
 use crate::scene::Scene;
 use std::borrow::Cow;
+
+/// [-] distance by which images slide in half an interval, over the margin of the shells. With 1 in place of 3, twice as
+/// many distances are computed in a gas of 1000 spheres at a volume fraction of 0.3.
+pub const SLIDE: f64 = 3.0;
 
 impl GlobalCalendar {
     /// The box with images at their present places.
@@ -29,7 +33,7 @@ impl GlobalCalendar {
 
     /// Length [s] of an interval in which lists across sheared sides hold; infinite if no images slide.
     fn interval(&self, scene: &Scene) -> f64 {
-        2.0 * self.shells.margin / scene.domain.sliding().abs()
+        2.0 * SLIDE * self.shells.margin / scene.domain.sliding().abs()
     }
 
     /// Begins an interval at the present time.

@@ -45,12 +45,7 @@ impl DeflectedFlights {
     }
 
     /// Calls `visit` with the numbers of the members whose balls overlap `ball`, and of a few whose balls nearly do.
-    fn for_each_beside(
-        &self,
-        ball: &BoundingSphere,
-        (domain, region): (&Domain, &Region),
-        mut visit: impl FnMut(u32),
-    ) {
+    fn for_each_beside(&self, ball: &BoundingSphere, (domain, region): (&Domain, &Region), mut visit: impl FnMut(u32)) {
         if self.members.is_empty() {
             return;
         }
