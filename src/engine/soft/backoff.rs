@@ -79,7 +79,7 @@ impl Backoff {
     }
 
     /// Compares the cost of islands between two counts with the cost of uniform steps (`fallback_cost`). If islands
-    /// cost more, a pause begins that is twice as long as the last one, up to [`LONGEST`]. Otherwise the stored length
+    /// cost more, a pause begins that is twice as long as the last one, up to `LONGEST`. Otherwise the stored length
     /// of the last pause is halved.
     pub fn judge(&mut self, before: &IslandCounters, after: &IslandCounters, fallback_cost: &Rival) {
         if after.neighbour_builds == before.neighbour_builds {
