@@ -289,7 +289,8 @@ pub enum Failure {
         /// Coordinate z [m] of the particle.
         z: f64,
     },
-    /// A particle has infinitely many impacts on a wall in a model that knows no rest.
+    /// A particle has infinitely many impacts on a wall in a model in which particles cannot rest (collisions by
+    /// chance).
     #[error(
         "at t = {time} s particle {particle} comes to rest on {partner}, or slides along it, at ({x:.6e}, {y:.6e}, {z:.6e}) m: {impacts} impacts in one step, the last after {interval:.1e} s; a gas that collides by chance knows no rest, use the hybrid or the soft model",
         time = nine(time)
@@ -299,9 +300,9 @@ pub enum Failure {
         time: f64,
         /// Id of the particle.
         particle: u32,
-        /// The wall on which it rests.
+        /// The wall on which the particle rests.
         partner: Partner,
-        /// Number of its impacts within the step.
+        /// Number of impacts of the particle within the step.
         impacts: u32,
         /// Time [s] between the last two impacts.
         interval: f64,

@@ -21,7 +21,7 @@ const ROWS: usize = 16;
 /// Number of pairs that are collected before the data of their particles are read from the particle store.
 const BATCH: usize = 64;
 
-/// A ball. It contains a particle throughout its straight flight, relative to the moving frame of the search.
+/// Ball that contains a particle throughout its straight flight, relative to the moving frame of the search.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct BoundingSphere {
     /// Centre of the ball [m]: the middle of the flight, inside the box along periodic axes.
@@ -109,7 +109,7 @@ pub fn cell_order(particles: &Particles, region: &Region) -> Vec<u32> {
 }
 
 /// Appends the touches of pairs within `part` [s], in the order of the pairs, and clears the list of pairs. All
-/// particles are read from the particle store before any pair is checked in detail: otherwise the processor would wait
+/// particles are read from the particle store before any pair is checked in detail, so that the processor need not wait
 /// for memory at every pair.
 fn touches_of(
     pairs: &mut Vec<(u32, u32)>,
@@ -231,8 +231,8 @@ impl Search {
     fn touch_of_wall(&self, particles: &Particles, scene: &Scene, span: &SearchInterval, i: usize) -> Option<f64> {
         let SearchInterval { elapsed, part, falls } = *span;
         let spot = &self.flights[i];
-        // this position is not wrapped into the box, as walls require; with flat walls only, it is not read from the
-        // store
+        // the middle of the flight is not wrapped into the box here, as walls require; flat walls do not need it, so it
+        // is computed only on demand
         let way = || particles.position[i] + particles.velocity[i] * (0.5 * part);
         let look = |(wall, shape): (usize, &Wall)| {
             // the frame moves along planes, so the ball of the flight has the right distance from planes; for other
@@ -271,8 +271,8 @@ pub struct SearchInterval {
     elapsed: f64,
     /// Length of the interval [s].
     part: f64,
-    /// Upper limit [m] of the distance by which gravity moves a particle away from its straight flight during the
-    /// interval. The limit is equal for all particles, so it is computed only once.
+    /// Upper limit [m] of the distance by which gravity moves any particle away from its straight flight in the
+    /// interval.
     falls: f64,
 }
 
