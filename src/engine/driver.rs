@@ -56,7 +56,7 @@ pub trait Solver {
     /// Type that solves a single island (group of particles that may meet); several threads use it at the same time.
     type Islands: Solve;
 
-    /// State other than carried contacts or collisions that the solver keeps from one time window to the next.
+    /// State, other than carried contacts or collisions, that the solver stores from one time window to the next.
     type State: Serialize + DeserializeOwned;
 
     /// Returns the solver of islands.
@@ -195,7 +195,7 @@ impl<S: DistributedSolver> Driver<S> {
         self.solver.for_each_kept(visit);
     }
 
-    /// Exact sum [J] of an energy over all carried state, of all processes.
+    /// Exact sum [J] of an energy over all items of carried state, in all processes.
     fn sum_of_lasting(&self, energy: impl Fn(&Lasting<S>) -> f64) -> f64 {
         let mut sum = ExactSum::default();
         self.for_each_lasting(&mut |carried| sum.add(energy(&carried)));

@@ -149,7 +149,7 @@ impl Halo {
         for (k, &place) in self.own.iter().enumerate() {
             seen.set_motion(place as usize, &own.motion(k));
         }
-        // kicks change the eddies that particles see; those of borrowed particles are not used
+        // kicks also change the gas fluctuations (`eddies`) at the particles; those of borrowed particles are not used
         if let (Some(eddies), Some(of_own)) = (&mut seen.eddies, &own.eddies) {
             self.own.iter().zip(of_own).for_each(|(&place, own)| eddies[place as usize] = *own);
         }

@@ -1,5 +1,5 @@
-//! Estimated cost of one event queue for all particles, in the units of the costs of islands (groups of particles that
-//! may meet), so that both can be compared.
+//! Estimated cost of one event queue for all particles, for comparison with the cost of islands (groups of particles
+//! that may meet).
 
 use crate::engine::Window;
 use crate::engine::islands::SpeedSummary;
@@ -7,8 +7,8 @@ use crate::engine::population::PopulationSummary;
 use crate::scene::Scene;
 use std::f64::consts::{PI, SQRT_2};
 
-/// [ns] cost of predicting one touch and inserting it into the queue. Measured on one quiet core with 1000 spheres of
-/// two sizes: 55 ns, which includes building the neighbour list. The cost of building is counted separately.
+/// [ns] cost of predicting one touch and inserting it into the queue. A measurement on one quiet core with 1000 spheres
+/// of two sizes gave 55 ns, including the building of the neighbour list, whose cost is counted separately.
 const TOUCH: f64 = 40.0;
 
 /// [ns] cost per particle of building the neighbour list: cells, order and walls. It equals the cost of the search for

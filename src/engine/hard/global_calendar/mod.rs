@@ -113,7 +113,7 @@ impl CalendarWindow {
 
 impl GlobalCalendar {
     /// Moves all particles through a window. `outdated` must be true if islands have moved particles since the last
-    /// call; their collision histories then contain only recent collisions.
+    /// call. The collision histories then contain only recent collisions.
     ///
     /// # Errors
     /// Inelastic collapse, or values that are not finite numbers; the store then contains the state at the time of the
@@ -324,8 +324,8 @@ impl GlobalCalendar {
         Ok(())
     }
 
-    /// Recent collisions, with the indices of the particles: those less than the contact time before simulated time
-    /// `time` [s]. Empty without a contact time.
+    /// Particles that collided less than the contact time before simulated time `time` [s], each with the time of its
+    /// last collision. Empty without a contact time.
     pub fn recent(&self, time: f64) -> impl Iterator<Item = Recent> {
         recent(self.met.iter(), self.contact_time, time)
     }
