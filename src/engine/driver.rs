@@ -111,7 +111,8 @@ pub trait Solver {
     /// Returns `spent` plus the time of the classical algorithm (all particles at once) so far.
     fn spent(&self, spent: EngineTimes) -> EngineTimes;
 
-    /// Returns the state that the solver keeps from one time window to the next, except carried contacts or collisions.
+    /// Returns the state that the solver stores from one time window to the next, except carried contacts or
+    /// collisions.
     fn state(&self) -> Self::State;
 
     /// Continues from a stored state of the solver.
@@ -129,7 +130,7 @@ struct DriverState<C, S> {
     islands: IslandCounters,
     /// Wall-clock time spent on islands.
     spent: EngineTimes,
-    /// State that the solver keeps.
+    /// State that the solver stores.
     solver: S,
 }
 

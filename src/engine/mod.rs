@@ -142,8 +142,8 @@ impl EngineTimes {
 /// Amounts of work done, as counts that do not depend on the machine.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Counters {
-    /// Number of time steps. In soft uniform steps and in stepped hard spheres, these are steps of all particles. In
-    /// soft local steps, these are steps of islands in contact. In collisions by chance, they are steps of all particles.
+    /// Number of time steps. A step of all particles counts as one (soft uniform steps, stepped hard spheres,
+    /// collisions by chance), and so does a local step of an island in contact (soft spheres).
     pub steps: u64,
     /// Number of steps in which all particles were moved (soft spheres), included in `steps`. Local stepping uses such
     /// steps if too many particles touch.
@@ -272,7 +272,7 @@ pub enum Failure {
         time: f64,
         /// Id of the particle that collides too often.
         particle: u32,
-        /// The particle or wall with which `particle` keeps colliding.
+        /// The particle or wall with which `particle` collides repeatedly.
         partner: Partner,
         /// Number of impacts of that particle within the time window.
         impacts: u64,
@@ -400,7 +400,7 @@ fn speed(particles: &Particles, place: usize) -> f64 {
 }
 
 /// Makes the failure for the first particle, in the order of the particle store, whose position or velocity is not a
-/// finite number. If there is none, the failure names the fastest particle.
+/// finite number. If there is no such particle, the failure is that of the fastest particle.
 fn not_a_number(particles: &Particles, time: f64) -> Failure {
     let bad = particles
         .position

@@ -150,7 +150,7 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
             agrees &= S::places(&carried).iter().flatten().all(|id| place(*id).is_some());
             work.lasting.push(S::moved(&carried, &|id| place(id).unwrap_or(own)));
         }
-        // state that involves a particle which stays in this process is stored already
+        // state that involves a particle of this process is stored already
         for carried in lasting {
             if S::places(&carried).iter().flatten().all(|id| strangers.contains_key(id)) {
                 work.lasting.push(S::moved(&carried, &|id| strangers.get(&id).copied().unwrap_or(id)));

@@ -141,9 +141,9 @@ impl Halo {
         bytes
     }
 
-    /// Returns own and borrowed particles at the beginning of a time window. The velocities of own particles may have
-    /// changed since the last window, for instance by drag. Therefore they are sent to the processes that borrow these
-    /// particles.
+    /// Returns own and borrowed particles at the beginning of a time window. Velocities of own particles may have
+    /// changed since the last window, for instance by drag. Therefore their new values are sent to the processes that
+    /// borrow these particles.
     pub fn look(&mut self, own: &Particles, domains: &Domains<Contact>) -> Particles {
         let mut seen = std::mem::take(&mut self.seen);
         for (k, &place) in self.own.iter().enumerate() {
@@ -271,7 +271,7 @@ pub fn to_bytes(failure: &Option<Failure>) -> Vec<u8> {
 pub fn take_kicks(mut bytes: &[u8], borrowed: &[u32], particles: &mut Particles) {
     while let Some((number, rest)) = bytes.split_first_chunk() {
         let index = borrowed.get(u32::from_le_bytes(*number) as usize);
-        // unpacking succeeds, since all processes have the same columns
+        // unpacking succeeds, since all processes store the same quantities of particles
         let read = index.and_then(|&index| particles.unpack_kicked(index as usize, rest));
         let Some(rest) = read else { return };
         bytes = rest;

@@ -249,8 +249,8 @@ impl SoftSolver {
 
     /// Begins shared steps at a time when the lead process stores all particles.
     ///
-    /// The particles are distributed at once, unless the lead process has a list in use. In that case they are
-    /// distributed when the list is next built. Until then the other processes store no particles.
+    /// If the lead process has a neighbour list in use, the particles are distributed when the list is next built.
+    /// Until then the other processes store no particles. Otherwise the particles are distributed at once.
     fn start_together(&mut self, work: &mut Work<Contact>, domains: &mut Domains<Contact>) {
         let is_in_use = self.has_forces || self.list.allows(0.0);
         let known = (is_in_use && domains.is_lead()).then(|| (self.list.without_pairs(), self.has_forces));

@@ -222,7 +222,7 @@ impl<C: Copy + Send + Sync + Serialize + DeserializeOwned> Islands<C> {
                 self.processes.assemble(solver, work, &mut self.members);
                 return Err(super::not_a_number(work.particles, window.start + done));
             }
-            // contacts are copied into a crowd and back; they are many only in engines that take crowds
+            // contacts are copied into a crowd and back; only engines that take crowds may have many contacts
             let held = if solver.takes_crowds() { self.processes.held(work.lasting.len()) } else { 0 };
             let limits = PartLimits { left, fallback_cost: *fallback_cost, held, costs: S::Finder::COSTS };
             let Some(cheapest) = cheapest_part(population, &work.scene.domain, &speeds, &limits) else { break };

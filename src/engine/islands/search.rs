@@ -76,8 +76,8 @@ pub struct Search {
     /// Ball that contains the straight flight of each particle, by particle index.
     pub flights: Vec<BoundingSphere>,
     packed: PackedBalls,
-    /// Label of each hot particle (member of an island), by particle index. It is `None` for other particles, and for
-    /// all particles between time windows.
+    /// Label of each hot particle (member of an island), by particle index; `None` for other particles. Between time
+    /// windows all entries are `None`.
     pub label: Vec<Option<Label>>,
     /// Search structure for the walls near a point, from the last search.
     pub near_walls: NearWalls,
@@ -86,7 +86,7 @@ pub struct Search {
     beside_walls: Vec<Vec<u32>>,
 }
 
-/// Number of a hot particle among the members of all islands, stored as an optional label in four bytes.
+/// Label of a hot particle: its number among the members of all islands. An `Option` of it takes four bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Label(NonZeroU32);
 

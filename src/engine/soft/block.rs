@@ -68,7 +68,7 @@ impl ForceSums {
     }
 }
 
-/// Working memory of an evaluation; blocks that are evaluated one after the other share it.
+/// Working memory of an evaluation, shared by blocks that are evaluated one after the other.
 #[derive(Default)]
 pub struct BlockScratch {
     /// Powers and forces of single contacts.

@@ -19,8 +19,8 @@ pub fn overlap_limit(flat: bool) -> f64 {
     if flat { 1.0 } else { 0.5 }
 }
 
-/// [-] length of a step over the radius below which the step is short. A short step cannot pass a surface without too
-/// large an overlap at its start or end.
+/// [-] ratio of the length of a step to the radius, below which the step is short. A short step cannot pass a surface
+/// without too large an overlap at its start or end.
 pub const SHORT: f64 = 0.4;
 
 /// Failure of the particle at index `i`, whose centre passes through wall `wall` within one step, reported for `time`
@@ -326,7 +326,7 @@ impl Alike {
         TouchingPair { couple, constants: self.constants }
     }
 
-    /// Species of one particle and kind of the other: all particles are of one species.
+    /// Species of one particle and kind of the other one. Both are the common species.
     pub fn kinds(&self) -> (u16, Kind) {
         (self.species, Kind::Species(self.species))
     }

@@ -105,7 +105,7 @@ impl Fastest {
     }
 }
 
-/// State that the solver keeps from one window to the next.
+/// State that the solver stores from one window to the next.
 #[derive(Serialize, Deserialize)]
 pub struct SoftState {
     patience: Backoff,
@@ -182,7 +182,7 @@ impl SoftSolver {
         let view = ContactSearch { list: &self.list, particles, scene, at, mine, alike: self.alike.as_ref() };
         let done = self.contacts.evaluate(view, &mut self.pushes, book)?;
         if let Some(mine) = mine {
-            // other processes apply the forces on the other particles
+            // other processes apply the forces on their own particles
             self.pushes.iter_mut().for_each(|pushes| pushes.leave(mine));
         }
         self.counters.pair_checks += done.checks;

@@ -247,7 +247,7 @@ impl GlobalCalendar {
         Encounter { normal, gap, velocity, normal_velocity: velocity.dot(&normal) }
     }
 
-    /// Motion of the wall's surface where a couple meets; `None` between particles.
+    /// Motion of the wall's surface at the point of contact; `None` for a pair of particles.
     fn wall_motion(&self, couple: &Couple, met: &Encounter, scene: &Scene) -> Option<WallMotion> {
         let Other::Wall(at) = couple.other else { return None };
         let (wall, body) = (&scene.walls[at.wall as usize], &self.bodies[couple.i as usize]);

@@ -86,7 +86,7 @@ pub struct Shells {
     free: ListPool,
 }
 
-/// Neighbour lists of several consecutive particles, before they are stored with the others.
+/// Neighbour lists of several consecutive particles, before the lists are stored with those of other particles.
 #[derive(Default)]
 struct Lists {
     /// Neighbours of all these particles, list after list.

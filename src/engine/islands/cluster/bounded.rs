@@ -34,7 +34,8 @@ enum Surroundings {
     TooLarge,
 }
 
-/// Islands that are found by upper limits on the flights of their members. They are complete before they are solved.
+/// Islands that are found by upper limits on the flights of their members. All members and bystanders of an island are
+/// found before it is solved.
 pub struct BoundedIslands<'a> {
     clusters: Clusters<'a>,
     limits: IslandLimits,

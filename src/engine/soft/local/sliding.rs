@@ -425,8 +425,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         speed + spring.rates.force * length - (rate - of_dashpot) / constants.stiffness
     }
 
-    /// First end of a phase within a step: the estimated fraction [-] of the step, the index of the spring, and that of
-    /// the margin that becomes negative.
+    /// First end of a phase within a step: the estimated fraction [-] of the step, the index of the spring, and the
+    /// index of the margin that becomes negative.
     pub(super) fn first_switch(&self) -> Option<(f64, usize, usize)> {
         let ends = self.scratch.sliding.iter().enumerate().flat_map(|(k, sliding)| {
             let [before, after] = sliding.margins;
