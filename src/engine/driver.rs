@@ -66,7 +66,7 @@ pub trait Solver {
     fn begin(&mut self, _work: &mut Work<Lasting<Self>>, _window: Window) {}
 
     /// Largest cost at which islands are used in this time window, per particle and simulated time [ns/s]. With `None`
-    /// islands are not tried. With infinity they are used whenever possible.
+    /// islands are not tried. With infinity islands are used whenever possible.
     fn fallback_cost(
         &mut self,
         population: &PopulationSummary,
@@ -78,9 +78,9 @@ pub trait Solver {
     /// Decides, from the result of a trial of islands, for how long islands are not tried again.
     fn judge(&mut self, _population: &PopulationSummary, _scene: &Scene, _trial: &Trial) {}
 
-    /// Moves the carried state (such as contacts) that the classical algorithm (all particles at once) has stored to
-    /// `lasting`. The driver calls this function only when islands or other processes need the state, because a copy
-    /// would double its memory.
+    /// Moves to `lasting` the carried state (such as contacts) that the classical algorithm (all particles at once) has
+    /// stored. The driver calls this function only when islands or other processes need the state, because a copy would
+    /// double the memory.
     fn hand_over(&mut self, lasting: &mut Vec<Lasting<Self>>);
 
     /// Calls `visit` with each item of state that [`hand_over`](Self::hand_over) would move.

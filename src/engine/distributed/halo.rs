@@ -128,8 +128,8 @@ impl Halo {
         }
     }
 
-    /// Packs, into bytes, the velocities of those particles in `lent` on which forces acted. Each is preceded by its
-    /// number in `lent`.
+    /// Packs, into bytes, the velocities of those particles in `lent` on which forces acted. Each velocity is preceded
+    /// by the number of its particle in `lent`.
     pub fn pack(&self, lent: &[u32], particles: &Particles) -> Vec<u8> {
         let mut bytes = Vec::new();
         for (k, &place) in (0u32..).zip(lent) {

@@ -54,8 +54,8 @@ pub fn lasts(scene: &Scene) -> bool {
 /// Cost of moving all particles by one event queue, per particle and simulated time [ns/s].
 ///
 /// Every touch on the neighbour list is predicted at the start of a time window, and the touches of both partners are
-/// predicted again after a collision. The list is rebuilt whenever the fastest particle has moved half the skin. The
-/// returned cost is that of the cheapest skin.
+/// predicted again after a collision. Pairs are listed if their gap is smaller than a length called skin. The list is
+/// rebuilt whenever the fastest particle has moved half the skin. The returned cost is the lowest for any skin.
 fn one_calendar(population: &PopulationSummary, speeds: &SpeedSummary, window: Window) -> f64 {
     let &PopulationSummary { density, mean_radius: [mean, mean_square], largest, ref census, .. } = population;
     // [m²] mean square of the distance between centres at which two particles touch

@@ -152,8 +152,8 @@ pub struct Notes<C> {
 }
 
 impl<C: Copy + Send + Sync> IslandResults<'_, C> {
-    /// Collects the events and the carried state (such as contacts) of all islands, in their order. Each group of
-    /// islands gives one `Notes`.
+    /// Collects the events and the carried state (such as contacts) of all islands, in their order. Returns one
+    /// [`Notes`] for each group of islands.
     pub fn notes(&self) -> Vec<Notes<C>> {
         work_sharing::map(self.landing.kept.chunks(BLOCK), |some| self.notes_of(some))
     }

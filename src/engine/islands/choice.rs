@@ -142,7 +142,7 @@ pub fn cheapest_part(
         let part = left / pieces;
         let edge = diameter + speeds.largest * part;
         let hot = rate * part;
-        // islands of eight or fewer particles are always small enough; more particles must be dilute
+        // a run of at most eight particles has only small islands; more particles must be dilute
         let reach = diameter * of_largest + weights.reach * speeds.mean * part;
         let others = if count > 8.0 { density * hot * 4.0 / 3.0 * PI * reach.powi(3) } else { 0.0 };
         if others < weights.crowded {

@@ -231,7 +231,8 @@ impl Search {
     fn touch_of_wall(&self, particles: &Particles, scene: &Scene, span: &SearchInterval, i: usize) -> Option<f64> {
         let SearchInterval { elapsed, part, falls } = *span;
         let spot = &self.flights[i];
-        // the middle of the flight is not wrapped into the box here, as walls require; flat walls do not need it, so it
+        // walls require the middle of the flight without wrapping into the box; it is computed only on demand, because
+        // flat walls do not need it
         // is computed only on demand
         let way = || particles.position[i] + particles.velocity[i] * (0.5 * part);
         let look = |(wall, shape): (usize, &Wall)| {

@@ -81,7 +81,7 @@ impl ShellGrid {
     }
 
     /// Numbers along the three axes of the cell that contains a point [m]. For a point beyond a side that is not
-    /// periodic, it is the nearest cell, so that neighbours remain in neighbouring cells.
+    /// periodic, the result is the nearest cell, so that neighbours remain in neighbouring cells.
     fn coordinates(&self, x: &Vector3<f64>) -> [usize; 3] {
         std::array::from_fn(|axis| ((x[axis] * self.per_length[axis]) as usize).min(self.count[axis] - 1))
     }

@@ -57,8 +57,8 @@ pub trait IslandFinder<'a>: DerefMut<Target = Clusters<'a>> + Sync + Sized {
     fn follow(&mut self, _which: usize, _ways: Range<usize>, _trajectories: &MemberTrajectories) {}
 
     /// Changes the islands that must be solved again, and unites islands that may meet. Returns the number of solved
-    /// islands whose results became invalid because they met others. An island is counted if its leader (member with
-    /// the smallest id) satisfies `mine`. Returns `None` if an island is too large.
+    /// islands whose results became invalid because these islands met others. An island is counted if its leader
+    /// (member with the smallest id) satisfies `mine`. Returns `None` if an island is too large.
     fn next_round(&mut self, retries: Vec<(usize, Retry)>, mine: impl Fn(u32) -> bool) -> Option<u64>;
 
     /// Velocity changes of a member; `None` if no trajectory is stored for it.

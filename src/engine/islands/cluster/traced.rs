@@ -61,7 +61,7 @@ pub struct TracedIslands<'a> {
     /// Velocity changes of all members; those of one member are consecutive and in the order of time.
     turns: Vec<VelocityChange>,
     /// Balls in cells. The first entry contains the balls of all members, the second those of members whose islands
-    /// have been solved again since.
+    /// have been solved again since the first round.
     deflected: [DeflectedFlights; 2],
 }
 
