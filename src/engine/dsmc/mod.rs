@@ -43,7 +43,7 @@ struct DsmcState {
     counters: Counters,
     /// [1/s] collision rate of a particle, from the velocities at the last collisions; `None` before the first step.
     rate: Option<f64>,
-    /// [s] time for which particles have flown without collisions; negative if collisions are ahead of the flight.
+    /// [s] time of flight minus time of collisions so far; negative if collisions are ahead of the flight.
     owed: f64,
 }
 

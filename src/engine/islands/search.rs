@@ -231,9 +231,8 @@ impl Search {
     fn touch_of_wall(&self, particles: &Particles, scene: &Scene, span: &SearchInterval, i: usize) -> Option<f64> {
         let SearchInterval { elapsed, part, falls } = *span;
         let spot = &self.flights[i];
-        // walls require the middle of the flight without wrapping into the box; it is computed only on demand, because
-        // flat walls do not need it
-        // is computed only on demand
+        // walls require the middle of the flight without wrapping into the box; the middle is computed only on demand,
+        // because flat walls do not need it
         let way = || particles.position[i] + particles.velocity[i] * (0.5 * part);
         let look = |(wall, shape): (usize, &Wall)| {
             // the frame moves along planes, so the ball of the flight has the right distance from planes; for other
