@@ -28,10 +28,10 @@ const DENSE: f64 = 0.2;
 /// Largest cost at which islands (groups of particles that may meet) are used in this time window, per particle and
 /// simulated time [ns/s]; with `None` islands are not tried.
 ///
-/// Without drag the event queue persists from window to window, and is used for dense systems. Drag changes velocities
-/// in every window, so that all events must be predicted again. For mixtures of sizes the costs of islands and queue
-/// are compared, because the islands of the largest spheres are the first to unite. For spheres of one size the limit
-/// is infinite: in the cases of this project islands cost between 70 % (dense gas, volume fraction 0.3) and 1 % of an
+/// Without drag the event queue remains valid from window to window; it is then used for dense systems. Drag changes
+/// velocities in every window, so all events must be predicted again. For particles of several sizes, the costs of
+/// islands and of the queue are compared, because islands of the largest spheres unite first. For spheres of one size
+/// the limit is infinite. In the cases of this project, islands cost 1 % to 70 % (dense gas, volume fraction 0.3) of an
 /// event queue that is rebuilt.
 pub fn fallback_cost(
     population: &PopulationSummary,

@@ -66,8 +66,8 @@ pub struct SoftSolver {
     longest_step: f64,
     pub(in crate::engine) list: NeighbourList,
     pub(in crate::engine) contacts: Contacts,
-    /// True if the contacts in progress have been stored in `contacts` by the last uniform steps. If processes share the
-    /// steps, `contacts` contains copies of contacts that are also stored elsewhere.
+    /// True if only `contacts` contains the contacts in progress, because the last steps were uniform. If processes
+    /// share the steps, it is false, and `contacts` contains copies of contacts that are also stored elsewhere.
     keeps_contacts: bool,
     /// Forces of the last evaluation. At the end of a window, these are the forces of the first half-kick of the next
     /// window (Verlet).

@@ -83,7 +83,7 @@ pub struct SpringMotion {
 /// [-] overlap over the diameter up to which a contact counts as just begun.
 const TOUCHING: f64 = 1e-9;
 
-/// [-] fraction of a time step after which force and limit of a beginning contact are compared.
+/// [-] short time, as a fraction of a time step, after which force and limit of a beginning contact are compared.
 const SOON: f64 = 1e-4;
 
 impl ContactMotion {
