@@ -1,4 +1,4 @@
-//! One variant of a case, checked and converted to SI units: all data on which a simulation depends.
+//! One variant of a case, checked and converted to SI units. It contains all data on which a simulation depends.
 
 use crate::contact_law::ContactLaw;
 use crate::particles::Particles;
@@ -51,11 +51,11 @@ pub enum Spheres {
     Hard,
     /// Hard spheres where two particles meet alone, soft spheres with this contact law elsewhere.
     Hybrid(ContactLaw),
-    /// Spheres that collide by chance.
+    /// Spheres whose collision pairs are drawn at random (direct simulation Monte Carlo).
     Dsmc,
 }
 
-/// Reference of the comparison of a variant.
+/// Reference with which a variant is compared.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum Reference {
@@ -283,23 +283,26 @@ pub struct HardSettings {
 /// Settings of the hybrid engine.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct HybridSettings {
-    /// [-] clearance θ: a touch is treated as an instant if no other particle can come near within θ contact times.
+    /// [-] clearance θ: a touch is an instantaneous collision if no other particle can come near within θ contact
+    /// times.
     pub clearance: f64,
 }
 
 /// Settings of collisions by chance.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct DsmcSettings {
-    /// True if the collision rate has the Enskog factor: the contact value at the local volume fraction.
+    /// True if the collision rate is multiplied by the Enskog factor, which is the contact value at the local volume
+    /// fraction.
     pub enskog: bool,
     /// Numbers of cells along x, y and z; `None` if they are chosen from the mean free path and the number of particles.
     pub cells: Option<[usize; 3]>,
-    /// [-] longest time step over the mean free time.
+    /// [-] ratio of the longest time step to the mean free time.
     pub step: f64,
 }
 
 impl Default for DsmcSettings {
-    /// Enskog factor, chosen cells, and steps of a fifth of the mean free time (docs/design/dsmc.md).
+    /// Settings with the Enskog factor, cells chosen by the program, and time steps of a fifth of the mean free time
+    /// (docs/design/dsmc.md).
     fn default() -> Self {
         Self { enskog: true, cells: None, step: 0.2 }
     }
@@ -355,7 +358,7 @@ pub enum TrajectoryFormat {
     Vtp,
     /// Extended XYZ, for OVITO and ASE.
     Xyz,
-    /// One VTK file and one XYZ frame of each instant.
+    /// Both formats: one VTK file and one XYZ frame per instant.
     Both,
 }
 

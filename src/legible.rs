@@ -99,7 +99,7 @@ pub fn cell(text: String) -> String {
     if !is_formula(&text) || is_number() { text } else { format!("'{text}") }
 }
 
-/// The text from which [`cell`] made a cell.
+/// Returns the original text of a cell that was made by [`cell`].
 pub fn of_cell(cell: &str) -> &str {
     cell.strip_prefix('\'').filter(|text| is_formula(text)).unwrap_or(cell)
 }
