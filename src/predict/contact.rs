@@ -38,12 +38,12 @@ pub struct ContactKind {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ImpactSpeeds {
-    /// Speeds in a Maxwellian gas. The normal speed u of impacts has the density u/s² exp(-u²/(2s²)), at walls as
-    /// between particles. Where the velocity variance depends on position or direction, s² does too.
+    /// Speeds in a Maxwellian gas. The normal speed u of impacts between particles or at walls has the density u/s²
+    /// exp(-u²/(2s²)). If the velocity variance depends on position or direction, s² does too.
     Gas {
         /// [m²/s²] mean variance s² of the relative normal velocity: kT (1/m_p + 1/m_q).
         variance: f64,
-        /// [-] parts of the impacts, each with the share of all impacts, and its s over the mean s.
+        /// [-] parts of the impacts, each with its share of all impacts, and the ratio of its s to the mean s.
         #[serde(skip)]
         parts: Vec<[f64; 2]>,
     },
@@ -121,8 +121,8 @@ impl ImpactSpeeds {
         }
     }
 
-    /// [m/s] mean relative speed u_r of the paper's Eq. 8, corrected: the mean of |w_n| over random pairs, which is s
-    /// sqrt(2/π). Between equal spheres it is sqrt(4T/π).
+    /// [m/s] mean relative speed u_r of the paper's Eq. 8, corrected: the mean of the normal relative speed over random
+    /// pairs, s sqrt(2/π). Between equal spheres it is sqrt(4T/π).
     pub fn of_random_pairs(&self) -> f64 {
         match self {
             Self::Gas { variance, .. } | Self::Measured { variance, .. } => (2.0 / PI * variance).sqrt(),
@@ -159,9 +159,9 @@ pub struct ContactPrediction {
     pub realised_mean_square: Option<f64>,
 }
 
-/// All possible kinds of contact of a scene. `pair` returns the distribution of speeds for two species, and `at_wall`
-/// that for a species at a wall. Walls with equal surfaces are one kind. A species with one particle has no contact
-/// with itself.
+/// Lists all possible kinds of contact of a scene. `pair` returns the distribution of speeds for two species, and
+/// `at_wall` that for a species at a wall. Walls with equal surfaces are one kind. A species with one particle has no
+/// contact with itself.
 pub fn contacts(
     scene: &Scene,
     counts: &[usize],
@@ -186,7 +186,7 @@ pub fn contacts(
         let mut meetings: FxHashSet<[u64; 4]> = FxHashSet::default();
         for wall in (0..scene.walls.len() as u32).filter(|_| there(p, 1)) {
             let Meeting { surface, stiffness_ratio, at_mass, .. } = scene.meeting(p as u16, Kind::Wall(wall));
-            // -1 encodes that there is no mass, since no mass is negative
+            // -1 stands for an absent mass, since no mass is negative
             let numbers = [surface.restitution, surface.friction, stiffness_ratio, at_mass.unwrap_or(-1.0)];
             if !meetings.insert(numbers.map(f64::to_bits)) {
                 continue;
@@ -214,14 +214,15 @@ impl ContactKind {
         law.greatest_overlap(&self.spring(law), speed)
     }
 
-    /// [-] overlap number κ_n of this kind of contact under a contact law.
+    /// [-] overlap number κ_n of this kind of contact under a contact law: largest overlap without damping over the
+    /// diameter.
     pub fn kappa(&self, law: &ContactLaw) -> f64 {
         let elastic = law.between(&Bodies { restitution: 1.0, ..self.bodies });
         law.greatest_overlap(&elastic, self.speeds.of_random_pairs()) / self.diameter
     }
 
-    /// [-] factor by which a law must become stiffer, so that 99 % of the impacts have overlaps below `overlap` [-], in
-    /// diameters.
+    /// [-] factor by which a law must become stiffer so that 99 % of the impacts have overlaps below `overlap`. The
+    /// overlap [-] is divided by the diameter.
     pub fn stiffening_for(&self, law: &ContactLaw, overlap: f64) -> f64 {
         let now = self.largest_overlap(law, self.speeds.quantile(0.99)) / self.diameter;
         law.stiffening(now / overlap)
@@ -300,8 +301,8 @@ impl ContactTimes {
 /// was measured in the channel cases of this project (0.4 m/s at 17.7 m/s).
 pub const AGITATION: f64 = 0.025;
 
-/// [m/s] normal speed that hardly any impact of an experiment exceeds; always positive. It is estimated from start,
-/// gravity and gas.
+/// [m/s] normal speed that hardly any impact of an experiment exceeds; always positive. It is estimated from the
+/// initial velocities, gravity and the gas.
 ///
 /// For laws whose contacts last longer at lower speed, the time step is computed from this speed. The duration of a
 /// Hertzian contact is proportional to u^(-1/5), so an error of a factor of two in the speed changes the step by 13 %.
