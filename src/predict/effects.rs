@@ -90,7 +90,7 @@ pub fn effects(scene: &Scene, plan: &RunPrediction) -> Vec<Effect> {
     list
 }
 
-/// An effect that matters if its size is at least the relative error that the plan allows.
+/// Makes an effect that can be neglected if its size is below the relative error that the plan allows.
 fn against_target(
     plan: &RunPrediction,
     name: &'static str,

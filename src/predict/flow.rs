@@ -111,8 +111,8 @@ fn unseen_variance(flow: &ChannelFlow, response: f64) -> f64 {
     if area > 0.0 { sum / area } else { 0.0 }
 }
 
-/// [m/s] terminal slip speed w of a sphere at which drag balances the weight: w = g τ(w), where the acceleration `gravity` [m/s²]
-/// contains the buoyancy, if any.
+/// [m/s] terminal slip speed w of a sphere, at which drag balances the weight: w = g τ(w). The acceleration g,
+/// `gravity` [m/s²], is reduced by buoyancy, if any.
 pub fn terminal_slip(drag: &Drag, sphere: &Sphere, gravity: f64) -> f64 {
     // w increases along the interval and g τ(w) does not: bisection between 0 and the slip speed of Stokes drag
     let (mut low, mut high) = (0.0, gravity * sphere.stokes_time);

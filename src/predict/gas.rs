@@ -32,7 +32,7 @@ pub struct Gas {
     pub mean_free_path: f64,
 }
 
-/// One component of the gas: the particles of a species, or those of a species with nearly one size.
+/// One component of the gas: all particles of a species or, if their sizes differ, those of nearly one size.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Component {
     /// Number of particles of the component.
@@ -70,8 +70,8 @@ pub struct Slice {
     pub variance: [f64; 3],
 }
 
-/// Effect of agitation that differs between positions and directions, relative to a uniform gas with equal mean
-/// agitation. All numbers are ratios [-]; s is the standard deviation of the normal relative velocity.
+/// Effect of agitation that depends on position and direction, relative to a uniform gas with equal mean agitation. All
+/// numbers are ratios [-]; s is the standard deviation of the normal relative velocity.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AgitationSpread {
     /// Rate of pair collisions over that of the uniform gas.
