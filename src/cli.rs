@@ -29,7 +29,8 @@ pub struct Cli {
 pub enum Command {
     /// Runs a case with one collision model.
     Run(Run),
-    /// Runs the variants of a case one after the other and compares them; without a [[compare]] list: soft and hard.
+    /// Runs the variants of a case one after the other and compares them. Without a [[compare]] list, the variants are
+    /// soft and hard.
     Compare(Compare),
     /// Compares files of any program: series over time, output of LAMMPS, tables of values with standard errors, and
     /// folders of results.
@@ -170,8 +171,8 @@ pub struct Effort {
 /// Number of runs per variant.
 #[derive(Clone, Copy, Debug, Args)]
 pub struct Repeats {
-    /// Runs each variant with N seeds (that of the case and the next ones) and averages over them. `run` and
-    /// `compare` time the first run of each variant, which runs alone; the others run side by side.
+    /// Runs each variant with N seeds (that of the case and the next ones) and averages over them. `run` and `compare`
+    /// time the first run of each variant, which is done alone; the other runs are done at the same time.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=10_000))]
     pub replicas: u16,
 }

@@ -136,7 +136,8 @@ impl Experiment {
         self.start.iter().map(|population| population.amount.count()).sum()
     }
 
-    /// [-] volume of all particles at the start over that of the box. It is zero if the drag law does not depend on it.
+    /// [-] volume of all particles at the start over that of the box. It is 0 if the drag law does not depend on the
+    /// volume fraction.
     pub fn fraction_for_drag(&self) -> f64 {
         let drag = self.scene.fluid.as_ref().and_then(|fluid| fluid.drag.as_ref());
         if drag.is_none_or(|drag| drag.law().cells().is_none()) {
@@ -312,9 +313,9 @@ impl Default for DsmcSettings {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum HardStepping {
-    /// At the exact instants of touch, with an event queue.
+    /// Collisions happen at the exact instants of touch, which are kept in an event queue.
     Events,
-    /// At the ends of time steps Δt < θ d/u_r, where particles overlap (the paper's section 3.4).
+    /// Collisions are found as overlaps at the ends of time steps Δt < θ d/u_r (the paper's section 3.4).
     Steps {
         /// [-] step criterion θ.
         theta: f64,

@@ -69,7 +69,8 @@ mod tests {
         assert_eq!(forwards, backwards);
     }
 
-    /// Means over 1e5 numbers have standard errors of 3.2e-3, squares of 4.5e-3; five of them are allowed.
+    /// Checks means and squares of 1e5 numbers, whose standard errors are 3.2e-3 and 4.5e-3. Five standard errors are
+    /// allowed.
     #[test]
     fn seeds_uses_steps_and_particles_are_independent() {
         let of = |seed, purpose, step, id| Noise::new(seed, purpose, step).normals::<1>(id)[0].x;

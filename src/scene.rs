@@ -131,7 +131,7 @@ impl Pairs {
     }
 }
 
-/// Elastic constants of a solid; only contact laws that derive their stiffness from materials read them.
+/// Elastic constants of a solid. Only contact laws whose stiffness follows from the material use them.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Elasticity {
     /// [Pa] Young's modulus E.
@@ -262,7 +262,7 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// [m³] volume available to particles: the domain, or the smallest vessel in it.
+    /// [m³] volume available to particles: the volume of the domain, or of the smallest vessel in it.
     pub fn room(&self) -> f64 {
         let vessels = self.walls.iter().filter_map(|wall| wall.geometry.law().vessel_volume(&self.domain.size));
         vessels.fold(self.domain.volume(), f64::min)

@@ -14,7 +14,7 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-/// [-] relative change of the mean velocity and the agitation that the splitting of drag from motion may cause.
+/// [-] largest allowed relative change of the mean velocity and the agitation by the splitting of drag from motion.
 /// Standard errors of long runs are ten times as large.
 pub const SPLITTING: f64 = 1e-4;
 
@@ -57,8 +57,8 @@ const SHARE: f64 = 1e-3;
 /// [-] smallest fraction of the windows of a run that growing windows must save to be used.
 const WORTH: f64 = 0.1;
 
-/// Windows of a run and samples between them. All windows are equal, or several of the shortest windows are merged into
-/// one from a certain sample on.
+/// Windows of a run and samples between them. Either all windows are equal, or the shortest windows are merged into
+/// longer ones from certain samples on.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Schedule {
     /// [s] window h. If windows grow, it is the first and shortest window.
@@ -422,8 +422,7 @@ pub fn align(experiments: &mut [&mut Experiment]) {
     let few = experiments.iter().all(|one| one.count() <= MOST_FOLLOWED);
     let wanted = longest / if few { ROWS_OF_FEW } else { ROWS };
     for one in experiments {
-        // if the case gives instants already, the common interval is shortened so that the given interval is a whole
-        // multiple of it
+        // the given interval must be a whole multiple of the common interval, which is shortened for this purpose
         let parts = one.run.instants.map(|every| every / (every / wanted - 1e-9).ceil().max(1.0));
         one.run.instants = Some(parts.unwrap_or(wanted));
     }

@@ -113,7 +113,8 @@ pub(crate) fn scene_in_words(experiment: &Experiment) -> String {
     text
 }
 
-/// Motion of the surface of a wall, and its own friction of rolling and twisting; empty without these.
+/// Describes the motion of the surface of a wall, and the wall's own rolling and twisting friction. The text is empty
+/// if the wall has neither.
 fn motion_in_words(wall: &Wall) -> String {
     let mut text = String::new();
     let vector = |v: &Vector3<f64>| format!("({}, {}, {})", short(v.x, 4), short(v.y, 4), short(v.z, 4));
@@ -228,7 +229,7 @@ fn gas_in_words(text: &mut String, scene: &Scene) {
     }
 }
 
-/// Describes the turbulence that particles see, and how they should respond to it.
+/// Describes the turbulence that particles see, and the expected response of the particles.
 fn turbulence_in_words(text: &mut String, (scene, fluid): (&Scene, &Fluid), turbulence: &Turbulence) {
     let (profile, height) = (&fluid.profile, scene.domain.size.y);
     let mean = |of: fn(&LocalTurbulence) -> f64| -> f64 {

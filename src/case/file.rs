@@ -59,8 +59,8 @@ pub struct CaseFile {
     pub fluid: Option<Located<FluidFile>>,
     /// The drag law. Without this table the gas exerts no drag.
     pub drag: Option<Located<DragFile>>,
-    /// One kind of particles. Exactly one of `count`, `volume_fraction`, `file` and `at` sets how many particles there
-    /// are.
+    /// One kind of particles. Exactly one of `count`, `volume_fraction`, `file` and `at` determines the number of
+    /// particles.
     #[schemars(extend("x-required" = "always"))]
     pub particles: Option<Vec<Located<ParticlesFile>>>,
     /// One wall, of exactly one shape.
@@ -80,7 +80,7 @@ pub struct CaseFile {
     /// Duration, drag window, seed and model of a run.
     #[schemars(extend("x-required" = "always"))]
     pub run: Option<Located<RunFile>>,
-    /// Slices and sampling of the averages.
+    /// Settings of the averages: slices and time between samples.
     pub statistics: Option<Located<StatisticsFile>>,
     /// Settings of the trajectory files, which are written in addition to the results of every variant. Without this
     /// table no trajectories are written.
@@ -163,10 +163,10 @@ pub struct ParticlesFile {
     /// `inside`.
     #[serde(rename = "in")]
     pub region: Option<Located<RegionFile>>,
-    /// Name of a file with the positions, relative to the file that names it. It may be the `state.csv` of a run; a CSV
-    /// table with the columns `x,y,z`; an extended XYZ file; or a LAMMPS or LIGGGHTS data file or text dump in SI. A
-    /// CSV table may also have `vx,vy,vz,diameter,species,id`. Its columns are in SI, or in a unit given as in `x_mm`.
-    /// The format is recognized from the content or the name of the file.
+    /// Name of a file with the positions, relative to the folder of the file that contains this key. Formats: the
+    /// `state.csv` of a run; a CSV table with the columns `x,y,z`; extended XYZ; a data file or text dump of LAMMPS or
+    /// LIGGGHTS in SI. A CSV table may also have `vx,vy,vz,diameter,species,id`. Its columns are in SI, or in a unit
+    /// given as in `x_mm`. The format is recognized from the content or the name of the file.
     #[schemars(example = &"state.csv", extend("x-one-of" = "amount"))]
     pub file: Option<Located<String>>,
     /// List of particles, each with its position.
@@ -416,7 +416,7 @@ pub struct SweepFile {
     #[schemars(example = &"soft.linear_spring_dashpot.stiffness", extend("x-required" = "always"))]
     pub key: Option<Located<String>>,
     // the values are taken from the tree of the case, which contains the source positions
-    /// Values of the key, one after the other.
+    /// Values of the key, in the order of the runs.
     #[schemars(with = "Vec<serde_json::Value>")]
     #[schemars(extend("examples" = [["300 N/m", "1 kN/m", "3 kN/m"]], "x-required" = "always"))]
     pub values: Option<Located<Vec<IgnoredAny>>>,

@@ -166,8 +166,8 @@ impl Case {
         self.merged_with(sources, self.tree.clone(), &changes)?.resolve(&choice)
     }
 
-    /// Makes the experiments of the command `compare`: those of the `[[compare]]` list, or soft and hard without a
-    /// list. `seed` replaces that of the case.
+    /// Makes the experiments of the command `compare`: those of the `[[compare]]` list or, without a list, one with
+    /// soft and one with hard spheres. If `seed` is given, it replaces that of the case.
     ///
     /// # Errors
     /// Errors of [`experiment`](Self::experiment), for any variant. Also an error if two variants have one name.

@@ -24,12 +24,12 @@ const LANES: usize = 4;
 /// Number of terms in one piece of work of a thread. For fewer terms a second thread takes longer than it saves.
 const CHUNK: usize = 8192;
 
-/// Two partial sums for each of K columns of a block: that of the leading bits, and that of the next bits.
+/// Partial sums of the K columns of a block: for each column the sum of the leading bits, and that of the next bits.
 struct Parts<const K: usize> {
     high: [f64; K],
     low: [f64; K],
-    /// Bits of all rows that neither partial sum contains, combined by OR. The sign bit of a zero may be set, which
-    /// changes no sum.
+    /// Bits that neither partial sum contains, of all rows, combined by bitwise OR. The sign bit of a zero may be set,
+    /// which changes no sum.
     left: [u64; K],
     /// Largest magnitude of the numbers in each column.
     largest: [f64; K],

@@ -43,7 +43,7 @@ pub enum ImpactSpeeds {
     Gas {
         /// [m²/s²] mean variance s² of the relative normal velocity: kT (1/m_p + 1/m_q).
         variance: f64,
-        /// [-] parts of the impacts, each with its share of all impacts, and the ratio of its s to the mean s.
+        /// [-] groups of impacts: for each, its share of all impacts, and the ratio of its s to the mean s.
         #[serde(skip)]
         parts: Vec<[f64; 2]>,
     },

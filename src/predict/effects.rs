@@ -1,4 +1,4 @@
-//! Physical effects that may matter in a scene, with their sizes, and the decision which of them can be neglected.
+//! Physical effects that may matter in a scene, with their sizes, and the effects that can be neglected.
 
 use super::RunPrediction;
 use crate::fluid::Fluid;

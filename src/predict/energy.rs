@@ -22,8 +22,8 @@ const ROUNDING: f64 = 1e-10;
 /// [-] number of rounded coordinates on which an overlap depends: three of each body.
 const ROUNDED: f64 = 6.0;
 
-/// [-] steps per contact N_c from which a contact counts as resolved. Fewer steps are refused, unless a case allows
-/// them.
+/// [-] smallest number of steps per contact N_c with which a contact is resolved. Fewer steps are refused, unless a
+/// case allows them.
 const FEWEST_STEPS: f64 = 5.0;
 
 /// One kind of contact of a scene: between two species, or between a species and a wall.

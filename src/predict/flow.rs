@@ -29,8 +29,8 @@ pub struct Flow {
     pub stokes_friction: Option<f64>,
     /// [-] mass of this species divided by the mass of the gas in the box.
     pub mass_loading: f64,
-    /// [m²/s²] variance of a velocity component of the particles that the turbulence of the gas causes, or would cause if
-    /// particles saw it. `None` without a turbulence model.
+    /// [m²/s²] variance of a velocity component of the particles due to the turbulence of the gas. If the particles do
+    /// not see the turbulence, it is the variance that they would have. `None` without a turbulence model.
     pub turbulent_variance: Option<f64>,
 }
 

@@ -78,9 +78,9 @@ pub struct AgitationSpread {
     pub pair_rate: f64,
     /// Rate of wall impacts over that of the uniform gas, for walls perpendicular to y.
     pub wall_rate: f64,
-    /// Parts of the pair collisions, each with its share of all collisions, and its s over the mean s.
+    /// Groups of pair collisions: for each, its share of all pair collisions, and the ratio of its s to the mean s.
     pub pairs: Vec<[f64; 2]>,
-    /// Parts of the wall impacts, each with its share of all impacts, and its s over the mean s.
+    /// Groups of wall impacts: for each, its share of all wall impacts, and the ratio of its s to the mean s.
     pub walls: Vec<[f64; 2]>,
 }
 

@@ -68,7 +68,8 @@ pub fn rest(scene: &Scene, particles: &Particles, lift: Option<f64>) -> Option<R
     let loses = restitutions.iter().any(|e| *e < 1.0);
     let fall = speed / gravity;
     let time = if !loses { f64::INFINITY } else { (1.0 + lossy) / (1.0 - lossy) * fall };
-    // number of particles on the floor: those within a radius of it; if there are none, as many as fit on the floor
+    // number of particles on the floor: those whose gap is less than their radius or, if there are none, those that fit
+    // on it
     let near = places().filter(|((x, _), r)| gap(x, **r) < **r).count();
     let area = (0..3).map(|k| scene.domain.size[k]).product::<f64>() / scene.domain.size.dot(&plane.normal.abs());
     let widest = particles.radius.iter().fold(0.0, |a: f64, &r| a.max(2.0 * r));

@@ -40,8 +40,8 @@ pub fn execute(experiment: &Experiment, start: Particles, others: &mut [&mut dyn
     })
 }
 
-/// Runs a variant like [`execute`], with a checkpointer that stores the run at intervals and may stop it. A stored run
-/// continues from its stored state, and a run that is over is not run again.
+/// Runs a variant like [`execute`], with a checkpointer that stores the run at intervals and may stop it. A run that
+/// was stored before its end continues from the stored state. A run that is over is not repeated.
 ///
 /// # Errors
 /// The stored state belongs to another run.

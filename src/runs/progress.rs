@@ -116,7 +116,7 @@ impl Track {
 }
 
 impl Progress {
-    /// Progress of the runs of these experiments; nothing is displayed if `quiet` is true.
+    /// Creates the progress of runs with the given experiments; nothing is displayed if `quiet` is true.
     pub fn new<'a>(experiments: impl IntoIterator<Item = &'a Experiment>, quiet: bool) -> Self {
         let display = if quiet {
             ProgressDisplay::Silent

@@ -152,8 +152,8 @@ fn pools(share: ThreadBudget, count: usize) -> Result<Vec<ThreadPool>, StudyErro
     })
 }
 
-/// Starts a worker thread for each pool. The threads do the runs whose indices are sent to them, and end when the
-/// sender is dropped.
+/// Starts a worker thread for each pool. The threads do the runs whose indices are sent through the returned sender,
+/// and end when this sender is dropped.
 fn crew<'scope, 'env, A: Send + 'scope>(
     scope: &'scope std::thread::Scope<'scope, 'env>,
     pools: &'env [ThreadPool],

@@ -57,6 +57,7 @@ pub enum SizesFile {
 pub enum ByFile {
     /// Shares of the number of particles.
     Number,
-    /// Shares of the volume, and so of the mass, as a sieve analysis gives them.
+    /// Shares of the volume of the particles, as in a sieve analysis. At equal density they are also shares of the
+    /// mass.
     Volume,
 }

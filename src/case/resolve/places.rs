@@ -138,7 +138,7 @@ impl Resolver {
         Ok(true)
     }
 
-    /// [m] diameter of a row, given directly or by the radius, and the index of the column that gives it.
+    /// [m] diameter of a row, from the column of the diameter or of the radius, and the index of this column.
     fn size(&self, row: TableRow<'_>) -> Result<Option<(f64, usize)>, Diagnostic> {
         let has = |column: usize| row.text(column).is_some_and(|text| !text.is_empty());
         let radius = if has(OF_RADIUS) { Some(2.0 * self.number(row, OF_RADIUS, "radius")?) } else { None };

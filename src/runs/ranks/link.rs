@@ -12,7 +12,7 @@ pub trait Link {
     /// Number of processes that work on the command.
     fn size(&self) -> usize;
 
-    /// Number of these processes that run on this machine.
+    /// Number of the processes of the command that run on this machine.
     fn on_this_machine(&self) -> usize;
 
     /// Sends bytes to another process. Messages arrive in the order in which they were sent.

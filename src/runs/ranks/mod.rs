@@ -1,5 +1,5 @@
-//! Processes that work on one command: this process alone, or as many as `mpirun` has started (feature `mpi`). MPI
-//! calls their numbers ranks.
+//! Processes that work on one command: this process alone, or those that `mpirun` has started (feature `mpi`). The
+//! number of a process is called its rank in MPI.
 //!
 //! All processes read equal command lines and cases, and [check](Ranks::agree) that these are equal. Then process 0,
 //! the lead, does the command. The other processes are helpers. Every process makes the same list of runs by itself.
@@ -117,7 +117,8 @@ impl Ranks {
         self.link.size()
     }
 
-    /// Number of threads for this process: the number requested, or its share of the available cores.
+    /// Number of threads for this process: the requested number or, without a request, an equal share of the available
+    /// cores.
     pub fn threads(&self, asked: Option<u16>) -> usize {
         let cores = || std::thread::available_parallelism().map_or(1, usize::from);
         asked.map_or_else(|| (cores() / self.link.on_this_machine()).max(1), usize::from)

@@ -112,7 +112,7 @@ impl ForeignReader<'_> {
         number.map(Some).ok_or_else(wrong)
     }
 
-    /// Three numbers from column `first` on; `None` if the file lacks them.
+    /// Three numbers in consecutive columns, from column `first` on; `None` if the file lacks these columns.
     fn vector(&self, cells: &Cells, first: usize, origin: &Origin) -> Result<Option<Vector3<f64>>, Diagnostic> {
         let mut vector = Vector3::zeros();
         for axis in 0..3 {

@@ -72,8 +72,8 @@ fn is_convex(flat: &[[f64; 2]]) -> bool {
         && (1..count - 1).all(|k| turns(flat[0], flat[k], flat[k + 1]) && turns(flat[k], flat[k + 1], flat[0]))
 }
 
-/// Triangles between the corners of a polygon that are inside the polygon. A path from a point inside to the outside
-/// crosses an odd number of edges.
+/// Triangles between the corners of a polygon that lie inside the polygon. A path from such a triangle to the outside
+/// crosses an odd number of edges of the polygon.
 fn inside(flat: &[[f64; 2]]) -> Result<Vec<[usize; 3]>, &'static str> {
     let no_place = |_| "a corner of the polygon is no place";
     let mut plane = ConstrainedDelaunayTriangulation::<Point2<f64>>::new();
