@@ -46,15 +46,15 @@ pub enum Command {
     Fluid(FluidArguments),
     /// Shows one impact, of two spheres or of a sphere and a wall, under each model.
     Impact(ImpactArguments),
-    /// Charts the error of every method against its cost, with the cheapest ones marked.
+    /// Charts the error of every method against its cost, and marks the cheapest methods.
     Chart(Chart),
     /// Draws maps that show where each method fails: stability, restitution, overlap, collapse, missed collisions. Each
     /// point of a map is a run.
     Limits(Limits),
     /// Compares the program with closed forms, with published numbers of other codes, and with experiments.
     Validate(Validate),
-    /// Runs the variants of a case at several values of its keys, and plots the results over these values; an
-    /// interrupted sweep is continued when started again.
+    /// Runs the variants of a case at several values of its keys, and plots the results over these values. An
+    /// interrupted sweep is continued when it is started again.
     Sweep(Sweep),
     /// Shows in one chart how strongly each result shifts with the contact model, stiffness, restitution, gas and other
     /// inputs.

@@ -59,8 +59,7 @@ fn say(why: &clap::Error) -> std::io::Result<()> {
     Ok(())
 }
 
-/// Runs a command and returns the exit code. The code is 0, unless `--exit-code` is given: then it depends on the
-/// verdict.
+/// Runs a command and returns the exit code. With `--exit-code` the code is that of the verdict; otherwise it is 0.
 fn command(command: Command, ranks: &Ranks) -> Result<u8, StudyError> {
     let done = match command {
         Command::Run(args) => study::run(&args, ranks),

@@ -18,8 +18,8 @@ use std::f64::consts::PI;
 /// Standard errors of long runs are ten times as large.
 pub const SPLITTING: f64 = 1e-4;
 
-/// [-] relative change that the splitting may cause in the response of a single particle to the gas. It is smaller than
-/// `SPLITTING`, because a single particle has no scatter that hides the change.
+/// [-] largest allowed relative change of the response of a single particle to the gas by the splitting. It is smaller
+/// than `SPLITTING`, because a single particle has no scatter that hides the change.
 pub const SPLITTING_ALONE: f64 = 1e-5;
 
 /// [-] largest distance between the computed path within a window and the exact parabola, divided by the smallest
@@ -247,7 +247,7 @@ impl Schedule {
 ///
 /// The second error is found as follows. During the fall the speed w changes at the rate g - D(w), with the
 /// deceleration D by drag. Strang's splitting gives an error of at most h² g ((D'² - D D'')/24 + g D''/12), from its
-/// double commutators. Once drag carries the weight, the relative error of the speed is less than (h D')²/24. Before
+/// double commutators. Once drag balances the weight, the relative error of the speed is less than (h D')²/24. Before
 /// that, the last term dominates. The integral of this term over the fall, with D = 0 and w = g t, is the second error.
 #[derive(Clone, Copy, Debug)]
 struct DragScales {

@@ -41,7 +41,8 @@ pub enum ImpactSpeeds {
     /// Speeds in a Maxwellian gas. The normal speed u of impacts between particles or at walls has the density u/s²
     /// exp(-u²/(2s²)). If the velocity variance depends on position or direction, s² does too.
     Gas {
-        /// [m²/s²] mean variance s² of the relative normal velocity: kT (1/m_p + 1/m_q).
+        /// [m²/s²] mean variance s² of the relative normal velocity. Between species p and q it is the sum T_p + T_q of
+        /// their granular temperatures; at a wall it is T_p.
         variance: f64,
         /// [-] groups of impacts: for each, its share of all impacts, and the ratio of its s to the mean s.
         #[serde(skip)]
@@ -155,7 +156,7 @@ pub struct ContactPrediction {
     pub steps: f64,
     /// [-] mean restitution in time steps of the chosen integrator; `None` if the contact does not end.
     pub realised_restitution: Option<f64>,
-    /// [-] mean square of this restitution; `None` if the contact does not end.
+    /// [-] mean square of the restitution in time steps; `None` if the contact does not end.
     pub realised_mean_square: Option<f64>,
 }
 
@@ -267,8 +268,8 @@ pub fn at_fastest_impacts(experiment: &Experiment) -> Vec<ContactKind> {
     contacts(&experiment.scene, &experiment.counts(), |_, _| speeds(), |_| speeds())
 }
 
-/// Shortest possible contacts of a scene [s], which the time step must resolve. Pairs and walls have different contact
-/// times, because their effective masses differ.
+/// Shortest possible contact times of a scene [s], which the time step must resolve. Those of pairs and at walls
+/// differ, because the effective masses differ.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactTimes {
     /// [s] shortest contact between two particles; `None` if there are fewer than two.
@@ -278,7 +279,8 @@ pub struct ContactTimes {
 }
 
 impl ContactTimes {
-    /// Shortest contact times of an experiment with `particles` particles under a contact law, at the fastest impacts.
+    /// Computes the shortest contact times of an experiment with `particles` particles under a contact law. They are
+    /// those of the fastest impacts.
     pub fn of(experiment: &Experiment, law: &ContactLaw, particles: usize) -> Self {
         // contacts of the smallest possible spheres are the shortest
         let extremes = experiment.scene.at_extremes();
@@ -327,8 +329,8 @@ pub fn fastest_impact(experiment: &Experiment) -> f64 {
     (start * start + 2.0 * height + (FASTEST * AGITATION * gas).powi(2)).sqrt()
 }
 
-/// [m/s] mean velocity of all particles at the start, which is subtracted because a common motion along walls causes no
-/// impacts.
+/// [m/s] mean velocity of all particles at the start. It is subtracted from their velocities, because a common motion
+/// along walls causes no impacts.
 fn mean_velocity(experiment: &Experiment) -> Vector3<f64> {
     let sum = |population: &Population| match &population.amount {
         Amount::Placed(placed) => placed.velocity.iter().sum(),
@@ -359,8 +361,8 @@ pub struct StepScales {
     pub fluid_cell: Option<f64>,
 }
 
-/// All limits on the soft time step, the shortest first. The first one determines the time step. `springs` holds the
-/// limits of the tangential, rolling and twisting springs.
+/// All limits on the soft time step, the shortest first. The first one determines the time step. `springs` are the
+/// limits due to tangential, rolling and twisting springs.
 pub fn step_limits(contacts: &[ContactPrediction], springs: Vec<StepLimit>, motion: &StepScales) -> Vec<StepLimit> {
     let mut limits = Vec::new();
     for row in contacts {

@@ -128,10 +128,10 @@ pub fn broken_contract(experiment: &Experiment, particles: usize) -> Option<Fail
 ///   0.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Bound {
-    /// [-] largest relative energy gain g of any contact, of pairs or at walls, with local stepping.
+    /// [-] largest relative energy gain g of any contact, of pairs or at walls, in local stepping.
     local: f64,
-    /// [-] largest relative energy gain g of any contact, of pairs or at walls, after all particles have been moved in
-    /// steps.
+    /// [-] largest relative energy gain g of any contact, of pairs or at walls, if all particles have been moved in
+    /// time steps.
     uniform: f64,
     /// [-] relative energy error s at the wall whose normal jumps most (defined at [`Bound`]).
     seams: f64,

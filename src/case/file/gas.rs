@@ -28,7 +28,7 @@ pub struct FluidFile {
     /// Turbulence that particles see in addition to the mean velocity of the gas. Without this table they see the mean
     /// velocity alone.
     pub turbulence: Option<Located<SeenTurbulenceFile>>,
-    /// Lift of the gas on the particles. Without this table there is none.
+    /// Lift of the gas on the particles. Without this table there is no lift.
     pub lift: Option<Located<LiftFile>>,
     /// Velocity of the gas along z, usually as a function of y. Give exactly one of the tables below.
     #[schemars(extend("x-required" = "always"))]
@@ -45,7 +45,7 @@ pub struct SeenTurbulenceFile {
     /// Dissipation rate of the turbulent kinetic energy, ε, in a `uniform` gas.
     #[schemars(example = &"10 m^2/s^3", extend("x-range" = "greater than 0, up to 1e12 m^2/s^3"))]
     pub dissipation_rate: Option<Located<DissipationRate>>,
-    /// Langevin equation for the gas velocity along the way of each particle.
+    /// Langevin equation for the gas velocity along the path of each particle.
     #[schemars(extend("x-required" = "always"))]
     pub langevin: Option<Located<LangevinFile>>,
 }
@@ -91,8 +91,8 @@ pub enum DragFile {
         #[schemars(extend("examples" = [[1, 20, 1]], "x-required" = "always", "x-range" = "1 ..= 10000"))]
         cells: Option<Located<[Located<i64>; 3]>>,
     },
-    /// Drag in suspensions by Gidaspow (1994): the law of Ergun where the gas fills less than 0.8 of the volume, and that of Wen
-    /// and Yu elsewhere.
+    /// Drag in suspensions by Gidaspow (1994). It is the law of Ergun if the gas fills less than 0.8 of the volume,
+    /// else that of Wen and Yu.
     Gidaspow {
         /// Numbers of equal cells along x, y and z in which the local volume fraction of the particles is computed. A cell is
         /// at least as wide as a particle.

@@ -103,7 +103,8 @@ pub struct TwistingFile {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum ImpactRuleFile {
-    /// Walton's rule: an impact changes the slip s to -β_0 s, or the surfaces slide throughout the impact.
+    /// Walton's rule: an impact changes the slip s to -β_0 s, unless friction is too small for this. The surfaces then
+    /// slide throughout the impact.
     Walton {
         /// Coefficient β_0 of an impact without sliding, which changes the slip s to -β_0 s. -1: smooth spheres, whose
         /// slip does not change. 0: the slip stops. 1: the slip is reversed.
