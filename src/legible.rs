@@ -79,7 +79,7 @@ pub fn json(text: &str) -> Cow<'_, str> {
     Cow::Owned(shown)
 }
 
-/// Appends a character to `to`, or its escape if the character has an effect.
+/// Appends a character to `to`, or its escape if the character [`acts`].
 fn show(c: char, to: &mut String) {
     match c {
         '\n' | '\r' | '\t' => to.extend(c.escape_default()),

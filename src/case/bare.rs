@@ -1,7 +1,7 @@
 //! Finds numbers without a unit as values of keys that require a unit.
 //!
-//! A number without a unit is read as SI, with a warning: if 406 was meant in micrometres, the sphere has 406 metres.
-//! There is no warning for keys without a unit, or for the number 0, which is equal in every unit.
+//! A number without a unit is read as SI, with a warning: a diameter of 406 that was meant in micrometres is read as
+//! 406 m. There is no warning for keys without a unit, or for the number 0, which is equal in every unit.
 
 use super::diagnostic::Diagnostic;
 use super::keys::{inner, root, unit};

@@ -295,7 +295,7 @@ impl Case {
     }
 }
 
-/// Case after all changes: the tree of values, the typed values, and the source texts.
+/// Case after all changes: as a tree of values, as a [`CaseFile`], and its source texts.
 struct Merged {
     tree: CaseNode,
     file: CaseFile,

@@ -35,7 +35,8 @@ struct Parts<const K: usize> {
     largest: [f64; K],
 }
 
-/// Computes the partial sums of the T columns that begin with column `at`. The registers of a processor limit T.
+/// Computes the partial sums of T columns, beginning with column `at`. For speed, T must be so small that the sums fit
+/// into the registers of a processor.
 #[inline(always)]
 fn columns<const T: usize, const K: usize>(rows: &[[f64; K]], at: usize, parts: &mut Parts<K>) {
     let of = |row: &[f64; K]| -> [f64; T] { from_fn(|k| row[at + k]) };
@@ -233,8 +234,8 @@ pub fn sum<T: Sync>(items: &[T], of: impl Fn(&T) -> f64 + Sync) -> ExactSum {
     sum_and_largest(items, of).0
 }
 
-/// Exact sum of the numbers that `of` returns for the items, and their largest number. This is at least 0, and infinite
-/// if a number is NaN.
+/// Exact sum of the numbers that `of` returns for the items, and the largest number. The largest number is at least 0,
+/// and infinite if a number is NaN.
 pub fn sum_and_largest<T: Sync>(items: &[T], of: impl Fn(&T) -> f64 + Sync) -> (ExactSum, f64) {
     let piece = |items: &[T]| {
         let (mut sums, mut numbers) = (none::<LANES>(), [0.0; BLOCK * LANES]);

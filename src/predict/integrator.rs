@@ -62,7 +62,7 @@ pub struct Realised {
     pub least: f64,
     /// Largest restitution over all phases.
     pub largest: f64,
-    /// Mean square of the restitution over the phases, on which the energy of a gas depends.
+    /// Mean square of the restitution over the phases. It determines the energy that a gas loses in collisions.
     pub mean_square: f64,
 }
 

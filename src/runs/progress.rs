@@ -49,7 +49,7 @@ struct Board {
     said: Instant,
 }
 
-/// Way in which progress is shown.
+/// Form in which progress is displayed: nothing, a bar, or lines of text.
 enum ProgressDisplay {
     Silent,
     Bar(ProgressBar),

@@ -3,24 +3,23 @@
 use super::{COLUMNS, ForeignReader, Lines};
 use crate::case::diagnostic::Diagnostic;
 
-/// Index in [`COLUMNS`] of the x component of the position. The next constants are the indices of other properties, for
-/// vectors that of the x component.
+/// Index of the x component of the position in [`COLUMNS`].
 const POSITION: usize = 0;
-/// Index of the velocity.
+/// Index of the x component of the velocity in [`COLUMNS`].
 pub const VELOCITY: usize = 3;
-/// Index of the diameter.
+/// Index of the diameter in [`COLUMNS`].
 pub const DIAMETER: usize = 6;
-/// Index of the species.
+/// Index of the species in [`COLUMNS`].
 pub const SPECIES: usize = 7;
-/// Index of the spin.
+/// Index of the x component of the spin in [`COLUMNS`].
 pub const SPIN: usize = 9;
-/// Index of the radius.
+/// Index of the radius in [`COLUMNS`].
 pub const RADIUS: usize = 12;
-/// Index of the density.
+/// Index of the density in [`COLUMNS`].
 pub const DENSITY: usize = 13;
-/// Index of the mass.
+/// Index of the mass in [`COLUMNS`].
 pub const MASS: usize = 14;
-/// Index of the momentum.
+/// Index of the x component of the momentum in [`COLUMNS`].
 pub const MOMENTUM: usize = 15;
 /// Names of columns with the numbers of periodic images of the box. These columns are ignored, because positions within
 /// the box are sufficient.
