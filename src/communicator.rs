@@ -22,7 +22,7 @@ pub trait Communicator: Send + Sync {
     /// Replaces each number by its sum over all processes.
     fn sum(&self, numbers: &mut [i64]);
 
-    /// Replaces each value by the largest of the values that the processes have at its place in the list.
+    /// Replaces each value by the largest value that any process has at its index.
     fn largest(&self, values: &mut [f64]);
 
     /// True if this process is the lead.

@@ -14,8 +14,8 @@ pub struct Domain {
     pub size: Vector3<f64>,
     /// True for each axis along which the box is periodic.
     pub periodic: [bool; 3],
-    /// [m] half the edge length along periodic axes, infinity along other axes. If two particles are farther apart than
-    /// this along an axis, another periodic image is nearer.
+    /// [m] half the edge length along periodic axes, infinity along others. If two particles are farther apart along an
+    /// axis, another periodic image is nearer.
     #[serde(skip)]
     pub(crate) half: Vector3<f64>,
     /// [m²] square of the shortest half edge length. If two particles are nearer than this length, no periodic image is

@@ -69,9 +69,8 @@ pub struct Couple {
     pub other: Other,
 }
 
-/// Time at which the relative position and velocity of two bodies are computed. It is relative to the time at which the
-/// positions and velocities of the particle store are valid. The store may be in a falling frame, so two times of fall
-/// are also given. All times are in s.
+/// Time at which the relative position and velocity of two bodies are computed, relative to the time of the particle
+/// store. The store may be in a falling frame, so two times of fall are also given. All times are in s.
 ///
 /// Engines move particles in the frame that falls freely with gravity, in which gravity does not affect pairs. A wall
 /// does not fall, so the motion of a particle relative to a wall includes gravity.
@@ -133,8 +132,7 @@ pub struct WallMotion {
 }
 
 impl WallMotion {
-    /// [W] power that the moving wall transfers to the particle by a force [N] and by a torque `couple` [N m] on the
-    /// particle.
+    /// [W] power of the moving wall on the particle, by a force [N] and a torque `couple` [N m] on the particle.
     #[inline(always)]
     pub fn power(&self, force: &Vector3<f64>, couple: Option<&Vector3<f64>>) -> f64 {
         force.dot(&self.velocity) + couple.map_or(0.0, |couple| couple.dot(&self.spin))

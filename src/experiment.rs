@@ -51,7 +51,7 @@ pub enum Spheres {
     Hard,
     /// Hard spheres where two particles meet alone, soft spheres with this contact law elsewhere.
     Hybrid(ContactLaw),
-    /// Spheres whose collision pairs are drawn at random (direct simulation Monte Carlo).
+    /// Spheres whose collision pairs are drawn at random.
     Dsmc,
 }
 
@@ -302,7 +302,7 @@ pub struct DsmcSettings {
 }
 
 impl Default for DsmcSettings {
-    /// Settings with the Enskog factor, cells chosen by the program, and time steps of a fifth of the mean free time
+    /// Settings with the Enskog factor, automatic cells, and steps of a fifth of the mean free time
     /// (docs/design/dsmc.md).
     fn default() -> Self {
         Self { enskog: true, cells: None, step: 0.2 }

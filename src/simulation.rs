@@ -396,7 +396,7 @@ impl Simulation {
         answer
     }
 
-    /// Applies drag alone for `duration` [s]. The kick with this `number` has its own random numbers of the turbulence.
+    /// Applies drag alone for `duration` [s]; `number` is the number of the kick, which determines its random numbers.
     fn kick(&mut self, duration: f64, number: u64) {
         let Some(fluid) = &self.scene.fluid else { return };
         let Some(law) = &fluid.drag else { return };

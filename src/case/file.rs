@@ -9,9 +9,9 @@
 //! key. Attributes of the field contain an example and, where needed, the `default` (or `x-default` in words) and these
 //! rules, which the reader of a case applies (`case/rules.rs`):
 //! - `x-range`: the range of a number, in the words of the message about a number out of range;
-//! * - `x-required`: the condition under which the key is required. It is `always`, or `or` with the keys that can
+//! - `x-required`: the condition under which the key is required. It is `always`, or `or` with the keys that can
 //!   replace it. Other conditions are applied by the code that resolves the key;
-//! * - `x-one-of`: the name of a group of keys, of which a table may contain only one. A key from a later source
+//! - `x-one-of`: the name of a group of keys, of which a table may contain only one. A key from a later source
 //!   replaces the key of its group from an earlier source.
 //!
 //! An example that is a list is given by `extend("examples" = [[…]])`, because the attribute `example` of schemars

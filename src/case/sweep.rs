@@ -111,8 +111,8 @@ impl Case {
         Ok(axes)
     }
 
-    /// Variants of the case at one point of a sweep. `at` contains, for each axis, the index of the value at this
-    /// point. If `seed` is given, it replaces that of the case.
+    /// Variants of the case at one point of a sweep. `at` contains, for each axis, the index of the value. If `seed` is
+    /// given, it replaces that of the case.
     ///
     /// # Errors
     /// Errors of [`variants`](Self::variants).

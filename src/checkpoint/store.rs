@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 /// same time, `-` and a checksum of the run follow each name.
 const GENERATIONS: [&str; 2] = ["a", "b"];
 
-/// Prefix of the names of files with the final states, or the results, of finished runs.
+/// Prefix of the names of files that contain finished runs.
 const DONE: &str = "done-";
 
 /// Stored data of one run.
@@ -51,8 +51,8 @@ impl Store {
         Self { place: folder.join(CHECKPOINT), generations: GENERATIONS.map(String::from), next: 0 }
     }
 
-    /// Creates the store for one of several runs that are done at the same time. The subfolder is the same, but the
-    /// states of this run have separate files.
+    /// Creates the store for one of several runs that are done at the same time. Its states have separate files in the
+    /// same subfolder.
     pub fn for_run(&self, run: &RunIdentity) -> Self {
         let generations = GENERATIONS.map(|name| format!("{name}-{}", run.file_name()));
         Self { place: self.place.clone(), generations, next: 0 }

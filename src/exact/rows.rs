@@ -35,8 +35,8 @@ struct Parts<const K: usize> {
     largest: [f64; K],
 }
 
-/// Computes the partial sums of T columns, beginning with column `at`. For speed, T must be so small that the sums fit
-/// into the registers of a processor.
+/// Computes the partial sums of T columns, beginning with column `at`. The sums must fit into the registers of a
+/// processor.
 #[inline(always)]
 fn columns<const T: usize, const K: usize>(rows: &[[f64; K]], at: usize, parts: &mut Parts<K>) {
     let of = |row: &[f64; K]| -> [f64; T] { from_fn(|k| row[at + k]) };

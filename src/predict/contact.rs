@@ -215,8 +215,7 @@ impl ContactKind {
         law.greatest_overlap(&self.spring(law), speed)
     }
 
-    /// [-] overlap number κ_n of this kind of contact under a contact law: largest overlap without damping over the
-    /// diameter.
+    /// [-] overlap number κ_n of this kind of contact: largest overlap of an elastic impact at u_r, over the diameter.
     pub fn kappa(&self, law: &ContactLaw) -> f64 {
         let elastic = law.between(&Bodies { restitution: 1.0, ..self.bodies });
         law.greatest_overlap(&elastic, self.speeds.of_random_pairs()) / self.diameter
@@ -279,8 +278,7 @@ pub struct ContactTimes {
 }
 
 impl ContactTimes {
-    /// Computes the shortest contact times of an experiment with `particles` particles under a contact law. They are
-    /// those of the fastest impacts.
+    /// Computes the shortest contact times of an experiment with `particles` particles, at the fastest impacts.
     pub fn of(experiment: &Experiment, law: &ContactLaw, particles: usize) -> Self {
         // contacts of the smallest possible spheres are the shortest
         let extremes = experiment.scene.at_extremes();

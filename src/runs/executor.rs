@@ -162,9 +162,8 @@ impl<'a> Executor<'a> {
     }
 
     /// Does the runs at these indices at the same time, in all processes and as many as there are threads. Results do
-    /// not depend on the number of threads or processes. `finished` is called with the index and the result of each
-    /// run, in the order in which runs end. If the user stops the command, unfinished runs are stored, and `finished`
-    /// is not called for them.
+    /// not depend on these numbers. `finished` is called with the index and the result of each run, in the order in
+    /// which runs end. If the user stops the command, unfinished runs are stored and left out.
     ///
     /// # Errors
     /// The first error of `finished`; a run could not begin, or its stored state belongs to another run; a result

@@ -168,7 +168,7 @@ fn crew<'scope, 'env, A: Send + 'scope>(
             loop {
                 let index = indices.lock().unwrap_or_else(PoisonError::into_inner).recv();
                 let Ok(index) = index else { break };
-                // without a receiver, the results of further runs would be lost, so no further run is begun
+                // without a receiver, the results of further runs would be lost
                 if answered.send((index, pool.install(|| run(index)))).is_err() {
                     break;
                 }

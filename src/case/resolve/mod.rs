@@ -41,7 +41,7 @@ pub(super) use table::leads_out;
 pub(crate) use table::read_text;
 use table::{read_bytes, text_of};
 
-/// Choices for a variant that are not read from the tables of the case: those of the command line and of `[[compare]]`.
+/// Choices for a variant that are made on the command line or in `[[compare]]`.
 #[derive(Clone, Debug, Default)]
 pub struct VariantChoice {
     /// Collision model, if the command line or the variant gives one.
@@ -177,8 +177,7 @@ impl Resolver {
     }
 
     /// [SI] value of a key that fulfils the condition `good`. Otherwise the error contains the `allowed` range and the
-    /// remedy `help`. Ranges that depend on other keys are checked by this function; fixed ranges are declared with the
-    /// key.
+    /// remedy `help`. This function checks ranges that depend on other keys; fixed ranges are declared with the key.
     fn checked<const M: i8, const K: i8, const S: i8>(
         &self,
         value: &Located<Quantity<M, K, S>>,

@@ -14,9 +14,9 @@ use std::ops::ControlFlow;
 /// [-] largest overlap over the smaller diameter that counts as the rounding error of two touching bodies. Positions
 /// written after a long run have this accuracy.
 const ROUNDING: f64 = 1e-9;
-/// Number of close pairs per particle above which a start is refused without examining the rest. Close pairs are those
-/// in one cell or in neighbouring cells, which are one diameter wide. Equal spheres without overlap fill them to 0.74
-/// at most, so each has fewer than 40 others near it.
+/// Number of close pairs per particle above which a start is refused without examining the rest. Close particles are in
+/// one cell or in neighbouring cells, one diameter wide. Without overlap, at most 0.74 of these cells is filled, so
+/// that an equal sphere has fewer than 40 others near it.
 const ENOUGH: usize = 100;
 /// [-] largest overlap over the smaller diameter with which the soft engine starts from positions given by the user.
 /// The particles then start within a contact.

@@ -44,7 +44,7 @@ impl std::fmt::Display for Traffic {
     }
 }
 
-/// End of the channel in the thread of the run. Through this end the thread sends requests to the thread of MPI.
+/// End of the channel in the thread of the run, through which this thread sends requests to the thread of MPI.
 struct LineEnd {
     rank: usize,
     size: usize,

@@ -112,7 +112,7 @@ impl ForeignReader<'_> {
         number.map(Some).ok_or_else(wrong)
     }
 
-    /// Three numbers in consecutive columns, from column `first` on; `None` if the file lacks these columns.
+    /// Three numbers in consecutive columns from `first` on; `None` if the file lacks them.
     fn vector(&self, cells: &Cells, first: usize, origin: &Origin) -> Result<Option<Vector3<f64>>, Diagnostic> {
         let mut vector = Vector3::zeros();
         for axis in 0..3 {
@@ -128,7 +128,7 @@ impl ForeignReader<'_> {
         Ok(self.number(cells, RADIUS, origin)?.or(half))
     }
 
-    /// [kg] mass of a particle. If the file does not give it, it is computed from size and density, if these are given.
+    /// [kg] mass of a particle; if the file does not give it, that of a sphere of the given size and density.
     fn mass(&self, cells: &Cells, origin: &Origin) -> Result<Option<f64>, Diagnostic> {
         let (radius, density) = (self.radius(cells, origin)?, self.number(cells, DENSITY, origin)?);
         let of_sphere = radius.zip(density).map(|(radius, density)| 4.0 / 3.0 * PI * radius.powi(3) * density);
@@ -140,8 +140,7 @@ impl ForeignReader<'_> {
         Ok(mass)
     }
 
-    /// [m/s] velocity of a particle. If the file does not give it, it is the momentum over the mass, if these are
-    /// given.
+    /// [m/s] velocity of a particle; if the file does not give it, its momentum over its mass.
     fn velocity(&self, cells: &Cells, mass: Option<f64>, origin: &Origin) -> Result<Option<Vector3<f64>>, Diagnostic> {
         let of_momentum = self.vector(cells, MOMENTUM, origin)?.zip(mass).map(|(momentum, mass)| momentum / mass);
         Ok(self.vector(cells, VELOCITY, origin)?.or(of_momentum))

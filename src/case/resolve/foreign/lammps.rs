@@ -19,7 +19,7 @@ struct Atoms {
     lines: Range<usize>,
 }
 
-/// Contents of a data file except the lines of the atoms, which are read afterwards.
+/// Contents of a data file, except the lines of the atoms.
 #[derive(Default)]
 struct Outline<'a> {
     /// [m] lower corner of the box; `high` is the upper corner.
@@ -129,7 +129,7 @@ impl ForeignReader<'_> {
         Ok(found)
     }
 
-    /// Reads a section into `found`. `header` is the index of its header line, and `body` are those of its other lines.
+    /// Reads the section with the header line `header` and the other lines `body` into `found`.
     fn section<'a>(
         &self,
         lines: &Lines<'a>,
