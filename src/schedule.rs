@@ -153,7 +153,7 @@ impl Schedule {
         best.filter(|best| (best.windows() as f64) < (1.0 - WORTH) * self.windows() as f64).unwrap_or(self)
     }
 
-    /// Number of the shortest windows that are merged into the next window, after `done` shortest windows.
+    /// Number of the shortest windows that make up the next window. `done` of the shortest windows precede it.
     pub fn together(&self, done: u64) -> u64 {
         let sample = done / self.windows_per_sample.max(1);
         1 << self.longer.iter().flatten().filter(|first| **first <= sample).count()

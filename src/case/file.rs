@@ -412,7 +412,7 @@ pub struct CompareFile {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SweepFile {
-    /// Full name of the key.
+    /// Full path of the key that is varied.
     #[schemars(example = &"soft.linear_spring_dashpot.stiffness", extend("x-required" = "always"))]
     pub key: Option<Located<String>>,
     // the values are taken from the tree of the case, which contains the source positions

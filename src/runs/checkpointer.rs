@@ -37,7 +37,7 @@ pub struct Checkpointer {
     resumed: bool,
     /// Command that resumes the stopped command, for messages.
     remedy: String,
-    /// Treatment of the end of a run, which differs if several processes do the runs.
+    /// Form in which the end of a run is stored or sent; it depends on the processes that do the runs.
     ends: Ends,
 }
 

@@ -21,7 +21,7 @@ enum Call {
 pub struct Traffic {
     /// Number of messages from this process to single other processes.
     pub messages: u64,
-    /// [bytes] size of these messages to single processes.
+    /// [bytes] total size of the messages to single other processes.
     pub bytes: u64,
     /// Number of calls in which all processes took part.
     pub calls: u64,
