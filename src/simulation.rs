@@ -40,8 +40,8 @@ use std::time::Duration;
 use totals::SimulationTotals;
 use turbulence::TurbulentKick;
 
-/// Smallest number of particles for which the drag law is tabulated. Making the table takes as long as some dozen kicks
-/// of so many particles, and a run makes hundreds of kicks.
+/// Smallest number of particles for which the drag law is tabulated. Making the table takes as long as several dozen
+/// kicks of this number of particles, and a run makes hundreds of kicks.
 const TABULATE: usize = 1000;
 
 /// A simulation of one variant: the particles, the engine that moves them, and the records of the run.
@@ -69,7 +69,7 @@ const TABULATE: usize = 1000;
 /// # Ok::<(), diptych::Failure>(())
 /// ```
 pub struct Simulation {
-    /// Particles that this process holds.
+    /// Particles stored in this process.
     pub particles: Particles,
     /// Collisions and other records since the start.
     pub record: Record,
@@ -93,20 +93,21 @@ pub struct Simulation {
     by_walls: Vector3<f64>,
     /// Connection to the other processes that share the run; `None` if there are no others.
     share: Option<SharedSimulation>,
-    /// Description of the particles gathered from all processes, while these replace those of the lead process.
+    /// Data of the particles gathered from all processes, as long as the gathered particles replace those of the lead
+    /// process.
     shown: Option<GatheredParticles>,
     /// True if the drag of the last window has been applied completely, so that velocities and positions belong to one
     /// time.
     half_kicked: bool,
-    /// Failure that is returned by the next run because the soft time step is too long.
+    /// Failure that the next run returns: a violated contract of the contact law, or a soft time step that is too long.
     refused: Option<Failure>,
     /// Limit of the growth of the energy by errors of the soft scheme.
     bound: Option<Bound>,
-    /// [J] elastic energy of the initial overlaps, until the engine has processed the start (soft).
+    /// [J] elastic energy of the initial overlaps, until the soft engine has processed the start.
     unseen: Option<f64>,
 }
 
-/// Wall time spent in each part of a simulation, by the given clock; zero without a clock.
+/// Wall time spent in each part of a simulation, measured by the clock of the simulation; zero without a clock.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SimulationTimes {
     /// Time spent in the engine.
@@ -132,13 +133,13 @@ impl Simulation {
         Self::of(experiment, particles, None)
     }
 
-    /// Creates a simulation of particles. With `others`, each process has a part of them.
+    /// Creates a simulation of particles. With `others`, `particles` is the part of them that this process has.
     fn of(experiment: &Experiment, particles: Particles, others: Option<&dyn Communicator>) -> Self {
         let sample = Sample::part(&particles, others);
         let totals = SimulationTotals::of(&sample);
         let (engine, step) = (engine(experiment, totals.count), soft_step(experiment, totals.count));
         let soft = experiment.model().has_contacts() && may_touch(experiment, totals.count);
-        // contacts that do not end give no limit: the step is then at most the whole run
+        // contacts that do not end set no limit: the step is then the duration of the run
         let step = step.min(experiment.run.duration);
         let may_run = experiment.soft.allow_unstable || experiment.soft.integrator == Integrator::Rk2;
         let broken = if soft { broken_contract(experiment, totals.count) } else { None };
@@ -214,8 +215,8 @@ impl Simulation {
     /// Runs `windows` windows of `window` [s] each. At the end, velocities and positions belong to the same time.
     ///
     /// # Errors
-    /// The engine's failure, an escape, an unstable soft time step, or an energy that grew beyond what the scheme
-    /// explains. The state is then the one at which the failure was detected.
+    /// A failure of the engine, a particle that left the domain, an unstable soft time step, or energy that grew more
+    /// than errors of the scheme explain. The state is then that at which the failure was detected.
     pub fn run(&mut self, windows: u64, window: f64) -> Result<(), Failure> {
         let result = self.run_while(windows, window, &mut |_, _| true).map(drop);
         self.show(1);
@@ -290,8 +291,8 @@ impl Simulation {
         in_order(self.particles.clone(), &self.scene)
     }
 
-    /// Replaces the particles by those of [`state`](Self::state), without a copy. This method is for a simulation that
-    /// is over, because the engine requires its own order of the particles.
+    /// Replaces the particles by those of [`state`](Self::state), without a copy. Call this method only after the last
+    /// run, because the engine requires its own order of the particles.
     pub fn end(&mut self) {
         // the memory of the engine is freed before the particles are copied
         self.engine.forget();
@@ -365,9 +366,9 @@ impl Simulation {
         result
     }
 
-    /// Calls `show` during a run, with the missing half-kick of drag, `kick` [s], applied to the velocities. Afterwards
-    /// the velocities are restored, so that the next kick is a whole one and rounding does not depend on this call. If
-    /// each process has a part of the particles, all processes apply the half-kick.
+    /// Calls `show` during a run with the missing half-kick of drag applied to the velocities. `kick` [s] is the
+    /// duration of the half-kick. Afterwards the velocities are restored, so that the next kick is a whole one and this
+    /// call changes no rounding. If each process has a part of the particles, all processes apply the half-kick.
     pub fn look<T>(&mut self, kick: f64, show: impl FnOnce(&mut Self) -> T) -> T {
         let dragged = self.scene.fluid.as_ref().is_some_and(|fluid| fluid.drag.is_some());
         let kept = dragged.then(|| {
@@ -395,7 +396,7 @@ impl Simulation {
         answer
     }
 
-    /// Applies drag alone for the duration `duration` [s], as the kick with this number.
+    /// Applies drag alone for `duration` [s]; `number` is the number of the kick, which determines its random numbers.
     fn kick(&mut self, duration: f64, number: u64) {
         let Some(fluid) = &self.scene.fluid else { return };
         let Some(law) = &fluid.drag else { return };

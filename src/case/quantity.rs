@@ -2,7 +2,7 @@
 //!
 //! A quantity is a number and a product of units. Its dimension is checked against that of the key, and its value is
 //! converted to SI. A plain number (without quotes) is already in SI. The power of ten of a prefix is added to the
-//! decimal exponent before the number is read. Thus `"406 um"` is exactly the double nearest to 4.06e-4.
+//! decimal exponent of the text before the number is parsed. So `"406 um"` is exactly the double nearest to 4.06e-4.
 
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::{Deserialize, Deserializer, Error, Visitor};
@@ -216,13 +216,13 @@ pub fn unit(text: &str) -> Result<(Exponents, f64), QuantityError> {
     }
 }
 
-/// [SI] value of a text that is a quantity of any dimension with a name; `None` for other texts.
+/// [SI] value of a text that is a quantity of one of the named dimensions; `None` for other texts.
 pub fn value(text: &str) -> Option<f64> {
     DIMENSIONS.iter().find_map(|(dimension, ..)| parse(text, *dimension).ok())
 }
 
-/// Splits a text into the mantissa and the decimal exponent of its leading number, and the remaining text. Returns
-/// `None` if the text does not begin with a number.
+/// Splits a text into the mantissa and the decimal exponent of its leading number, and the rest of the text. `None` if
+/// the text does not begin with a number.
 fn split_number(text: &str) -> Option<(String, i64, &str)> {
     let mut mantissa = String::new();
     let mut digits = 0;

@@ -33,9 +33,9 @@ pub struct Transient {
 /// A fraction of the energy of agitation, and the time at which it is lost.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Loss {
-    /// [-] lost fraction of the kinetic energy of agitation at the start.
+    /// [-] fraction of the initial kinetic energy of agitation that is lost.
     pub share: f64,
-    /// [s] time of the loss, from the start.
+    /// [s] time from the start until this fraction is lost.
     pub time: f64,
 }
 
