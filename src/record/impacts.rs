@@ -19,9 +19,9 @@ pub struct Impact {
     pub maximum_overlap: f64,
     /// [s] overlap over the (smaller) diameter, integrated over the impact; 0 for a collision.
     pub overlap_time: f64,
-    /// The contact that was skipped, if an engine with contacts treated this impact as an instant.
+    /// Contact that this impact replaces, if an engine with lasting contacts computed the impact as instantaneous.
     pub left_out: Option<LeftOut>,
-    /// Slip of the surfaces before and after the impact, where spheres rotate.
+    /// Slip of the surfaces before and after the impact; `None` for spheres without rotation.
     pub slip: Option<SlipChange>,
 }
 
@@ -36,12 +36,12 @@ pub struct SlipChange {
     pub slides: bool,
 }
 
-/// [-] share of Coulomb's limit from which an impulse counts as at the limit. It was chosen for this program: time steps
-/// and tables of rebounds change an impulse by less.
+/// [-] ratio of the tangential impulse to Coulomb's limit μ J_n, from which the surfaces count as sliding all the time.
+/// The value was chosen for this program: errors of time steps and of rebound tables are smaller than 0.1 %.
 const AT_LIMIT: f64 = 0.999;
 
 impl SlipChange {
-    /// Slip before and after an impact, with the tangential impulse [kg m/s] and its `limit` μ J_n [kg m/s].
+    /// Makes the record from the slips [m/s], the tangential impulse [kg m/s] and its `limit` μ J_n [kg m/s].
     pub fn new([before, after]: [f64; 2], impulse: f64, limit: f64) -> Self {
         Self { before, after, slides: impulse >= AT_LIMIT * limit }
     }
@@ -95,8 +95,8 @@ impl Slips {
     }
 }
 
-/// The contact that an engine skipped by treating the impact as an instant. Its values are those of an isolated contact
-/// with the contact law.
+/// Contact that an engine replaced by an instantaneous impact. The values are those of an isolated contact under the
+/// contact law.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct LeftOut {
     /// [s] duration of the contact.
@@ -105,12 +105,12 @@ pub struct LeftOut {
     pub overlap: f64,
 }
 
-/// Sums over contacts that were treated as instants.
+/// Sums over contacts that an engine replaced by instantaneous impacts.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct InstantaneousContacts {
     /// Number of contacts.
     pub count: u64,
-    /// [-] largest overlap of any of these contacts, had they lasted, over the (smaller) diameter.
+    /// [-] largest overlap that any of these contacts would have reached, over the (smaller) diameter.
     pub largest_overlap: f64,
     duration: ExactSum,
     overlap: ExactSum,
@@ -133,7 +133,7 @@ pub struct Impacts {
     pub restitution: Histogram,
     /// [s] durations of the contacts.
     pub duration: Histogram,
-    /// Impacts that an engine with contacts treated as instants.
+    /// Contacts that an engine replaced by instantaneous impacts.
     pub instants: InstantaneousContacts,
     /// Slips of impacts between bodies that rotate.
     pub slips: Slips,
@@ -292,8 +292,8 @@ pub struct Summary {
     /// [m/s] mean normal speed of approach.
     pub mean_normal_speed: Option<f64>,
     /// [-] realised restitution: square root of the normal kinetic energy after the impacts over that before them, each
-    /// summed over all impacts. Grazing impacts, whose normal turns during the contact, then count only by their
-    /// energy.
+    /// summed over all impacts. The energy is the weight of an impact, so grazing impacts count little. (Their normal
+    /// turns during the contact.)
     pub mean_restitution: Option<f64>,
     /// [-] realised tangential restitution β, as in [`Slips::restitution`]; `None` also where spheres do not rotate.
     #[serde(skip_serializing_if = "Option::is_none")]

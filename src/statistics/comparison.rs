@@ -138,7 +138,7 @@ pub fn compare(a: &[Observable], b: &[Observable], margin: f64, levels: ErrorLev
     Comparison { answer, margin, judged, unknown }
 }
 
-/// Margin and error levels of the tests of one among several observables.
+/// Margin and error levels for the test of one observable among several.
 struct EquivalenceTest {
     margin: f64,
     /// [-] level of the test for a difference in one observable.

@@ -47,7 +47,7 @@ impl ProfileTable {
     }
 
     /// Averages of several runs of one variant, pooled: means over the runs, with errors from the blocks of all runs. A
-    /// value that is missing in one run is unknown. `by_runs` has the meaning that it has in [`Batches::pool`].
+    /// value that is missing in one run is unknown. For `by_runs` see [`Batches::pool`].
     pub fn pool(runs: &[&Self], by_runs: bool) -> Self {
         let Some(first) = runs.first() else { return Self::default() };
         let batches = |slice: usize| -> Vec<Option<Batches>> {

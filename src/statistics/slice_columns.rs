@@ -3,7 +3,7 @@
 use super::modes::Parity;
 use super::spin_sums::SPIN_QUANTITIES;
 
-/// Number of quantities of a slice that are averages over places and velocities. They come first.
+/// Number of slice quantities computed from positions and velocities, the first in [`SLICE_COLUMNS`].
 pub const VELOCITY_QUANTITIES: usize = 20;
 /// Number of quantities averaged in each slice.
 pub const SLICE_QUANTITIES: usize = VELOCITY_QUANTITIES + SPIN_QUANTITIES;
@@ -36,12 +36,12 @@ pub const WW: SliceColumn = SLICE_COLUMNS[6];
 /// Shear stress <u''v''>.
 pub const UV: SliceColumn = SLICE_COLUMNS[7];
 
-/// Mean spin along x, across stream and wall normal: the spin that a sheared stream causes.
+/// Mean spin along x (spanwise), the spin component that a sheared stream causes.
 pub const MEAN_SPIN_X: SliceColumn = SLICE_COLUMNS[20];
 /// Rotational temperature T_r.
 pub const ROTATIONAL_TEMPERATURE: SliceColumn = SLICE_COLUMNS[23];
 
-/// Columns of scenes whose spheres rotate, or of others.
+/// Columns for scenes with spheres that rotate (`rotating`), or for other scenes.
 pub fn slice_columns(rotating: bool) -> &'static [SliceColumn] {
     if rotating { &SLICE_COLUMNS } else { &SLICE_COLUMNS[..VELOCITY_QUANTITIES] }
 }
@@ -57,7 +57,8 @@ pub fn spin_components() -> impl Iterator<Item = SliceColumn> {
 }
 
 /// All columns of a slice in their order: density ratio, mean velocities, second and third central moments; mean spins,
-/// rotational temperature and its parts. A spin is an axial vector: a mirror turns its parts along the mirror.
+/// rotational temperature and its parts. A spin is an axial vector: a reflection reverses the spin components parallel
+/// to the mirror plane.
 pub const SLICE_COLUMNS: [SliceColumn; SLICE_QUANTITIES] = {
     use Parity::{Even, Odd};
     let columns = [

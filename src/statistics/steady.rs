@@ -6,15 +6,15 @@ use serde::Serialize;
 /// Number of samples per batch in the marginal standard error rule. Averaging in batches reduces the influence of
 /// chance.
 const BATCH: usize = 5;
-/// Number of standard errors [-] beyond which a difference counts as drift. About a dozen series are judged, with
-/// errors of about ten degrees of freedom. The number was found from 400 steady channels and gases:
+/// [-] number of standard errors beyond which a difference counts as drift. About a dozen series are tested, and their
+/// errors have about ten degrees of freedom. The number was found from 400 steady channels and gases:
 /// docs/theory/statistics.md, "Steady or not".
 pub const LARGEST_DRIFT: f64 = 4.0;
-/// Drift in standard errors [-] beyond which a start of averaging at the limit of half the run is not accepted. By
-/// chance the start is seldom at the limit, and such a drift together with it is rarer still.
+/// [-] drift, in standard errors, beyond which a start of averaging is rejected if it lies at its limit, half of the
+/// run. Chance alone seldom gives such a start, and even more seldom together with such a drift.
 const SUSPECT: f64 = 2.0;
-/// [-] share by which the variance of the mean must decrease if samples at the start are dropped. Noise alone gives a
-/// decrease of a few per cent.
+/// [-] smallest relative decrease of the variance of the mean for which samples at the start are dropped. Noise alone
+/// gives a decrease of a few per cent.
 const WORTH: f64 = 0.1;
 
 /// Result of the test for a steady state, for several series together.
@@ -39,13 +39,14 @@ pub struct SteadySeries<'a> {
     /// Scale of the changes, in the unit of the observable. Regular changes below a thousandth of this scale do not
     /// count. If the scale is 0, every change counts.
     pub scale: f64,
-    /// Smallest drift that counts, in the unit of the observable. If it is 0, every drift counts.
+    /// Largest difference between the two halves that does not count as drift, in the unit of the observable. If it is
+    /// 0, every difference counts.
     pub step: f64,
 }
 
 impl SteadySeries<'_> {
-    /// First `count` values. All are set to 0 if they differ by no more than the rounding of a long run, as the values
-    /// of a conserved mean velocity do. Rounding errors add up like a random walk, which would otherwise count as a
+    /// First `count` values. If they differ by no more than the rounding of a long run, all are set to 0. An example is
+    /// a conserved mean velocity: its rounding errors add up like a random walk, which would otherwise count as a
     /// drift.
     fn without_rounding(&self, count: usize) -> Vec<f64> {
         /// [-] share of the scale that is attributed to rounding: a hundred times the error of 10^4 roundings of
@@ -90,8 +91,8 @@ pub fn judge(times: &[f64], series: &[SteadySeries], from: Option<f64>) -> Stead
     }
 }
 
-/// Number of samples to drop at the start, and true if the relaxation continues beyond the limit of half the run. This
-/// is so if the number is at the limit and the values show a drift even after half of these samples are dropped.
+/// Number of samples to drop at the start, and true if the initial relaxation lasts longer than half of the run. This
+/// is so if the number is at its limit and the values still drift after half of these samples are dropped.
 fn start(values: &[f64], series: &SteadySeries) -> (usize, bool) {
     let (start, at_limit) = truncation(values);
     let drifts = || series.drift(&values[start / 2..]).is_some_and(|drift| drift > SUSPECT);

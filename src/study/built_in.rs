@@ -7,7 +7,7 @@ use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
-/// [characters] longest name of a case for which the questions of all cases are indented to the right of the names.
+/// [characters] width of the column of case names; the questions of the cases are printed to its right.
 const NAMES: usize = 30;
 
 /// Prints the built-in cases with their questions, and the sets of values.
@@ -37,7 +37,7 @@ fn question(heading: &str) -> Option<String> {
     Some(after[..end].split_whitespace().collect::<Vec<_>>().join(" "))
 }
 
-/// Writes a built-in case to a new file, and the files that the case names to the folder of this file.
+/// Writes a built-in case to a new file, and the files named in the case to the same folder.
 ///
 /// # Errors
 /// There is no such case, or the file exists or cannot be written: bad input.
@@ -59,7 +59,7 @@ pub fn init(args: &Init) -> Result<(), StudyError> {
     write(&path, case.text.as_bytes(), "another file")?;
     for (name, bytes) in built_in::files_of(&case) {
         let beside = path.with_file_name(&name);
-        // if a file with equal contents exists, written for another case that also names it, it is used for both cases
+        // a file with equal contents, written for another case, serves both cases
         if std::fs::read(&beside).is_ok_and(|there| there == bytes) {
             continue;
         }

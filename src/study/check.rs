@@ -26,8 +26,8 @@ const EFFORT: u64 = 5_000_000;
 /// Smallest limit of the number of rounds over all particles. Ten rounds are enough where insertion is quick.
 const ROUNDS: u64 = 20;
 
-/// Largest number of kinds of contact that are listed. The listed ones are those with the shortest contacts, on which
-/// the time step depends.
+/// Largest number of kinds of contact in the list. The list contains the kinds with the shortest contacts, on which the
+/// time step depends.
 const LISTED: usize = 20;
 
 /// Checks a case and prints the runs that it defines.
@@ -114,7 +114,7 @@ struct CheckedVariant {
 }
 
 impl CheckReport {
-    /// Checks a case. If one model cannot run a case that `run` accepts, the report says so, with the reason.
+    /// Checks a case. If one model cannot run a case that `run` accepts, the report gives the reason.
     fn of(case: &Case) -> Result<Self, Diagnostic> {
         let sweep = varied(case)?;
         let (run, variants) = (case.experiment(None, None), case.variants(None));

@@ -146,8 +146,7 @@ impl VariantComparison<'_> {
     }
 }
 
-/// True if more replicas would not change the answers: every comparison is decided, or all replicas of a variant
-/// stopped.
+/// True if the comparison can end: every comparison is decided, or a replica of some variant stopped early.
 fn is_decided(findings: &VariantFindings) -> bool {
     let stopped = findings.outcomes.iter().any(|one| one.failure.is_some());
     stopped || findings.comparisons.iter().all(|one| one.answer != Answer::Unresolved)

@@ -7,8 +7,8 @@ use crate::predict::gas;
 use crate::statistics::{Estimate, UU, VV, WW};
 use crate::study::judge::not_steady;
 
-/// [-] difference between the given and the realised restitution from which on a note is written. Restitution is given
-/// to two digits, and this is half of the last digit.
+/// [-] smallest difference between the given and the realised restitution for which a note is written. Restitution is
+/// given to two digits, and this is half of the last digit.
 pub(super) const MISS: f64 = 0.005;
 
 /// One sentence on a run: its length, wall time and impacts, or its failure.

@@ -1,10 +1,10 @@
-//! Expected and remaining wall time of a chart. It is printed for the user and has no other use.
+//! Expected and remaining wall time of a chart, for progress messages only.
 
 use crate::runs::INTERVAL;
 use crate::simulation::Simulation;
 use std::time::Instant;
 
-/// [-] weight of the first estimate, compared with the times measured since, as a share of the chart.
+/// [-] weight of the initial estimate against the measured wall times, as a share of the wall time of the chart.
 const PRIOR: f64 = 0.05;
 
 /// Runs of a chart, the wall time expected of each, and the progress so far.
@@ -20,7 +20,7 @@ pub struct Outlook {
 }
 
 impl Outlook {
-    /// Progress whose lines are passed to `told`. With `None` nothing is printed or estimated.
+    /// Makes the progress, whose lines are passed to `told`. With `None` nothing is printed or estimated.
     pub fn new(told: Option<fn(&str)>) -> Self {
         let now = Instant::now();
         Self { told, expected: Vec::new(), done: 0, name: String::new(), began: now, said: now }
@@ -60,13 +60,13 @@ impl Outlook {
         self.name = name;
     }
 
-    /// An observer of a simulation that is a part of the present run: `before` [s] of the `whole` [s] were done
-    /// earlier.
+    /// Observer that prints the progress of a simulation within the present run. The run has the simulated time `whole`
+    /// [s], of which `before` [s] are done.
     pub fn watching(&mut self, before: f64, whole: f64) -> impl FnMut(&Simulation) {
         move |simulation| self.within((before + simulation.time) / whole)
     }
 
-    /// Prints the completed share `part` [-] of the present run, if the last line is old enough.
+    /// Prints the completed share `part` [-] of the present run, if the last line was printed long enough ago.
     fn within(&mut self, part: f64) {
         if self.said.elapsed() >= INTERVAL {
             self.tell(&format!("{}: {:.0} % of it{}", self.name, 100.0 * part, self.left(part)));

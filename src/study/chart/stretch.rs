@@ -24,8 +24,8 @@ const TRIAL: f64 = 0.02;
 
 /// [-] largest relative difference from a number of three digits at which a number is taken as that number.
 const ROUNDING: f64 = 1e-9;
-/// [-] longest duration tried, over that of the case. Longer durations are tried because windows grow with the
-/// duration.
+/// [-] longest tried duration, over the duration of the case. A longer run has longer windows, so the duration that is
+/// needed is found by trials.
 const LONGEST: f64 = 1e6;
 
 /// A piece of the simulated time of a case.
@@ -93,8 +93,8 @@ impl Stretch {
         ways
     }
 
-    /// Methods with the values of their parameters. Windows longer than that of the case are left out if a stretch
-    /// would have too few of them for error bars. No run has windows longer than itself.
+    /// Methods with the values of their parameters. Windows longer than in the case are left out if a stretch would
+    /// contain too few of them for error bars, or if they are longer than the stretch.
     pub fn sweeps(&self, quick: bool) -> Vec<MethodSweep> {
         let window = Schedule::new(&self.experiment).window;
         let longest = window.max(self.experiment.run.duration / FEWEST_BLOCKS as f64);
@@ -114,8 +114,8 @@ impl Stretch {
         experiment
     }
 
-    /// [s] expected wall time of every run, the references first, from a trial of each. In a gas, particles of the
-    /// trial are as agitated as the gas makes them in the case.
+    /// [s] expected wall time of every run, the references first, from a trial of each. In a gas, the trial starts with
+    /// the agitation that the gas causes.
     ///
     /// # Errors
     /// A start that cannot be made.
@@ -204,6 +204,6 @@ fn shortest(base: &Experiment, quick: bool) -> Option<f64> {
 /// A value rounded to three digits by `how`.
 fn rounded(value: f64, how: fn(f64) -> f64) -> f64 {
     let unit = 10f64.powi(value.log10().floor() as i32 - 2);
-    // through text, because a product with a power of ten is not the nearest number to these digits
+    // converted through text, because a product with a power of ten may differ from the nearest number in the last bit
     format!("{:.2e}", how(value / unit) * unit).parse().unwrap_or(value)
 }

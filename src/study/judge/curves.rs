@@ -9,8 +9,8 @@ use crate::output::numbers::{quantity, significant};
 use crate::statistics::{Answer, Batches, LEVEL, Observable, Parity, compare, two_sided};
 use std::borrow::Cow;
 
-/// Number of instants at which curves are compared. So many instants show the shape of a curve, and few instants keep
-/// the test of each one powerful.
+/// Number of instants at which curves are compared: enough to show the shape of a curve, and few enough for a powerful
+/// test at each instant.
 const INSTANTS: usize = 20;
 
 /// Smallest number of replicas of each variant for which errors are given.
@@ -80,7 +80,7 @@ fn row_at(run: &Outcome, time: f64) -> Option<&Row> {
     rows.get(place).filter(|row| (row.time - time).abs() <= 1e-9 * time)
 }
 
-/// [s] instants after the start at which all runs are compared, since all have reached them.
+/// [s] instants after the start that all runs have reached, at which they are compared.
 pub fn common(all: &[Vec<&Outcome>]) -> Vec<f64> {
     let Some(first) = all.iter().flatten().next() else { return Vec::new() };
     let runs: Vec<&&Outcome> = all.iter().flatten().collect();
@@ -90,7 +90,7 @@ pub fn common(all: &[Vec<&Outcome>]) -> Vec<f64> {
     (1..=count).map(|k| times[k * times.len() / count - 1]).collect()
 }
 
-/// Curves of all runs of a variant that also exist in the reference, with their scales. There are curves of all
+/// Curves of all runs of a variant, with their scales, as far as they exist in the reference. There are curves of all
 /// particles and of each species.
 pub fn observables(runs: &[&Outcome], references: &[&Outcome], times: &[f64]) -> Vec<Observable> {
     let kinds = references.first().map_or(&[][..], |reference| &reference.kinds.curves);
@@ -149,14 +149,14 @@ impl Of {
     }
 }
 
-/// Scale of a curve, in the unit of the curve: its largest magnitude in the reference, or for a velocity its largest
-/// change. `None` if this value does not exist.
+/// Scale of a curve, in the unit of the curve: its largest magnitude in the reference. For a velocity, it is the
+/// largest change, or the largest agitation if that is larger. `None` if the scale would be 0.
 fn scale(curve: &SeriesColumn, references: &[&Outcome], times: &[f64]) -> Option<f64> {
     let rows = || references.iter().flat_map(|run| times.iter().filter_map(|&time| row_at(run, time)));
     let largest = |of: fn(&Row) -> Option<f64>, start: f64| {
         rows().filter_map(of).fold(0.0_f64, |most, value| most.max((value - start).abs()))
     };
-    // a velocity depends on the frame of reference, its change does not
+    // a velocity depends on the frame of reference, but its change does not
     let first = references.first().and_then(|run| (curve.of)(run.series.rows.first()?));
     let by_change = curve.scale == Some(CurveScale::LargestChange);
     let start = first.filter(|_| by_change).unwrap_or(0.0);

@@ -21,8 +21,8 @@ use nalgebra::Vector3;
 /// differences that are compared.
 const DISTURBANCE: f64 = 1e-6;
 
-/// [-] growth of the disturbance up to which paths are compared. After more growth, a difference as small as the margin
-/// of 1 % between the models would have grown beyond all other effects.
+/// [-] growth of the disturbance up to which paths are compared. After more growth, even a difference of 1 % between
+/// the models would have grown to the size of the speeds.
 const GROWTH: f64 = 1e3;
 
 /// States of all particles at one instant, by id.
@@ -159,8 +159,8 @@ struct ImpactSpans<'a> {
 }
 
 impl<'a> ImpactSpans<'a> {
-    /// Instants of a run at which each particle touches another body, if they are at most `longest` [s] after the
-    /// beginning of this touch or before its end.
+    /// Marks the instants at which each particle touches another body, up to `longest` [s] after the beginning of the
+    /// touch and from `longest` [s] before its end.
     fn of(run: &'a Outcome, longest: f64) -> Self {
         let instants = instants(run);
         let mut during: Vec<Vec<bool>> = instants.iter().map(|instant| vec![false; instant.len()]).collect();
@@ -200,8 +200,8 @@ impl Widest {
     /// in common. `None` if every particle is in an impact at all these instants.
     ///
     /// A velocity may equal that of the reference up to `late` [s] earlier or later, as after a delayed impact.
-    /// Particles in the course of an impact are left out, since they differ because of the contact and not because of
-    /// its result. A particle is in an impact shortly after the beginning of a touch, and shortly before its end.
+    /// Particles in an impact are left out, since they differ because of the contact and not because of its result. A
+    /// particle is in an impact shortly after the beginning of a touch, and shortly before its end.
     fn of(before: &[&[Instant; 2]], [variant, reference]: [&Outcome; 2], late: f64) -> Option<Self> {
         /// [-] longest time of an impact over the contact time of the fastest impacts. With Hertz's law slow impacts
         /// last longer: the contact time decreases with the fifth root of the speed.
@@ -256,7 +256,7 @@ fn predictable(reference: &Outcome) -> Option<f64> {
     let mut start = initial_state(&reference.experiment).ok()?;
     let ids = start.id.clone();
     for (velocity, id) in start.velocity.iter_mut().zip(ids) {
-        // any directions are suitable, as long as they differ from particle to particle
+        // any directions will do, as long as they differ from particle to particle
         let angle = f64::from(id);
         *velocity += DISTURBANCE * speed * Vector3::new(angle.sin(), (2.0 * angle).cos(), angle.cos()).normalize();
     }

@@ -16,7 +16,7 @@ use crate::statistics::{
     student_bound, two_sided,
 };
 
-/// Runs with their weights, of which the weighted sum is compared.
+/// Runs with their weights; the weighted sum of the runs is compared.
 pub type Mix<'a> = [(f64, ReplicaRuns<'a>)];
 
 /// Runs of the unchanged case, which also determine the kind of comparison for all other runs.
@@ -36,7 +36,7 @@ pub struct Shifts {
     pub shifts: Vec<Shift>,
     /// Kind of comparison by which the shifts were found.
     pub basis: Basis,
-    /// Reason why the shifts allow no statement; `None` if they do.
+    /// Reason why nothing can be concluded from the shifts; `None` if there is no such reason.
     pub doubt: Option<String>,
 }
 
@@ -166,9 +166,9 @@ fn all_of<'a>(runs: &ReplicaRuns<'a>) -> Vec<&'a Outcome> {
     std::iter::once(runs.outcome).chain(runs.others).collect()
 }
 
-/// A profile as one number. It is the mean over the slices. For a profile that changes its sign at the mid-plane it is
-/// half the difference of both sides, and for the density the value at the walls. A single number is not changed. A
-/// part is `None` if none of its values is known.
+/// One number for a profile: its mean over the slices. For a profile that changes its sign at the mid-plane, the number
+/// is half the difference of both sides. For the density it is the value at the walls. An observable that is a single
+/// number is returned unchanged. The part of the result is `None` if no value is known.
 fn number(profile: &Observable) -> Option<Observable> {
     let count = profile.places.len();
     if count == 0 {
@@ -200,7 +200,7 @@ fn number(profile: &Observable) -> Option<Observable> {
     })
 }
 
-/// Weighted sum of the observables of several runs, one by one.
+/// Weighted sum over several runs, separately for each observable.
 fn sum(each: &[(f64, Vec<Observable>)]) -> Vec<Observable> {
     let Some((weight, first)) = each.first() else { return Vec::new() };
     if each.len() == 1 && *weight == 1.0 {

@@ -13,7 +13,7 @@ use crate::study::judge::not_steady;
 /// Number of instants at which curves are compared.
 const INSTANTS: usize = 20;
 
-/// [-] difference of two times over the time, up to which they count as one instant: files have some six digits.
+/// [-] largest relative difference of two times that count as one instant; files give times with some six digits.
 const SAME_TIME: f64 = 1e-6;
 
 /// A quantity with its observables in the form in which they are tested.
@@ -205,7 +205,7 @@ fn average(
 }
 
 /// Steadiness of all replicas together. Averaging begins where the last replica becomes steady. The side is steady if
-/// most replicas are, since by chance one run in twenty appears unsteady.
+/// most replicas are steady, since one steady run in twenty appears unsteady by chance.
 fn steadiness(spaced: &[(f64, &[f64], &[f64])], from: Option<f64>, scale: Option<f64>) -> Steadiness {
     let each: Vec<Steadiness> = spaced
         .iter()

@@ -13,7 +13,7 @@ const MOST_SLICES: u32 = 1000;
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct JudgeFile {
-    /// Margin in common, over the scale of each quantity.
+    /// Margin of all quantities that have no margin of their own, over the scale of each quantity [-].
     pub margin: Option<Located<Ratio>>,
     /// First side.
     #[serde(default)]
@@ -48,7 +48,7 @@ pub struct SideFile {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct QuantityFile {
-    /// Name in sentences; without it that of the column of B.
+    /// Name in sentences. Default: name of the column of B.
     pub name: Option<String>,
     /// Column of A, or label of its point.
     pub a: Located<String>,
@@ -58,11 +58,12 @@ pub struct QuantityFile {
     pub a_unit: Option<Located<String>>,
     /// Unit of the column of B.
     pub b_unit: Option<Located<String>>,
-    /// Kind of comparison; without it averages if both sides are steady, else curves.
+    /// Kind of comparison. Default: averages if both sides are steady, else curves.
     pub compare: Option<JudgedAs>,
     /// Margin of this quantity, over its scale.
     pub margin: Option<Located<Ratio>>,
-    /// Scale of differences, in SI or in the unit of B without one; without it the value of B.
+    /// Scale of differences, in the SI unit of the quantity or, if no units are given, in the unit of the columns.
+    /// Default: magnitude of the value of B.
     pub scale: Option<Located<f64>>,
 }
 
@@ -77,7 +78,7 @@ pub enum JudgedAs {
 }
 
 impl JudgeFile {
-    /// Reads the file of settings, and returns its text too; without a file, all settings have their defaults.
+    /// Reads the file of settings, and returns its text too. Without a file, all settings have their defaults.
     ///
     /// # Errors
     /// The file cannot be read, is not TOML, or has an unknown or unsuitable key.

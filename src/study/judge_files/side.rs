@@ -42,9 +42,10 @@ pub enum SideData {
 pub struct SeriesFiles {
     /// Series, one per replica.
     pub replicas: Vec<TimedTable>,
-    /// True if the unit of the times is known, or equal times of both sides mean equal instants.
+    /// True if the unit of the times is known, or if equal times of both sides are equal instants without it.
     pub unit_known: bool,
-    /// Start of averaging [s], or in the unit of the times if that is not known; `None`: found by the test for steadiness.
+    /// Start of averaging [s], or in the unit of the times if that is not known. `None` if the test for steadiness
+    /// finds the start.
     pub from: Option<f64>,
 }
 
@@ -206,8 +207,8 @@ impl TimedTable {
         self.rows.iter().map(|row| self.table.number(*row, column, sources)).collect()
     }
 
-    /// Time between samples [s], and the range of the samples from the time `from` [s] on. A last row out of line is left
-    /// out, since programs write a row at the end of a run.
+    /// Time between samples [s], and the range of the samples from the time `from` [s] on. A last row that does not fit
+    /// the spacing is left out, since programs also write a row at the end of a run.
     ///
     /// # Errors
     /// The times are not equally spaced, so that averages over time would need weights.
@@ -217,7 +218,7 @@ impl TimedTable {
         let [first, second, ..] = self.times[start..] else { return Ok((1.0, start..count)) };
         let interval = second - first;
         let off = |row: usize| {
-            // times with six digits make a small error of the spacing, which adds up
+            // times of six digits give the spacing a small error, which adds up from row to row
             let steps = (row - start) as f64;
             (self.times[row] - first - steps * interval).abs() > SPACING * interval * (1.0 + 1e-3 * steps)
         };

@@ -82,7 +82,7 @@ impl NumberTable {
         table.of_variant(variant)
     }
 
-    /// Rows of a file of `fix ave/time` for scalars. Returns false if the file is none.
+    /// Reads the rows of a LAMMPS file of `fix ave/time` for scalars. Returns false if the text is no such file.
     fn averages(&mut self, text: &str, lines: &[Range<usize>], sources: &Sources) -> Result<bool, Diagnostic> {
         let is_header = |line: &&Range<usize>| text[(*line).clone()].trim_start().starts_with("# TimeStep");
         let Some(header) = lines.iter().find(is_header) else { return Ok(false) };
@@ -101,7 +101,7 @@ impl NumberTable {
         Ok(true)
     }
 
-    /// Rows of a CSV table. The separator is a comma, or a semicolon or a tab if the header has no comma.
+    /// Reads the rows of a CSV table. The separator is a comma, or a semicolon or a tab if the header has no comma.
     fn csv(&mut self, text: &str, sources: &Sources) -> Result<(), Diagnostic> {
         let header = text.lines().find(|line| !line.trim().is_empty() && !line.starts_with('#')).unwrap_or("");
         let separator = [',', ';', '\t'].into_iter().find(|c| header.contains(*c)).unwrap_or(',');

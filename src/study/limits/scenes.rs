@@ -101,8 +101,8 @@ pub fn speeds(simulation: &Simulation) -> Vec<f64> {
     particles.velocity.iter().map(|v| v.x).collect()
 }
 
-/// Number k of a set of evenly scattered numbers in [0, 1) that are not random: multiples of the golden section,
-/// shifted by the number of the set.
+/// Returns number k of a quasi-random sequence in [0, 1): multiples of the inverse golden section, shifted by the
+/// number of the set.
 pub fn scatter(set: usize, k: usize) -> f64 {
     // the inverse golden section, and the inverse root of x³ = x + 1 for the sets (Roberts 2018)
     const GOLDEN: f64 = 0.618_033_988_749_895;

@@ -1,4 +1,4 @@
-//! Collision rate of soft spheres over their softness: soft spheres act as if they were smaller.
+//! Collision rate of soft spheres as a function of their softness: soft spheres act as if they were smaller.
 
 use super::picture::{curve, curves, even, measured, points};
 use super::scenes::{DIAMETER, collision_rate, mass, mean, run, simulation, soften, temperature};
@@ -19,7 +19,7 @@ const FRACTION: f64 = 0.1;
 /// Number of samples of the temperature in a run.
 const SAMPLES: u32 = 50;
 
-/// [N/m] stiffness at which sqrt(m T/k) is the share `softness` of a diameter.
+/// [N/m] stiffness k for which sqrt(m T/k)/d equals `softness`.
 fn stiffness(softness: f64) -> f64 {
     mass() * (SPEED / (softness * DIAMETER)).powi(2)
 }
@@ -50,7 +50,7 @@ fn touches(softness: f64) -> f64 {
 /// [1/m] collision rate over the square root of the temperature, in a run of `duration` [s].
 fn rate(experiment: &Experiment, duration: f64) -> Result<(f64, Option<Failure>), StudyError> {
     let mut simulation = simulation(experiment)?;
-    // the first tenth of the time lets the influence of the start decay
+    // in the first tenth of the time the influence of the start decays
     let mut failure = run(&mut simulation, 5, 0.1 * duration);
     let before = simulation.record.pairs.count;
     let mut roots = 0.0;
@@ -64,7 +64,7 @@ fn rate(experiment: &Experiment, duration: f64) -> Result<(f64, Option<Failure>)
     Ok((collisions / (0.9 * duration) / roots, failure))
 }
 
-/// Map of the collision rate of soft spheres over that of hard ones, over the softness.
+/// Map of the ratio of the collision rates of soft and hard spheres, as a function of the softness.
 pub fn softness(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let (softness, seeds, collisions) = grid.choose(
         (vec![0.01, 0.02, 0.05], 3, 30.0),

@@ -1,5 +1,5 @@
-//! Hard spheres in time steps: collisions that are missed and overlaps that remain if collisions are searched at the
-//! ends of steps.
+//! Hard spheres in time steps: collisions are searched at the ends of steps, so that some are missed and overlaps
+//! remain.
 
 use super::picture::{curve, curves, even, measured, points};
 use super::scenes::{collision_rate, mean, run, simulation};
@@ -21,7 +21,7 @@ const FRACTION: f64 = 0.1;
 struct SteppedRun {
     /// Number of collisions that got an impulse.
     pairs: f64,
-    /// Number of collisions that were over at the next search for collisions.
+    /// Number of missed collisions, which were over before the next search for collisions.
     missed: f64,
     /// [-] mean overlap at which collisions were found, over the diameter; 0 if there was no collision.
     overlap: f64,
@@ -30,7 +30,8 @@ struct SteppedRun {
     failure: Option<Failure>,
 }
 
-/// Maps of the missed collisions and of the remaining overlap over the step criterion θ, from one set of runs.
+/// Maps of the missed collisions and of the remaining overlap as functions of the step criterion θ, from one set of
+/// runs.
 pub fn missed_and_overlap(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let (theta, seeds, collisions) = grid.choose(
         (vec![0.05, 0.1, 0.3, 1.0], 3, 20.0),
@@ -45,7 +46,8 @@ pub fn missed_and_overlap(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
             case.run.seed = seed as u64;
             case.hard.stepping = if theta > 0.0 { HardStepping::Steps { theta } } else { HardStepping::Events };
         }))?;
-        // one window: a step is a whole part of the window, so in a short window it would be shorter than θ allows
+        // a single window: a window contains a whole number of steps, so a short window would force shorter steps than
+        // θ allows
         let failure = run(&mut simulation, 1, duration);
         let summary = simulation.record.pairs.summary();
         Ok(SteppedRun {

@@ -1,4 +1,4 @@
-//! One sweep of a map: runs all of its points, and holds their results.
+//! One sweep of a map: runs all of its points, and stores their results.
 
 use crate::engine::Failure;
 use crate::experiment::Experiment;

@@ -17,7 +17,7 @@ const PLATE: f64 = 0.1;
 /// [m] height of the middle of the plate.
 const MIDDLE: f64 = 0.02;
 
-/// Map of the largest overlap of a pair, over impact speed and stiffness.
+/// Map of the largest overlap of a pair, as a function of impact speed and stiffness.
 pub fn pair(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let count = grid.choose(13, 25);
     let (speed, stiffness) = (ratios(0.01, 100.0, count), ratios(0.01, 1e5, count));
@@ -66,8 +66,8 @@ pub fn pair(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     Ok(vec![MapSweep::new(rows, lesson, picture)])
 }
 
-/// Numbers of spheres that were stopped and that passed the plate undetected, and first failure. The `phases` spheres
-/// start at equally spaced phases of a step. `reduced` is the speed over d ω₀.
+/// Number of spheres that were stopped, number that passed the plate undetected, and the first failure. The `phases`
+/// spheres start at equally spaced phases of a step. `reduced` [-] is the speed over d ω_0.
 fn through_plate(grid: &Points, reduced: f64, steps: f64, phases: i32) -> Result<KnownPoint, StudyError> {
     let frequency = (STIFFNESS / mass()).sqrt();
     let speed = reduced * DIAMETER * frequency;
@@ -100,7 +100,7 @@ fn through_plate(grid: &Points, reduced: f64, steps: f64, phases: i32) -> Result
     Ok(KnownPoint { values: vec![reduced, steps, share(stopped), share(passed)], failure })
 }
 
-/// Map of the passage of a sphere through a thin plate, over its speed and the steps per contact.
+/// Map of the passage of a sphere through a thin plate, as a function of its speed and the steps per contact.
 pub fn plate(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let (speed, steps, phases) = grid.choose(
         (even(0.2, 4.0, 20), vec![2.0, 3.0, 4.0, 5.0, 7.0, 10.0], 8),

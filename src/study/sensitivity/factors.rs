@@ -1,7 +1,7 @@
 //! Factors of a sensitivity study. A factor is a change of the case; it has a size, and a reason for that size.
 //!
 //! If the case is idealised (restitution 1, no friction) a factor sets a real value. If the case has a real value, the
-//! factor changes it by the uncertainty of measurements. A factor that makes no sense for a scene returns the reason.
+//! factor changes it by the uncertainty of measurements. A factor that cannot apply to a scene returns the reason.
 
 use super::plan::{PlannedFactor, SensitivityPlan};
 use super::rotating::{rolling, rotation, tangential_restitution, tangential_stiffness};
@@ -28,13 +28,14 @@ const PAPER_STEPS: f64 = 7.7;
 /// [-] step criterion θ of hard spheres in steps: a third of the usual 0.3, at which fast spheres pass through walls
 /// (docs/limits.md).
 const THETA: f64 = 0.1;
-/// [-] ratio of successive stiffnesses. Overlaps then double, and the softest spheres overlap four times as deeply.
+/// [-] ratio of successive stiffnesses. With each reduction the overlaps double, so the softest spheres overlap four
+/// times as deeply.
 const STIFFNESS_RATIO: f64 = 4.0;
 /// [-] length of the shorter box over that of the whole one.
 const BOX_SHARE: f64 = 0.5;
 
-/// Plans the runs of a factor, or returns the reason why it makes no sense. `size` is the size that the user typed;
-/// `None` if none was typed.
+/// Plans the runs of a factor, or returns the reason why it cannot apply. The argument of type `Option<&str>` is the
+/// size that the user typed; `None` if none was typed.
 type Make = fn(&mut SensitivityPlan, Option<&str>) -> Result<PlannedFactor, String>;
 
 /// A factor that is built in.

@@ -25,8 +25,8 @@ const FEW: usize = 50;
 pub enum Compared {
     /// The second run minus the first one.
     Against(usize, usize),
-    /// The limit of runs of ever stiffer spheres minus the first run. Each run has a position on an axis to which the
-    /// effect of softness is proportional; the first is at 1.
+    /// Extrapolation to infinite stiffness minus the first run. The position of a run is its effect of softness over
+    /// that of the first run: the first run is at 1, infinite stiffness at 0.
     Extrapolated(Vec<(usize, f64)>),
 }
 
@@ -50,7 +50,7 @@ impl PlannedFactor {
         Self::new(Compared::Against(base, run), change.into(), why.into())
     }
 
-    /// A factor that compares the limit of several runs with the first one.
+    /// A factor that compares the extrapolation of several runs with the first one.
     pub fn extrapolated(runs: Vec<(usize, f64)>, change: String, why: String) -> Self {
         Self::new(Compared::Extrapolated(runs), change, why)
     }

@@ -32,7 +32,7 @@ pub fn factors(
     // first
     let size = |factor: &Factor| factor.headline().map_or(0.0, |shift| shift.share().abs());
     found.sort_by(|a, b| b.answer.cmp(&a.answer).then(size(b).total_cmp(&size(a))));
-    // factors with runs that stopped come last, since these say nothing of sizes
+    // factors with runs that stopped come last, since they have no shifts
     found.sort_by_key(|factor| factor.stopped.is_some());
     (found, waiting)
 }
@@ -109,7 +109,7 @@ struct LineFit {
     /// Weights of the values whose weighted sum is the deviation of the second value from the line through the first
     /// and the last value.
     miss: Vec<f64>,
-    /// [-] standard error of the slope over this deviation, if the values do not scatter otherwise.
+    /// [-] standard error of the slope divided by this deviation, if the values do not scatter otherwise.
     share: f64,
 }
 

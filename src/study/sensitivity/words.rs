@@ -8,8 +8,8 @@ use crate::study::judge::{in_prose, margin_in_words};
 /// Name of the factor that changes the seed only, and shows the effect of chance.
 const CHANCE: &str = "seed";
 
-/// Sentences on the strongest factor, the other factors beyond the margin, those below it, the unresolved ones, and
-/// chance.
+/// Sentences on the strongest factor, the other factors beyond the margin, the factors below it, the unresolved
+/// factors, and chance.
 pub fn sentences(factors: &[Factor], waiting: &[String], margin: f64) -> Vec<String> {
     let of = |answer: Answer| -> Vec<&Factor> {
         factors

@@ -23,7 +23,7 @@ pub fn judge_numbers(numbers: &mut [ValidationNumber], rows: usize) {
         number.answer = match (within, differs) {
             (true, _) => Answer::Equivalent,
             (false, true) => Answer::Different,
-            // a number that is not finite is no difference that has a size
+            // neither equivalence nor a difference is shown
             (false, false) => Answer::Unresolved,
         };
     }

@@ -17,7 +17,7 @@ fn apex(simulation: &Simulation) -> f64 {
     x.y + v.y * v.y / (2.0 * GRAVITY)
 }
 
-/// A ball on a soft floor (MFIX DEM01).
+/// Validation row: a ball on a soft floor (MFIX DEM01).
 pub const SOFT_FLOOR: ValidationCheck = ValidationCheck {
     name: "dem01",
     tier: ClosedForms,
@@ -48,7 +48,7 @@ fn soft_floor(scene: &CheckScene) -> Result<CheckResult, StudyError> {
         run_to(&mut simulation, 0.5, 1)?;
         let deepest = simulation.record.walls.summary().largest_overlap.map(|share| share * 0.2);
         let of = format!("{} kN/m, e = {restitution}", stiffness / 1e3);
-        // eight digits of the reference; the truncation of local steps is far less
+        // the reference has eight digits, and the truncation error of local steps is far smaller than the tolerance
         let tolerance = |value: f64| 1e-5 * value;
         numbers.push(exact(format!("overlap, {of}"), "m", overlap, deepest.unwrap_or(f64::NAN), tolerance(overlap)));
         numbers.push(exact(format!("apex, {of}"), "m", height, apex(&simulation), tolerance(height)));
@@ -56,7 +56,7 @@ fn soft_floor(scene: &CheckScene) -> Result<CheckResult, StudyError> {
     Ok(numbers.into())
 }
 
-/// Apexes of a hard ball (MFIX DEM02).
+/// Validation row: apexes of a hard ball (MFIX DEM02).
 pub const APEXES: ValidationCheck = ValidationCheck {
     name: "dem02",
     tier: ClosedForms,
@@ -113,7 +113,7 @@ fn apexes(scene: &CheckScene) -> Result<CheckResult, StudyError> {
     })
 }
 
-/// Two balls between floor and ceiling (MFIX DEM03).
+/// Validation row: two balls between floor and ceiling (MFIX DEM03).
 pub const SQUEEZED: ValidationCheck = ValidationCheck {
     name: "dem03",
     tier: ClosedForms,
@@ -146,7 +146,8 @@ fn squeezed(scene: &CheckScene) -> Result<CheckResult, StudyError> {
         let found = [x[0].y, v[0].y, x[1].y, v[1].y];
         let names = ["y of the lower ball", "v of the lower ball", "y of the upper ball", "v of the upper ball"];
         for (k, name) in names.into_iter().enumerate() {
-            // displacements are up to 0.1 mm and speeds 0.4 m/s; the first step of a dashpot is an error of 2 ζ ω_0 Δt
+            // displacements are up to 0.1 mm and speeds up to 0.4 m/s; the first step with a dashpot has a relative
+            // error of 2 ζ ω_0 Δt
             let (unit, scale) = if k % 2 == 0 { ("m", 1e-4) } else { ("m/s", 0.4) };
             let what = format!("{name}, e = {restitution}, {} ms", time * 1e3);
             numbers.push(exact(what, unit, expected[k], found[k], 3e-4 * scale));
@@ -155,7 +156,7 @@ fn squeezed(scene: &CheckScene) -> Result<CheckResult, StudyError> {
     Ok(numbers.into())
 }
 
-/// End of infinitely many bounces.
+/// Validation row: instant at which infinitely many bounces end.
 pub const ZENO: ValidationCheck = ValidationCheck {
     name: "zeno",
     tier: ClosedForms,

@@ -13,7 +13,7 @@ use std::f64::consts::PI;
 /// [m²/s²] granular temperature 2E/(3(N-1)m) of equal spheres whose momentum is zero.
 pub(super) fn temperature(particles: &Particles) -> f64 {
     let mass = particles.total_mass();
-    // the centre of mass moves on
+    // kinetic energy of the motion of the centre of mass
     let together = 0.5 * particles.momentum().norm_squared() / mass;
     2.0 * (particles.kinetic_energy() - together) / (3.0 * mass * (1.0 - 1.0 / particles.len() as f64))
 }
@@ -30,7 +30,7 @@ fn collide(simulation: &mut Simulation, diameter: f64, rate: f64, collisions: f6
     Ok(time)
 }
 
-/// Collision rate and pressure of hard spheres.
+/// Validation row: collision rate and pressure of hard spheres.
 pub const HARD_GAS: ValidationCheck = ValidationCheck {
     name: "hard-gas",
     tier: OtherCodes,
@@ -75,7 +75,7 @@ fn hard_gas(scene: &CheckScene) -> Result<CheckResult, StudyError> {
     Ok(numbers.into())
 }
 
-/// Collision rate of a mixture.
+/// Validation row: collision rate of a mixture.
 pub const MIXTURE: ValidationCheck = ValidationCheck {
     name: "mixture",
     tier: OtherCodes,
@@ -93,7 +93,7 @@ fn mixture(scene: &CheckScene) -> Result<CheckResult, StudyError> {
     let edge = (volume / 0.2).cbrt();
     let mut sets: Vec<String> = (0..3).map(|axis| format!("domain.size[{axis}]={edge} m")).collect();
     sets.extend(["particles[1].diameter=1.2 mm".to_owned(), "run.duration=1 s".to_owned()]);
-    // equal energies: speeds in the ratio of the roots of the masses, 27 to 1
+    // equal mean energies: the masses have the ratio 27, so the speeds have the ratio of the roots
     sets.push(format!("particles[1].velocity_fluctuation={} m/s", 0.5 / 27.0_f64.sqrt()));
     let share = |diameter: f64, count: f64| PI / 6.0 * diameter.powi(3) * count / edge.powi(3) * (1.0 + 1e-9);
     sets.push(format!("particles[0].volume_fraction={}", share(0.4e-3, 1000.0)));
@@ -105,7 +105,7 @@ fn mixture(scene: &CheckScene) -> Result<CheckResult, StudyError> {
         let before = simulation.record.pairs.count;
         run_to(&mut simulation, 0.02 + time, (1e4 * time) as u64)?;
         let particles = &simulation.particles;
-        // the mean energy per direction, with three degrees of freedom less for the momentum
+        // mean energy per direction; the conserved momentum removes three degrees of freedom
         let energy = 2.0 * particles.kinetic_energy() / (3.0 * (particles.len() as f64 - 1.0));
         let component = |species: u16| {
             let members: Vec<usize> = (0..particles.len()).filter(|&i| particles.species[i] == species).collect();
@@ -122,7 +122,7 @@ fn mixture(scene: &CheckScene) -> Result<CheckResult, StudyError> {
     Ok(vec![averaged("rate over that of theory", "", Estimate::exact(1.0), ratios, 0.01)].into())
 }
 
-/// An atmosphere of spheres.
+/// Validation row: an atmosphere of spheres.
 pub const ATMOSPHERE: ValidationCheck = ValidationCheck {
     name: "barometer",
     tier: ClosedForms,
@@ -140,7 +140,7 @@ struct Heights {
     samples: f64,
     height: f64,
     square: f64,
-    /// Number of spheres below and above T/g, and sums of their squared speeds along y.
+    /// Number of spheres below and above the height T/g, and sums of their squared speeds along y.
     halves: [[f64; 2]; 2],
     /// Sum of the squared speeds along all axes.
     speeds: f64,
@@ -174,7 +174,7 @@ fn atmosphere(scene: &CheckScene) -> Result<CheckResult, StudyError> {
             simulation.run(1, 0.02).map_err(stopped)?;
             heights.add(&simulation.particles, gravity);
         }
-        // walls and weight change the momentum: three degrees of freedom per sphere
+        // walls and weight change the momentum, so each sphere has three degrees of freedom
         let temperature = heights.speeds / (3.0 * heights.samples);
         let mean = heights.height / heights.samples;
         let volume = simulation.count() as f64 * PI / 6.0 * 1e-9;
