@@ -17,7 +17,8 @@ pub struct Impact {
     pub first_overlap: f64,
     /// [-] largest overlap during the impact over the (smaller) diameter; 0 for an event-driven collision.
     pub maximum_overlap: f64,
-    /// [s] overlap over the (smaller) diameter, integrated over the impact; 0 for a collision.
+    /// [s] time integral over the impact of the relative overlap (overlap over the smaller diameter); 0 for a
+    /// collision.
     pub overlap_time: f64,
     /// Contact that this impact replaces, if an engine with lasting contacts computed the impact as instantaneous.
     pub left_out: Option<LeftOut>,
@@ -30,7 +31,8 @@ pub struct Impact {
 pub struct SlipChange {
     /// [m/s] slip speed |s| at first touch.
     pub before: f64,
-    /// [m/s] component of the slip at the end along that at first touch; negative if the slip is reversed.
+    /// [m/s] component of the slip at the end in the direction of the slip at first touch; negative if the slip is
+    /// reversed.
     pub after: f64,
     /// True if the surfaces slide all the time: the tangential impulse J_t is at Coulomb's limit μ J_n.
     pub slides: bool,
@@ -305,7 +307,7 @@ pub struct Summary {
     pub mean_duration: Option<f64>,
     /// [-] mean of the first detected overlaps of the contacts.
     pub mean_first_overlap: Option<f64>,
-    /// [-] mean overlap over the duration of the contacts; `None` also if all impacts were instants.
+    /// [-] time average of the overlap during the contacts; `None` also if all impacts were instantaneous.
     pub time_mean_overlap: Option<f64>,
     /// [-] mean of the largest overlaps of the contacts.
     pub mean_maximum_overlap: Option<f64>,

@@ -39,15 +39,15 @@ pub struct Ledger {
     pub drag_work: f64,
     /// [J] work done by gravity and buoyancy on the particles.
     pub gravity_work: f64,
-    /// [J] work done on the particles by walls whose surface moves along itself.
+    /// [J] work done on the particles by walls whose surface moves tangentially.
     pub wall_work: f64,
     /// [J] lost to restitution (dashpot) between particles, >= 0.
     pub pair_restitution_loss: f64,
     /// [J] lost to friction between particles, >= 0.
     pub pair_friction_loss: f64,
     /// [J] lost to restitution (dashpot) at walls, >= 0 except in the TC model of hard spheres (contact time t_c). In
-    /// that model, a sphere that begins to rest on a wall gains the energy m a_n² t_c²/32 from the wall, which is
-    /// subtracted here.
+    /// that model, a sphere that begins to rest on a wall under the acceleration a_n gains m a_n² t_c²/32 from the
+    /// wall, which is subtracted here.
     pub wall_restitution_loss: f64,
     /// [J] lost to friction at walls, >= 0.
     pub wall_friction_loss: f64,
@@ -130,7 +130,7 @@ impl Ledger {
         self.pair_friction_loss + self.wall_friction_loss - self.friction.sum()
     }
 
-    /// [J] energy that impacts took from the particles.
+    /// [J] energy that the particles lost in impacts.
     pub fn dissipated(&self) -> f64 {
         self.pair_restitution_loss + self.pair_friction_loss + self.wall_restitution_loss + self.wall_friction_loss
     }

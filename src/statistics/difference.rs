@@ -23,7 +23,7 @@ pub const EQUIVALENCE_LEVEL: f64 = 0.05;
 const FAILED: f64 = 0.2;
 /// [-] 80 % quantile of the standard normal distribution.
 const POWER: f64 = 0.8416;
-/// [-] largest scatter or difference, over the scale, that is attributed to rounding.
+/// [-] scatter over the scale up to which it is attributed to rounding; a difference may be ten times as large.
 const ROUNDING: f64 = 1e-12;
 /// Smallest number of degrees of freedom for each tested shape. With fewer degrees of freedom, Hotelling's distribution
 /// has such long tails that one more shape reduces the power of the test.
@@ -106,7 +106,7 @@ pub struct Tested {
     /// [-] probability that equal systems show a difference of at least this size at any position; `None` for a single
     /// number.
     pub local_chance: Option<f64>,
-    /// [-] probability that equal systems show any of these differences.
+    /// [-] probability that equal systems show a difference of at least this size in any of the tests.
     pub chance: f64,
     /// Upper bound of the difference at any position, from two one-sided tests at every position. Their level is 5 %
     /// unless there are several interim tests.

@@ -34,8 +34,7 @@ pub struct ProfileTable {
     pub from: f64,
     /// [s] time of the last sample in the averages.
     pub until: f64,
-    /// Blocks of time of each estimate in each slice, in the order of the row. `None` if the value or its error is
-    /// unknown.
+    /// Blocks of time of each estimate, by slice and column. `None` if the value or its error is unknown.
     #[serde(skip)]
     pub batches: Vec<Vec<Option<Batches>>>,
 }

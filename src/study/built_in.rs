@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 /// [characters] width of the column of case names; the questions of the cases are printed to its right.
 const NAMES: usize = 30;
 
-/// Prints the built-in cases with their questions, and the sets of values.
+/// Prints the built-in cases with their questions, and the built-in sets of values.
 ///
 /// # Errors
 /// The list cannot be written.

@@ -258,7 +258,7 @@ pub fn with_choice(experiment: &Experiment, choice: EngineChoice, law: Option<Co
 
 /// Timing of some windows of a run, extrapolated to the cost of the whole run.
 pub struct Timed {
-    /// [s] wall time of the whole run; if the run failed, wall time until then.
+    /// [s] extrapolated wall time of the whole run; if the run failed, wall time until the failure.
     pub seconds: f64,
     /// Number of whole windows that were timed.
     pub windows: u64,

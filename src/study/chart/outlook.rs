@@ -20,7 +20,7 @@ pub struct Outlook {
 }
 
 impl Outlook {
-    /// Makes the progress, whose lines are passed to `told`. With `None` nothing is printed or estimated.
+    /// Creates progress messages, whose lines are passed to `told`. With `None` nothing is printed or estimated.
     pub fn new(told: Option<fn(&str)>) -> Self {
         let now = Instant::now();
         Self { told, expected: Vec::new(), done: 0, name: String::new(), began: now, said: now }

@@ -93,8 +93,8 @@ impl Stretch {
         ways
     }
 
-    /// Methods with the values of their parameters. Windows longer than in the case are left out if a stretch would
-    /// contain too few of them for error bars, or if they are longer than the stretch.
+    /// Methods with the values of their parameters. Windows longer than that of the case are left out if a stretch
+    /// would contain too few of them for error bars.
     pub fn sweeps(&self, quick: bool) -> Vec<MethodSweep> {
         let window = Schedule::new(&self.experiment).window;
         let longest = window.max(self.experiment.run.duration / FEWEST_BLOCKS as f64);

@@ -73,7 +73,7 @@ fn nothing(why: &str) -> Finding {
     }
 }
 
-/// Row of a run at a time [s].
+/// Row of the time series of a run at a time [s]; `None` without such a row.
 fn row_at(run: &Outcome, time: f64) -> Option<&Row> {
     let rows = &run.series.rows;
     let place = rows.partition_point(|row| row.time < time * (1.0 - 1e-9));

@@ -22,7 +22,7 @@ use nalgebra::Vector3;
 const DISTURBANCE: f64 = 1e-6;
 
 /// [-] growth of the disturbance up to which paths are compared. After more growth, even a difference of 1 % between
-/// the models would have grown to the size of the speeds.
+/// the models would exceed the speeds themselves.
 const GROWTH: f64 = 1e3;
 
 /// States of all particles at one instant, by id.

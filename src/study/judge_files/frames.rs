@@ -1,4 +1,4 @@
-//! Averages over the particles of each instant of a trajectory, as a table with the columns of `series.csv`.
+//! Averages over all particles at each instant of a trajectory, as a table with the columns of `series.csv`.
 
 use super::table::NumberTable;
 use crate::case::{Diagnostic, ParticleFrame, Sources, particle_frames};
@@ -21,7 +21,7 @@ const OF_VELOCITIES: [&str; 7] = [
     "mean_velocity_z_m_s",
 ];
 
-/// Columns of `series.csv` that also need masses. Those of rotation are empty without spins.
+/// Columns of `series.csv` that also need masses. The columns of rotation are empty without spins.
 const OF_MASSES: [&str; 12] = [
     "kinetic_energy_J",
     "momentum_x_kg_m_s",

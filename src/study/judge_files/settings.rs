@@ -50,9 +50,9 @@ pub struct SideFile {
 pub struct QuantityFile {
     /// Name in sentences. Default: name of the column of B.
     pub name: Option<String>,
-    /// Column of A, or label of its point.
+    /// Column of A, or label of a point in the table of A.
     pub a: Located<String>,
-    /// Column of B, or label of its point.
+    /// Column of B, or label of a point in the table of B.
     pub b: Located<String>,
     /// Unit of the column of A.
     pub a_unit: Option<Located<String>>,

@@ -42,7 +42,8 @@ pub enum SideData {
 pub struct SeriesFiles {
     /// Series, one per replica.
     pub replicas: Vec<TimedTable>,
-    /// True if the unit of the times is known, or if equal times of both sides are equal instants without it.
+    /// True if the times of both sides are comparable: in a known unit, or counted so that equal times are equal
+    /// instants.
     pub unit_known: bool,
     /// Start of averaging [s], or in the unit of the times if that is not known. `None` if the test for steadiness
     /// finds the start.

@@ -218,7 +218,7 @@ impl NumberTable {
         self.columns.iter().position(|known| known == name)
     }
 
-    /// Remedy for a column that does not exist: a similar name, and all names.
+    /// Help text for a column that does not exist: a similar name, and all names.
     pub fn suggestion(&self, name: &str) -> String {
         let all = format!("its columns: {}", list(&self.columns));
         nearest(name, &self.columns).map_or(all.clone(), |known| format!("did you mean `{known}`? ({all})"))

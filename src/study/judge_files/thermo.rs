@@ -7,7 +7,7 @@ use super::table::{NumberTable, words};
 use crate::case::{Diagnostic, Sources};
 use std::ops::Range;
 
-/// Beginnings of the line before the header of a block, in present and older versions.
+/// Beginnings of the line before the header of a block, in present and older versions of LAMMPS.
 const BEFORE_HEADER: [&str; 2] = ["Per MPI rank memory allocation", "Memory usage per processor"];
 
 /// Beginning of the line with the names of the columns in the style `yaml`.

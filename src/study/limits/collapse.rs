@@ -18,7 +18,7 @@ fn threshold(n: f64) -> f64 {
     (PI / 4.0 * (1.0 - 1.0 / n)).tan().powi(2)
 }
 
-/// Time of an inelastic collapse; `None` if the run ended in another way.
+/// Time [s] of an inelastic collapse; `None` if the run ended in another way.
 fn collapse(failure: &Option<Failure>) -> Option<f64> {
     match failure {
         Some(Failure::InelasticCollapse { time, .. }) => Some(*time),
@@ -149,7 +149,8 @@ struct CollapseInterval {
     failure: Option<Failure>,
 }
 
-/// Runs a bed that comes to rest, in time bins. `contact_time` [s] is that of the TC model; `None` without it.
+/// Runs a bed that comes to rest, in time bins. `contact_time` [s] is the contact time of the TC model; `None` without
+/// this model.
 fn bed(grid: &Points, contact_time: Option<f64>) -> Result<Vec<CollapseInterval>, StudyError> {
     let mut simulation = simulation(&grid.with(|case| case.hard.contact_time = contact_time))?;
     let start = simulation.energy();

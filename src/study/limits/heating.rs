@@ -46,7 +46,7 @@ pub fn heating(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
         let failure = runs.iter().find_map(|run| run.1.clone());
         Some(KnownPoint { values: vec![steps, value, error, predicted(steps)?], failure })
     };
-    // an elastic contact of five steps or more always ends
+    // an elastic contact of five steps or more always ends, so no row is left out
     let rows: Vec<KnownPoint> = runs.chunks(seeds.len()).zip(&steps).filter_map(row).collect();
     let percent = |row: &KnownPoint, k: usize| 100.0 * row.values[k];
     let paper = rows.iter().find(|row| row.values[0] == 7.735);

@@ -27,7 +27,8 @@ pub fn simulation(experiment: &Experiment) -> Result<Simulation, StudyError> {
     Ok(Simulation::new(experiment, start(experiment)?))
 }
 
-/// Runs a simulation for `duration` [s]; returns the failure, if there was one, since a failure is a result here.
+/// Runs a simulation for `duration` [s] in `windows` windows. Returns its failure, if any, since a failure is a result
+/// here.
 pub fn run(simulation: &mut Simulation, windows: u64, duration: f64) -> Option<Failure> {
     simulation.run(windows, duration / windows as f64).err()
 }
@@ -38,7 +39,7 @@ pub fn soften(experiment: &mut Experiment, law: ContactLaw) {
     experiment.run.spheres = Spheres::Soft(law);
 }
 
-/// Starts the particles of the case at these positions [m] with these velocities [m/s].
+/// Starts the particles of the case with the positions [m] and velocities [m/s] of `list`.
 pub fn place(experiment: &mut Experiment, list: Vec<(Vector3<f64>, Vector3<f64>)>) {
     let species = experiment.start[0].species;
     let kind = &experiment.scene.species[usize::from(species)];
@@ -49,8 +50,9 @@ pub fn place(experiment: &mut Experiment, list: Vec<(Vector3<f64>, Vector3<f64>)
     experiment.start[0].amount = Amount::Placed(particles);
 }
 
-/// Puts spheres of 1 m and 1 kg in a row along x, in a box of a length [m]. `gaps` [m] are the gaps between them; the
-/// first one is that to the wall at 0 or to the edge of the box. `velocities` [m/s] are along x.
+/// Puts spheres of diameter 1 m and mass 1 kg in a row along x, in a box of the given length [m]. The first of the
+/// `gaps` [m] is that to the wall at 0 or to the edge of the box; the others lie between the spheres. `velocities`
+/// [m/s] are along x.
 pub fn row(experiment: &mut Experiment, length: f64, gaps: &[f64], velocities: &[f64]) {
     let mut at = 0.0;
     let spheres = gaps.iter().zip(velocities).map(|(gap, velocity)| {
@@ -74,7 +76,7 @@ pub fn restitute(experiment: &mut Experiment, restitution: f64) {
         .for_each(|surface| surface.restitution = restitution);
 }
 
-/// Sets number and volume fraction φ [-] of a gas of small spheres, in a periodic cube.
+/// Fills a periodic cube with `count` of the paper's small spheres, at the volume fraction φ [-].
 pub fn fill(experiment: &mut Experiment, count: usize, fraction: f64) {
     let edge = (count as f64 * mass() / DENSITY / fraction).cbrt();
     experiment.scene.domain = Domain::new(Vector3::repeat(edge), [true; 3]);

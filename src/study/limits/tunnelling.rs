@@ -12,7 +12,7 @@ use crate::runs::StudyError;
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 
-/// Thickness of the plate, over the diameter of the sphere.
+/// [-] thickness of the plate, over the diameter of the sphere.
 const PLATE: f64 = 0.1;
 /// [m] height of the middle of the plate.
 const MIDDLE: f64 = 0.02;

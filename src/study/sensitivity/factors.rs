@@ -85,7 +85,7 @@ pub(super) fn no_size(size: Option<&str>) -> Result<(), String> {
     size.map_or(Ok(()), |text| Err(format!("it has no size, and `{text}` is given")))
 }
 
-/// A number as a user would type it, rounded to a millionth.
+/// Rounds a number to a millionth, as a user would type it.
 pub(super) fn plain(number: f64) -> f64 {
     (1e6 * number).round() / 1e6
 }

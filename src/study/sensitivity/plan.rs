@@ -59,7 +59,7 @@ impl PlannedFactor {
         Self { name: String::new(), title: String::new(), compared, change, why }
     }
 
-    /// Indices of the runs on the side of the change, and of those on the other side.
+    /// Indices of the changed runs, and of the runs with which they are compared.
     pub fn sides(&self) -> [Vec<usize>; 2] {
         match &self.compared {
             Compared::Against(base, run) => [vec![*run], vec![*base]],

@@ -125,7 +125,7 @@ pub const SQUEEZED: ValidationCheck = ValidationCheck {
     measure: squeezed,
 };
 
-/// Restitution [-], time [s], and y [m] and v [m/s] of the lower and of the upper ball.
+/// Restitution [-], time [s], then height y [m] and velocity v [m/s] of the lower ball and of the upper ball.
 const SQUEEZES: [(f64, f64, [f64; 4]); 5] = [
     (1.0, 1e-4, [4.3267464587e-4, -0.233122618, 1.3813857854e-3, 0.350795400]),
     (1.0, 5e-4, [4.3623748029e-4, 0.230577292, 1.3791393490e-3, -0.403903856]),

@@ -110,7 +110,7 @@ pub const OBLIQUE: ValidationCheck = ValidationCheck {
     measure: oblique,
 };
 
-/// Angle [°], velocity ratio [-] and spin [rad/s] of the paper.
+/// Angle of impact [°], and the paper's velocity ratio v_t'/v_t [-] and spin after the impact [rad/s].
 const TEST_4: [(f64, f64, f64); 13] = [
     (5.0, 0.9481, 19.27),
     (10.0, 0.6870, 213.00),

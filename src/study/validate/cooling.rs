@@ -174,7 +174,7 @@ pub const ROUGH: ValidationCheck = ValidationCheck {
     measure: rough,
 };
 
-/// Collisions per sphere, and T and T_r over T at the start, each with its standard error.
+/// Reference values: collisions per sphere, then T and T_r over the initial T [-], each with its standard error.
 const MONTE_CARLO: [(f64, [(f64, f64); 2]); 2] =
     [(1.0, [(0.86357, 0.00093), (0.81901, 0.00040)]), (5.0, [(0.45934, 0.00064), (0.38795, 0.00048)])];
 
@@ -211,7 +211,8 @@ fn rough(scene: &CheckScene) -> Result<CheckResult, StudyError> {
     Ok(numbers.into())
 }
 
-/// T and T_r over T at the start, at the collisions per sphere of [`MONTE_CARLO`], and after 20.
+/// Measured T and T_r over the initial T [-], after each number of collisions per sphere in [`MONTE_CARLO`], and after
+/// 20.
 fn temperatures(simulation: &mut Simulation) -> Result<Vec<[f64; 2]>, StudyError> {
     let both = |simulation: &Simulation| {
         let particles = &simulation.particles;

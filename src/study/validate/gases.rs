@@ -93,7 +93,7 @@ fn mixture(scene: &CheckScene) -> Result<CheckResult, StudyError> {
     let edge = (volume / 0.2).cbrt();
     let mut sets: Vec<String> = (0..3).map(|axis| format!("domain.size[{axis}]={edge} m")).collect();
     sets.extend(["particles[1].diameter=1.2 mm".to_owned(), "run.duration=1 s".to_owned()]);
-    // equal mean energies: the masses have the ratio 27, so the speeds have the ratio of the roots
+    // equal mean energies: the large mass is 27 times the small one, so the small spheres are √27 times as fast
     sets.push(format!("particles[1].velocity_fluctuation={} m/s", 0.5 / 27.0_f64.sqrt()));
     let share = |diameter: f64, count: f64| PI / 6.0 * diameter.powi(3) * count / edge.powi(3) * (1.0 + 1e-9);
     sets.push(format!("particles[0].volume_fraction={}", share(0.4e-3, 1000.0)));

@@ -9,9 +9,9 @@ use crate::runs::StudyError;
 /// [m/s] speed of the impacts.
 const SPEED: f64 = 3.9;
 
-/// A ball after an impact.
+/// Motion of a ball after an impact.
 pub(super) struct PlateRebound {
-    /// [-] velocity along the plate over that before.
+    /// [-] velocity along the plate after the impact, over that before it.
     pub(super) ratio: f64,
     /// [rad/s] spin, positive if the ball rolls forward.
     pub(super) spin: f64,
@@ -152,7 +152,7 @@ const ANGLES: [(f64, f64); 6] = [
     (60.0571, 57.3652),
 ];
 
-/// Measured quantity: name, unit, points over the angle, and its value of a rebound.
+/// Measured quantity: name, unit, points (angle and value), and the function that returns its value for a rebound.
 type MeasuredKind = (&'static str, &'static str, &'static [(f64, f64)], fn(&PlateRebound) -> f64);
 
 fn measured(scene: &CheckScene) -> Result<CheckResult, StudyError> {
