@@ -162,8 +162,8 @@ impl InstantaneousContacts {
         self.rebound_squares.merge(&other.rebound_squares);
     }
 
-    /// Sums over the contacts added after `before` was copied from these sums. The largest overlap remains that of all
-    /// contacts.
+    /// Sums over the contacts added after `before` was copied from these sums. The largest overlap is that of all
+    /// contacts, also the earlier ones.
     fn since(&self, before: &Self) -> Self {
         Self {
             count: self.count - before.count,
@@ -241,7 +241,7 @@ impl Impacts {
         self.overlap_time.merge(&other.overlap_time);
     }
 
-    /// The impacts that were added after `before` was copied from these sums.
+    /// Sums and histograms of the impacts that were added after `before` was copied from this record.
     pub fn since(&self, before: &Self) -> Self {
         Self {
             count: self.count - before.count,

@@ -119,7 +119,7 @@ impl Meetings {
         }
     }
 
-    /// Rounded values of the sums at this time.
+    /// Present values of the sums, rounded.
     pub fn totals(&self) -> ByKinds {
         let totals = |MeetingSums { count, speed, approach, rebound }: &MeetingSums| MeetingTotals {
             count: *count,

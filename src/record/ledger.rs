@@ -223,7 +223,7 @@ impl Ledger {
 #[derive(Clone, Debug, Default)]
 pub struct Books {
     sums: [ExactSum; ENTRIES],
-    /// Rounded totals, stored after they have been read for the first time.
+    /// Rounded totals, computed when they are first read.
     rounded: OnceLock<Ledger>,
 }
 

@@ -35,7 +35,7 @@ pub struct Batches {
     pub from: f64,
     /// [s] length of each block of time.
     pub length: f64,
-    /// [s] time between samples. The last sample of a block is taken one such time before the end of the block.
+    /// [s] time between samples. The last sample of a block is taken one interval before the end of the block.
     pub interval: f64,
 }
 
@@ -290,8 +290,8 @@ impl Contrast {
             let guesses: Vec<(f64, f64)> = guesses(&correlations[place], correlation);
             covariances[place] = covariance(run, &deviations[place], &guesses);
             let square = guesses.iter().map(|guess| guess.0 * guess.0).fold(0.0, f64::max);
-            // for an exponentially correlated series, the variance is as uncertain as that of this number of
-            // independent blocks
+            // degrees of freedom of independent blocks whose variance is as uncertain as that of this exponentially
+            // correlated series
             freedoms[place] = (count - 1.0) * (1.0 - square) / (1.0 + square);
             // the inflation (1 + ρ)/(1 - ρ) of a variance has the relative variance 4 var(ρ)/(1 - ρ²)²
             let relative = guesses.iter().map(|&(rho, variance)| 2.0 * variance / (1.0 - rho * rho).powi(2));

@@ -56,7 +56,7 @@ pub struct Observable {
 pub struct Deviation {
     /// Centre of the slice [m] or time [s]; `None` for the mean over all positions, or for a single number.
     pub place: Option<f64>,
-    /// Difference at this position.
+    /// Difference at `place`.
     pub difference: f64,
     /// Standard error of the difference; 0 if neither run scatters.
     pub error: f64,
@@ -65,7 +65,7 @@ pub struct Deviation {
 }
 
 impl Deviation {
-    /// [-] two-sided probability of a difference at least this large between equal systems, by Student's t test.
+    /// [-] two-sided probability that equal systems show at least this difference, by Student's t test.
     pub fn chance(&self) -> f64 {
         if self.error > 0.0 {
             two_sided(self.difference / self.error, self.freedom)
@@ -103,8 +103,8 @@ pub struct Tested {
     pub largest: Option<Deviation>,
     /// [-] probability that equal systems show a difference of at least this size in the smooth shapes.
     pub smooth_chance: f64,
-    /// [-] probability that equal systems show a difference of at least this size at any position; `None` for a single
-    /// number.
+    /// [-] probability that equal systems show at least the largest difference found at one position; `None` for a
+    /// single number.
     pub local_chance: Option<f64>,
     /// [-] probability that equal systems show a difference of at least this size in any of the tests.
     pub chance: f64,

@@ -29,8 +29,8 @@ pub struct ProfileTable {
     pub slices: Vec<SliceRow>,
     /// Number of blocks of time for each standard error; with fewer than 8 blocks there are no errors.
     pub blocks: usize,
-    /// [s] time of the first sample in the averages. This is the first sample of the first block that starts at the
-    /// requested start of averaging or later.
+    /// [s] time of the first sample in the averages, which begins the first block after the requested start of
+    /// averaging.
     pub from: f64,
     /// [s] time of the last sample in the averages.
     pub until: f64,

@@ -206,7 +206,8 @@ impl Accumulator {
         };
         let pseudo = |k: usize| {
             let value = values[k]?;
-            // if only one block contains particles in this slice, there is no value without that block, and so no error
+            // if only one block contains particles in this slice, no value exists without that block, so there is no
+            // error
             let blocks = without.iter().map(|without| Some(count * value - (count - 1.0) * without[k]?));
             let blocks = blocks.collect::<Option<Vec<f64>>>().filter(|blocks| !blocks.is_empty())?;
             Some(Batches { values: vec![value], blocks: vec![blocks], ..frame.clone() })

@@ -23,22 +23,22 @@ pub struct SliceColumn {
     pub index: usize,
 }
 
-/// Number density over its mean in the whole domain.
+/// Column of the number density over its mean in the whole domain.
 pub const NUMBER_DENSITY: SliceColumn = SLICE_COLUMNS[0];
-/// Streamwise mean velocity U.
+/// Column of the streamwise mean velocity U.
 pub const U: SliceColumn = SLICE_COLUMNS[1];
-/// Streamwise normal stress <u''u''>.
+/// Column of the streamwise normal stress <u''u''>.
 pub const UU: SliceColumn = SLICE_COLUMNS[4];
-/// Wall-normal stress <v''v''>.
+/// Column of the wall-normal stress <v''v''>.
 pub const VV: SliceColumn = SLICE_COLUMNS[5];
-/// Spanwise normal stress <w''w''>.
+/// Column of the spanwise normal stress <w''w''>.
 pub const WW: SliceColumn = SLICE_COLUMNS[6];
-/// Shear stress <u''v''>.
+/// Column of the shear stress <u''v''>.
 pub const UV: SliceColumn = SLICE_COLUMNS[7];
 
-/// Mean spin along x (spanwise), the spin component that a sheared stream causes.
+/// Column of the mean spin along x (spanwise), the component that a sheared stream causes.
 pub const MEAN_SPIN_X: SliceColumn = SLICE_COLUMNS[20];
-/// Rotational temperature T_r.
+/// Column of the rotational temperature T_r.
 pub const ROTATIONAL_TEMPERATURE: SliceColumn = SLICE_COLUMNS[23];
 
 /// Columns for scenes with spheres that rotate (`rotating`), or for other scenes.
@@ -51,7 +51,7 @@ pub fn second_moments() -> &'static [SliceColumn] {
     &SLICE_COLUMNS[UU.index..UU.index + 6]
 }
 
-/// Mean spins, and the parts of the rotational temperature.
+/// Columns of the mean spins, and of the parts of the rotational temperature.
 pub fn spin_components() -> impl Iterator<Item = SliceColumn> {
     SLICE_COLUMNS[VELOCITY_QUANTITIES..].iter().copied().filter(|column| *column != ROTATIONAL_TEMPERATURE)
 }

@@ -26,8 +26,8 @@ pub struct Steadiness {
     /// averaging must not be forced by the limit of half the run. If there are too few samples for a test, the result
     /// is false and `drift` is `None`.
     pub steady: bool,
-    /// [-] difference between the second and the first half of the averaging period, in units of its standard error.
-    /// This is the largest value over the series. `None` if unknown, infinite for a drift without any noise.
+    /// [-] largest drift of any series: difference between the second and the first half of the averaging period, in
+    /// units of its standard error. `None` if unknown, infinite for a drift without any noise.
     pub drift: Option<f64>,
 }
 
@@ -67,9 +67,8 @@ impl SteadySeries<'_> {
     }
 }
 
-/// Tests if several series are steady, which were sampled at common, equally spaced `times` [s]. `from` is the start of
-/// averaging. If it is `None`, the start is found by the marginal standard error rule, which drops at most half of the
-/// run.
+/// Tests if several series, sampled at common, equally spaced `times` [s], are steady. `from` [s] is the start of
+/// averaging. If it is `None`, the marginal standard error rule finds the start, and drops at most half of the run.
 pub fn judge(times: &[f64], series: &[SteadySeries], from: Option<f64>) -> Steadiness {
     let count = series.iter().map(|s| s.values.len()).fold(times.len(), usize::min);
     let times = &times[..count];
@@ -99,9 +98,9 @@ fn start(values: &[f64], series: &SteadySeries) -> (usize, bool) {
     (start, at_limit && drifts())
 }
 
-/// Number of samples to drop at the start, and true if this number is at the limit of half the run. With this number
+/// Number of samples to drop at the start, and true if this number is at its limit, half of the run. With this number,
 /// the squared standard error of the remaining samples, taken as independent, is smallest (MSER-5; White 1997). No
-/// sample is dropped if that reduces the square by less than a tenth.
+/// sample is dropped if the square would decrease by less than a tenth.
 fn truncation(values: &[f64]) -> (usize, bool) {
     let batches: Vec<f64> = values.chunks_exact(BATCH).map(mean).collect();
     let count = batches.len();
@@ -242,7 +241,7 @@ mod tests {
         let values: Vec<f64> = times.iter().map(&mut step).collect();
         let judged = |scale: f64| judge(&times, &[SteadySeries { values: &values, scale, step: 0.0 }], None);
         assert!(judged(1.0).steady && judged(1.0).from == 0.0);
-        // for an observable whose scale has this size, the series drifts
+        // the same series drifts if the scale of the observable has the size of its changes
         assert!(!judged(1e-13).steady);
     }
 

@@ -86,7 +86,7 @@ impl VelocitySpread {
     }
 
     /// Averages of each slice along y: number of particles, mean velocity [m/s], and parts of the granular temperature
-    /// [m²/s²] relative to this mean along x, y and z. Means need one particle, temperatures two.
+    /// along x, y and z [m²/s²] relative to this mean. A mean needs one particle, a temperature two.
     pub fn of_slices(&self) -> impl Iterator<Item = (f64, Option<Vector3<f64>>, Option<Vector3<f64>>)> + '_ {
         self.slices.iter().map(|slice| {
             let mean = (slice.count > 0.0).then(|| self.reference + slice.sum / slice.count);

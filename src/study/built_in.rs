@@ -75,7 +75,7 @@ pub fn init(args: &Init) -> Result<(), StudyError> {
 fn write_new(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let mut builder = tempfile::Builder::new();
-    // temporary files are private: the file gets the permissions of an ordinary file
+    // temporary files can be read by their owner only; the new file gets ordinary permissions
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o644));
     let mut aside = builder.prefix(".diptych-").tempfile_in(folder)?;

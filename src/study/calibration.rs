@@ -56,8 +56,8 @@ pub struct Physics {
     pub temperatures: Vec<f64>,
     /// Variation of the agitation with the position and the direction.
     pub spread: AgitationSpread,
-    /// [m/s] normal speeds of the collisions of pairs, if there were enough collisions and the temperature changes
-    /// during the run. In such a run the speeds cannot be computed from the mean temperature.
+    /// [m/s] normal speeds of the collisions of pairs; `None` if there were too few, or if the temperature does not
+    /// change during the run. With a changing temperature, the speeds cannot be computed from the mean temperature.
     pub pair_speeds: Option<Histogram>,
     /// [m/s] normal speeds of the wall impacts; `None` if there were too few.
     pub wall_speeds: Option<Histogram>,

@@ -88,14 +88,14 @@ impl Looks {
         (look * self.piece).min(self.most)
     }
 
-    /// Indices of the replicas of each variant that are run between the previous interim test and this one. The first
-    /// run of each variant is not included.
+    /// Indices of the replicas of each variant that are run between the previous interim test and the test `look`. The
+    /// first run of each variant is not included.
     fn range(self, look: usize) -> Range<usize> {
         self.replicas(look - 1).max(1)..self.replicas(look)
     }
 }
 
-/// Results of a comparison so far, and settings for their judgement.
+/// Results of a comparison so far, and the settings by which they are judged.
 struct VariantComparison<'a> {
     variants: &'a Variants,
     looks: Looks,

@@ -115,8 +115,8 @@ pub fn fluid(args: &Args) -> Result<(), StudyError> {
 }
 
 /// Writes the profile of the gas between walls at y = 0 and y = `height` [m]. A k-epsilon profile is written at its
-/// nodes, mirrored, together with points of the law of the wall (without k, ε, ν_t). Any other profile is written at
-/// equal distances.
+/// nodes in both halves, together with points of the law of the wall (without k, ε, ν_t). Any other profile is written
+/// at equal distances.
 ///
 /// # Errors
 /// A file that cannot be written.

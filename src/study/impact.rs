@@ -25,7 +25,7 @@ const DEFAULT_CASE: &str = "impact";
 /// megabytes.
 const MOST_POINTS: f64 = 1e7;
 
-/// Number of points of a path if no time step sets this number.
+/// Number of points of a path, unless time steps give the number.
 const POINTS: f64 = 400.0;
 
 /// The two bodies that collide, and the surface properties of their contact.

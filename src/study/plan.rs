@@ -245,7 +245,7 @@ fn kinds(
     let temperature = |species: usize| temperatures.get(species).copied().unwrap_or(0.0);
     if plan.gas.is_some() {
         let spread = measured.map_or_else(AgitationSpread::even, |found| found.spread.clone());
-        // with several species a histogram does not show which of them collided
+        // with several species, a histogram does not tell which species collided
         let counted = measured.filter(|_| experiment.scene.species.len() == 1);
         let speeds = |variance, counted: Option<&Histogram>, parts: &[[f64; 2]]| match counted {
             Some(speeds) => ImpactSpeeds::Measured { variance, speeds: speeds.clone() },

@@ -175,7 +175,7 @@ struct SweepPlan {
     names: Vec<String>,
     /// Identities of the runs, by which equal runs are found.
     known: HashSet<String>,
-    /// Index of the variant with which the others are compared: the first hard one.
+    /// Index of the first variant with hard spheres, with which the others are compared.
     reference: Option<usize>,
     /// True if the case requests trajectories, which a sweep does not write.
     has_trajectories: bool,

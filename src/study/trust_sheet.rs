@@ -39,8 +39,8 @@ fn certain(value: f64) -> Estimate {
     Estimate::without_error(value)
 }
 
-/// Makes one check of the sheet. If the expected value is `Equals`, the result is suspect if it differs by more than
-/// `allowed`. If there is a standard error, it must also differ by more than 3 standard errors.
+/// Makes one check of the sheet. With the expectation `Equals`, the result is suspect if the difference exceeds
+/// `allowed` and, if there is a standard error, also exceeds 3 standard errors.
 fn check(name: &'static str, unit: &'static str, found: Estimate, expected: Expected, allowed: f64) -> TrustCheck {
     let mut check =
         TrustCheck { name, unit, found: Some(found), expected, judgement: Judgement::Stated, remark: String::new() };

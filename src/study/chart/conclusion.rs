@@ -38,7 +38,7 @@ pub fn slopes(quantities: &[ChartQuantity], methods: usize, points: &[ChartPoint
 }
 
 /// Parameter and error of the resolved points of one method, from coarse to fine. Resolved errors exceed chance and
-/// rounding. All points up to the last one whose error has the other sign are left out.
+/// rounding. Only points after the last change of sign of the error are returned.
 fn resolved<'a>(
     points: impl Iterator<Item = &'a ChartPoint>,
     index: usize,

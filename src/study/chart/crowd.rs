@@ -198,7 +198,7 @@ impl Crowd {
             key => {
                 let number = NUMBERS.iter().find(|(known, ..)| *known == key).map(|(.., pick)| pick(outcome));
                 if let Some(found) = number {
-                    // the scatter of a run is that of the reference's runs, or the run's own error if that is larger
+                    // uncertainty: scatter of the runs of the reference, or the error of this run if that is larger
                     let (found, share) = (found?, found?.over(quantity.reference.value));
                     let uncertainty = share.error.map_or(quantity.floor, |own| own.max(quantity.floor));
                     single(found.value, (share.value - 1.0).abs(), Some(uncertainty))

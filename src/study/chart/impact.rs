@@ -43,7 +43,7 @@ pub struct HeadOn {
     pub duration: f64,
 }
 
-/// Cost of one run until it failed, and the reason.
+/// Cost of a run until its failure, and the reason for the failure.
 struct Stopped {
     why: ChartFailure,
     counters: Counters,
@@ -271,7 +271,7 @@ impl HeadOn {
     /// An empty box with the two bodies far from its sides, on the x axis.
     fn scene(&self) -> (Scene, Particles) {
         let (a, b) = self.radii();
-        // no sphere moves farther than this
+        // distance that no sphere exceeds
         let reach = 4.0 * (a + b) + 2.0 * self.approach * (self.duration + self.touch) * 2.0;
         let size = Vector3::repeat(2.0 * reach);
         let plane = Plane { point: Vector3::zeros(), normal: Vector3::x() };

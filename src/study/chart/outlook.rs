@@ -7,7 +7,7 @@ use std::time::Instant;
 /// [-] weight of the initial estimate against the measured wall times, as a share of the wall time of the chart.
 const PRIOR: f64 = 0.05;
 
-/// Runs of a chart, the wall time expected of each, and the progress so far.
+/// Runs of a chart, the expected wall time of each run, and the progress so far.
 pub struct Outlook {
     told: Option<fn(&str)>,
     /// [s] expected wall time of each run, in the order of the runs.

@@ -149,7 +149,8 @@ impl Stretch {
         }
         let alone = shortest(base, quick).map(|duration| format!("--set run.duration=\"{duration} s\""));
         let remedy = alone.or_else(|| {
-            // unless other limits apply, a window is a part of the duration: it must not grow with the duration
+            // windows usually grow with the duration; here the window is fixed, so that a longer duration has more
+            // windows
             let window = rounded(self.window * (1.0 + ROUNDING), f64::floor);
             let mut fixed = base.clone();
             fixed.run.window = Some(window);

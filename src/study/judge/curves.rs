@@ -19,8 +19,8 @@ pub const FEWEST: usize = 3;
 /// Recommended number of replicas if there are none: Student's t then has 14 degrees of freedom.
 const ADVISED: usize = 8;
 
-/// Number of particles that are assumed to move together, so that a single run gives no wrong answer "different". For
-/// molecular chaos this number would be 1.
+/// Number of particles that are assumed to move together, a cautious value for the answer "different" from single runs.
+/// For molecular chaos the number would be 1.
 const CLUMP: f64 = 100.0;
 
 /// Quantities whose curves are compared.

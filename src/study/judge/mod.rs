@@ -69,7 +69,7 @@ pub struct Criteria {
 pub struct ReplicaRuns<'a> {
     /// Outcome of the first replica. If there are several, its averages are over all replicas.
     pub outcome: &'a Outcome,
-    /// Outcomes of the other replicas, all except the first.
+    /// Outcomes of all replicas except the first.
     pub others: &'a [Outcome],
 }
 
@@ -103,7 +103,7 @@ fn one(runs: &[ReplicaRuns; 2], asked: Criteria) -> Verdict {
     }
 }
 
-/// Answer for two variants, by the kind of comparison that is valid for them.
+/// Finding for two variants, by the kind of comparison that is valid for their runs.
 fn found(runs: &[ReplicaRuns; 2], asked: Criteria) -> Finding {
     let both = [runs[0].outcome, runs[1].outcome];
     let [variant, reference] = both;
@@ -213,8 +213,7 @@ fn steady(variant: &Outcome, reference: &Outcome, asked: Criteria) -> Finding {
     }
 }
 
-/// Description of a run whose averaging period is `stretch` times as long, with samples as close in time as in this
-/// run.
+/// Description of a run whose averaging period is `stretch` times as long, with the sample interval of this run.
 fn longer(run: &Outcome, stretch: f64) -> String {
     let from = run.profiles.from;
     let mut experiment = run.experiment.clone();
@@ -250,8 +249,8 @@ fn soft_rate(variant: &Outcome, reference: &Outcome) -> Option<String> {
     ))
 }
 
-/// Cost of a variant over that of its reference, in words. `None` if either run stopped early, since its cost is not
-/// that of the whole case.
+/// Ratio of the cost of a variant to that of its reference, in words. `None` if either run stopped early, since its
+/// cost is not that of the whole case.
 fn costs(variant: &Outcome, reference: &Outcome) -> Option<String> {
     if [variant, reference].iter().any(|one| one.failure.is_some()) {
         return None;

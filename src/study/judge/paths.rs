@@ -249,8 +249,8 @@ impl Apart {
     }
 }
 
-/// [s] last instant at which a disturbance of the reference has grown less than a thousandfold. `None` if it never
-/// grows so much, or if this cannot be determined.
+/// [s] last instant before a disturbance of the reference has grown a thousandfold. `None` if it never grows so much,
+/// or if the growth cannot be determined.
 fn predictable(reference: &Outcome) -> Option<f64> {
     let speed = largest_speed(reference);
     let mut start = initial_state(&reference.experiment).ok()?;

@@ -56,7 +56,7 @@ impl<'a> ShiftReference<'a> {
     }
 
     /// Shifts of the weighted sum `of` relative to the weighted sum `against`. Weights are positive and have equal
-    /// totals in both sums. For curves the shift is that of the mean or of one instant, whichever is more significant.
+    /// totals in both sums. For curves the shift of the mean or of one instant is taken, whichever is more significant.
     pub fn shifts(&self, of: &Mix, against: &Mix, margin: f64) -> Shifts {
         self.found([of, against], margin, Tested::headline)
     }
@@ -268,10 +268,9 @@ fn without_error(a: &Observable, b: &Observable) -> Option<Shift> {
     })
 }
 
-/// Increases the errors of shifts that come from a line through several runs, by the distance of these runs from the
-/// line. The distance is measured in units of its own error, from `misses`, which belong to the same observables. If
-/// runs do not scatter, the distance is the only source of error. The error of the shift is then the distance times
-/// `share` [-].
+/// Increases the errors of shifts that come from a line through several runs, if the runs lie off the line. `misses`
+/// contains their distance from the line for the same observables. The error is multiplied by the distance in units of
+/// the error of the distance, if that exceeds 1. If runs do not scatter, the error is the distance times `share` [-].
 pub fn widened(shifts: Vec<Shift>, misses: &[Shift], share: f64) -> Vec<Shift> {
     let one = |mut shift: Shift| {
         let miss = misses.iter().find(|miss| miss.observable == shift.observable);

@@ -52,7 +52,7 @@ fn found(outcome: &Outcome, table: &ReferenceTable, asked: Criteria) -> Finding 
 }
 
 /// Observables of the run and of the table, in pairs: one for each profile, and one for each average over the scene.
-/// Each value of a profile is compared with the slice that contains its place.
+/// Each value of a profile in the table is compared with the slice at its position.
 fn observables(outcome: &Outcome, table: &ReferenceTable) -> Vec<(Observable, Observable)> {
     let mut pairs = Vec::new();
     let numbered: Vec<(usize, &ReferencePoint)> = table.points.iter().enumerate().collect();

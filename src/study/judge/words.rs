@@ -3,7 +3,7 @@
 use crate::output::numbers::{counted, quantity, significant, with_error};
 use crate::statistics::{Answer, Comparison, Deviation, Estimate, Judged, LARGEST_DRIFT, Steadiness};
 
-/// Number of differences that are named in a sentence; the table contains all of them.
+/// Largest number of differences named in a sentence; the table of the report contains all differences.
 const NAMED: usize = 3;
 
 /// [-] largest recommended factor on the length of a run or on the number of replicas. A larger factor is not written,

@@ -224,8 +224,8 @@ fn steadiness(spaced: &[(f64, &[f64], &[f64])], from: Option<f64>, scale: Option
     }
 }
 
-/// Integral correlation time of a series, in the unit of `interval`: the time τ for which the mean of a long series of
-/// length L has the variance 2 τ/L times that of a sample. `None` without scatter or without an error.
+/// Integral correlation time τ of a series, in the unit of `interval`. The mean of a long series of length L has the
+/// variance of a sample times 2 τ/L. `None` without scatter or without an error.
 fn correlation_time(interval: f64, values: &[f64], blocks: &Batches) -> Option<f64> {
     let count = values.len() as f64;
     let mean = values.iter().sum::<f64>() / count;

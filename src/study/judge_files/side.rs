@@ -73,7 +73,7 @@ pub struct MeasuredPoint {
 }
 
 impl JudgeSide {
-    /// Reads all files of a side. `argument` lists them, separated by commas.
+    /// Reads all files of a side. `argument` is a list of the files, separated by commas.
     ///
     /// # Errors
     /// A file cannot be read, has no column of times, or its times do not increase.

@@ -16,7 +16,7 @@ const LISTED: usize = 30;
 
 /// Table of numbers from a file, with the position of each row for messages.
 pub struct NumberTable {
-    /// Path of the file, as it is shown.
+    /// Path of the file, as shown in messages.
     pub name: String,
     /// Names of the columns, in the order of the file.
     pub columns: Vec<String>,

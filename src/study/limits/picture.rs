@@ -23,8 +23,8 @@ fn edges(values: &[f64], log: bool) -> Vec<(f64, f64)> {
     (0..at.len()).map(end).collect()
 }
 
-/// A picture of coloured cells around the points of a grid, with theoretical lines on it. The points are in the order
-/// of rows, `x` changing fastest. `class` returns the index in `classes` for the number of a point.
+/// A picture of coloured cells around the points of a grid, with theoretical lines. The points are in rows, with `x`
+/// changing fastest. `class` returns the index in `classes` of the point with a given number.
 pub fn plane(
     x: &MapAxis,
     y: &MapAxis,

@@ -33,7 +33,7 @@ pub fn run(simulation: &mut Simulation, windows: u64, duration: f64) -> Option<F
     simulation.run(windows, duration / windows as f64).err()
 }
 
-/// Sets soft spheres with this contact law for the run.
+/// Sets the run to soft spheres with the given contact law.
 pub fn soften(experiment: &mut Experiment, law: ContactLaw) {
     experiment.soft.law = Some(law);
     experiment.run.spheres = Spheres::Soft(law);
@@ -83,8 +83,8 @@ pub fn fill(experiment: &mut Experiment, count: usize, fraction: f64) {
     experiment.start[0].amount = Amount::Count(count);
 }
 
-/// [1/s] collision rate of a sphere of a gas with volume fraction φ and temperature T [m²/s²]. It is Enskog's 24 φ g
-/// sqrt(T/π)/d with Carnahan and Starling's (1969) g = (1 - φ/2)/(1 - φ)³.
+/// [1/s] collision rate of a sphere in a gas with volume fraction φ and temperature T [m²/s²], by Enskog: 24 φ g
+/// sqrt(T/π)/d. The contact value g = (1 - φ/2)/(1 - φ)³ is that of Carnahan and Starling (1969).
 pub fn collision_rate(fraction: f64, temperature: f64) -> f64 {
     let g = (1.0 - 0.5 * fraction) / (1.0 - fraction).powi(3);
     24.0 * fraction * g * (temperature / std::f64::consts::PI).sqrt() / DIAMETER

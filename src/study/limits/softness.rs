@@ -35,10 +35,9 @@ fn of_smaller_spheres(softness: f64) -> f64 {
     collision_rate(FRACTION * smaller.powi(3), 1.0) / smaller / collision_rate(FRACTION, 1.0)
 }
 
-/// [-] rate at which soft spheres touch, over that of hard ones. Both touch at the distance d. For soft spheres the
-/// density of neighbours at this distance is that in a fluid of spheres of diameter d_eff, slightly beyond contact: g
-/// (1 + g'/g (d - d_eff)). The slope at contact is from Percus and Yevick's equation (Wertheim 1963): g' d = -(9/2) φ
-/// (1+φ)/(1-φ)³.
+/// [-] ratio of the rates at which soft spheres and hard spheres touch, both at the distance d. Soft spheres have the
+/// neighbours of a fluid of spheres of diameter d_eff, slightly beyond contact: g (1 + g'/g (d - d_eff)). The slope at
+/// contact is from Percus and Yevick's equation (Wertheim 1963): g' d = -(9/2) φ (1+φ)/(1-φ)³.
 fn touches(softness: f64) -> f64 {
     let contact = |fraction: f64| (1.0 - 0.5 * fraction) / (1.0 - fraction).powi(3);
     let smaller = effective_diameter(softness);

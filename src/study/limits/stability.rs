@@ -25,8 +25,8 @@ const DISTURBANCE: f64 = 0.01;
 /// factor of 3.5 in all.
 const STEPS: f64 = 1e5;
 
-/// Smallest growth factor of an oscillation that is called unstable. It is far from 1, the value without damping, and
-/// from the hundred at which contacts open.
+/// Smallest growth factor of an oscillation that is called unstable. It is far from 1, the factor without damping, and
+/// from 100, at which contacts open.
 const GROWS: f64 = 2.0;
 
 /// [-] restitution of the contact with one of the two walls. Its damping ratio is that of a single contact over √2.

@@ -25,7 +25,7 @@ struct SteppedRun {
     missed: f64,
     /// [-] mean overlap at which collisions were found, over the diameter; 0 if there was no collision.
     overlap: f64,
-    /// [-] 99 % quantile of this overlap, over the diameter.
+    /// [-] 99 % quantile of the overlap at which collisions were found, over the diameter.
     deepest: f64,
     failure: Option<Failure>,
 }

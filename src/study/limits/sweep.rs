@@ -21,7 +21,7 @@ pub struct Points<'a> {
     pub grid: &'a Grid,
     /// Name of the first map of the sweep, for the progress.
     pub name: &'static str,
-    /// Experiment of the case file of the sweep. Every point changes a part of it.
+    /// Experiment of the case file of the sweep, of which every point changes a part.
     pub base: Experiment,
 }
 

@@ -16,7 +16,7 @@ use std::f64::consts::PI;
 /// Limits of the classes of the error, as shares of the largest friction impulse.
 const CLASSES: [f64; 4] = [0.002, 0.01, 0.05, 0.2];
 
-/// [-] M_t/M of a solid sphere at a wall (docs/rotation.md).
+/// [-] M_t/M, effective mass of the slip over that of the normal motion, for a solid sphere (docs/rotation.md).
 const SOLID: f64 = 2.0 / 7.0;
 
 /// Tangential law with the tangential restitution `beta` (β_0) [-], between surfaces of `restitution` e [-]. If the law

@@ -74,7 +74,7 @@ impl PlannedFactor {
 pub struct PlannedRun {
     /// Experiment with the first of its seeds.
     pub experiment: Experiment,
-    /// Changes of the case as a user would type them.
+    /// Changes of the case, in the form in which a user types them.
     pub set: String,
     hash: String,
 }
@@ -199,7 +199,8 @@ impl<'a> SensitivityPlan<'a> {
         self.add("hard", &[], Some(Model::Hard), None)
     }
 
-    /// Experiment with these changes of the case. Its model is that of the unchanged case unless another one is given.
+    /// Experiment with the given changes of the case. Its model is that of the unchanged case unless another one is
+    /// given.
     ///
     /// # Errors
     /// The reason why the case refuses these changes, in words.
@@ -208,7 +209,7 @@ impl<'a> SensitivityPlan<'a> {
         changed.map(|(experiment, _)| experiment).map_err(|why| why.message)
     }
 
-    /// Index of a run with these changes of the case. The run is added unless an equal one exists.
+    /// Index of a run with the given changes of the case. The run is added unless an equal one exists.
     ///
     /// # Errors
     /// The reason why the case refuses these changes, in words.

@@ -179,7 +179,8 @@ fn zeno(scene: &CheckScene) -> Result<CheckResult, StudyError> {
             Err(why) => return Err(stopped(why)),
             Ok(()) => f64::NAN,
         };
-        // flights shorter than about 1e-8 s cannot be distinguished in double precision: 200 of them
+        // in double precision flights shorter than about 1e-8 s are not resolved; the tolerance allows for many of
+        // these flights
         numbers.push(exact(format!("rest, e = {restitution}"), "s", expected, ended, 1e-5));
     }
     Ok(numbers.into())

@@ -10,8 +10,8 @@ use crate::output::panel::{Panel, PanelSeries, SeriesPoint, SeriesStyle};
 use crate::runs::StudyError;
 use crate::simulation::Simulation;
 
-/// Peak force [N] and duration [s] of the impact of a pair or of a ball and wall 0, at the speed `speed` [m/s] of
-/// approach. The force is that of the law at the largest overlap of the run.
+/// Peak force [N] and duration [s] of the impact of two balls, or of a ball on wall 0, with the speed of approach
+/// `speed` [m/s]. The force is computed by the contact law from the largest overlap of the run.
 fn normal_impact(scene: &CheckScene, speed: f64) -> Result<[f64; 2], StudyError> {
     let experiment = scene.experiment(Model::Soft, None, &[])?;
     let mut simulation = scene.simulation(Model::Soft, None, &[])?;
@@ -264,7 +264,7 @@ fn spinning(scene: &CheckScene) -> Result<CheckResult, StudyError> {
         let mut simulation = scene.simulation(Model::Soft, None, &sets)?;
         run_to(&mut simulation, 2e-3, 1)?;
         let after = surface_speed(&simulation, 0.1);
-        // in gross sliding β is 3.5 μ (1 + e) v_n/v_st - 1; the points there miss it by 0.003
+        // in gross sliding β is 3.5 μ (1 + e) v_n/v_st - 1, from which the digitised points deviate by 0.003
         numbers.push(read_off(format!("β at v_st = {slip:.3} m/s"), "", (expected, 0.005), -after / slip, 0.03));
         found.push(SeriesPoint::at(slip, -after / slip));
     }
@@ -282,7 +282,7 @@ fn spinning(scene: &CheckScene) -> Result<CheckResult, StudyError> {
     Ok(CheckResult { numbers, picture: Some(("Tangential restitution of a ball with spin (test 6).", panel)) })
 }
 
-/// [m/s] velocity along x of the surface of the first ball at a plane below it.
+/// [m/s] velocity along x of the lowest point of the first ball's surface.
 fn surface_speed(simulation: &Simulation, radius: f64) -> f64 {
     simulation.particles.velocity[0].x + radius * simulation.particles.spin_of(0).z
 }

@@ -49,7 +49,8 @@ fn share_of_loss(ratio: f64, loss: f64) -> f64 {
     (0..4).fold(1.0, |share, _| share_with_cooling(ratio, loss * share / 3.0))
 }
 
-/// [-] share of Haff's loss for a given cooling rate -d(ln T)/dt over the collision rate of a sphere [-].
+/// [-] energy loss in the TC model over the loss by Haff's law, if -d(ln T)/dt is `cooling` times the collision rate of
+/// a sphere.
 fn share_with_cooling(ratio: f64, cooling: f64) -> f64 {
     let step = FASTEST / POINTS as f64;
     let speeds: Vec<f64> = (0..POINTS).map(|k| (k as f64 + 0.5) * step).collect();
