@@ -164,7 +164,7 @@ impl Histogram {
         (self.total > 0).then_some(self.maximum)
     }
 
-    /// Standard error of the mean for independent values: their standard deviation over the square root of their
+    /// Standard error of the mean for independent values: their standard deviation divided by the square root of their
     /// number. `None` for fewer than two values.
     pub fn standard_error(&self) -> Option<f64> {
         if self.total < 2 {

@@ -13,11 +13,12 @@ pub struct Impact {
     pub rebound_speed: f64,
     /// [s] duration of the contact; 0 for a collision.
     pub duration: f64,
-    /// [-] overlap when the impact was first detected, over the (smaller) diameter; 0 for an event-driven collision.
+    /// [-] overlap when the impact was first detected, divided by the (smaller) diameter; 0 for an event-driven
+    /// collision.
     pub first_overlap: f64,
-    /// [-] largest overlap during the impact over the (smaller) diameter; 0 for an event-driven collision.
+    /// [-] largest overlap during the impact divided by the (smaller) diameter; 0 for an event-driven collision.
     pub maximum_overlap: f64,
-    /// [s] time integral over the impact of the relative overlap (overlap over the smaller diameter); 0 for a
+    /// [s] time integral over the impact of the relative overlap (overlap divided by the smaller diameter); 0 for a
     /// collision.
     pub overlap_time: f64,
     /// Contact that this impact replaces, if an engine with lasting contacts computed the impact as instantaneous.
@@ -103,7 +104,7 @@ impl Slips {
 pub struct LeftOut {
     /// [s] duration of the contact.
     pub duration: f64,
-    /// [-] largest overlap over the (smaller) diameter.
+    /// [-] largest overlap divided by the (smaller) diameter.
     pub overlap: f64,
 }
 
@@ -112,7 +113,7 @@ pub struct LeftOut {
 pub struct InstantaneousContacts {
     /// Number of contacts.
     pub count: u64,
-    /// [-] largest overlap that any of these contacts would have reached, over the (smaller) diameter.
+    /// [-] largest overlap that any of these contacts would have reached, divided by the (smaller) diameter.
     pub largest_overlap: f64,
     duration: ExactSum,
     overlap: ExactSum,
@@ -127,11 +128,11 @@ pub struct Impacts {
     pub count: u64,
     /// [m/s] normal speed of approach of each impact.
     pub normal_speed: Histogram,
-    /// [-] largest overlap of each impact over the (smaller) diameter.
+    /// [-] largest overlap of each impact divided by the (smaller) diameter.
     pub maximum_overlap: Histogram,
-    /// [-] first detected overlap of each impact over the (smaller) diameter.
+    /// [-] first detected overlap of each impact divided by the (smaller) diameter.
     pub first_overlap: Histogram,
-    /// [-] realised restitution of each impact: speed of rebound over speed of approach.
+    /// [-] realised restitution of each impact: speed of rebound divided by speed of approach.
     pub restitution: Histogram,
     /// [s] durations of the contacts.
     pub duration: Histogram,
@@ -180,7 +181,7 @@ impl InstantaneousContacts {
         self.duration.value()
     }
 
-    /// [-] sum of the largest overlaps that the contacts would have had, each over the (smaller) diameter.
+    /// [-] sum of the largest overlaps that the contacts would have had, each divided by the (smaller) diameter.
     pub fn overlap(&self) -> f64 {
         self.overlap.value()
     }
@@ -262,7 +263,7 @@ impl Impacts {
         self.rebound_squares.value()
     }
 
-    /// [s] sum over impacts of the time integral of the relative overlap (overlap over the smaller diameter).
+    /// [s] sum over impacts of the time integral of the relative overlap (overlap divided by the smaller diameter).
     pub fn overlap_time(&self) -> f64 {
         self.overlap_time.value()
     }
@@ -293,9 +294,9 @@ pub struct Summary {
     pub count: u64,
     /// [m/s] mean normal speed of approach.
     pub mean_normal_speed: Option<f64>,
-    /// [-] realised restitution: square root of the normal kinetic energy after the impacts over that before them, each
-    /// summed over all impacts. The energy is the weight of an impact, so grazing impacts count little. (Their normal
-    /// turns during the contact.)
+    /// [-] realised restitution: square root of the normal kinetic energy after the impacts divided by that before
+    /// them, each summed over all impacts. A grazing impact, whose normal turns during the contact, has little normal
+    /// energy and so counts little.
     pub mean_restitution: Option<f64>,
     /// [-] realised tangential restitution β, as in [`Slips::restitution`]; `None` also where spheres do not rotate.
     #[serde(skip_serializing_if = "Option::is_none")]

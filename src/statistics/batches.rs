@@ -206,7 +206,8 @@ impl Batches {
         DMatrix::from_fn(self.count(), self.values.len(), |block, k| self.blocks[k][block] - centres[k])
     }
 
-    /// [-] correlation of neighbouring blocks of one component: mean product of their deviations over the mean square.
+    /// [-] correlation of neighbouring blocks of one component: mean product of their deviations divided by the mean
+    /// square.
     fn neighbours(&self, deviations: &DMatrix<f64>, component: usize) -> f64 {
         let column: Vec<f64> = deviations.column(component).iter().copied().collect();
         let square = column.iter().map(|d| d * d).sum::<f64>() / column.len() as f64;

@@ -23,7 +23,7 @@ pub const EQUIVALENCE_LEVEL: f64 = 0.05;
 const FAILED: f64 = 0.2;
 /// [-] 80 % quantile of the standard normal distribution.
 const POWER: f64 = 0.8416;
-/// [-] scatter over the scale up to which it is attributed to rounding; a difference may be ten times as large.
+/// [-] scatter relative to the scale up to which it is attributed to rounding; a difference may be ten times as large.
 const ROUNDING: f64 = 1e-12;
 /// Smallest number of degrees of freedom for each tested shape. With fewer degrees of freedom, Hotelling's distribution
 /// has such long tails that one more shape reduces the power of the test.

@@ -14,7 +14,7 @@ pub struct SliceRow {
     /// [m] centre of the slice.
     pub y: f64,
     /// Averages in the order of [`SLICE_COLUMNS`], in their SI units. The number density is that of particle centres,
-    /// over its mean in the whole domain. In slices at walls no centre can be within one radius of the wall; the
+    /// divided by its mean in the whole domain. In slices at walls no centre can be within one radius of the wall; the
     /// density is not corrected for this (20.3 % of a 1 mm slice for spheres of 406 um). Moments are relative to the
     /// mean over the slice and the averaging period.
     pub estimates: [Option<Estimate>; SLICE_QUANTITIES],

@@ -23,7 +23,7 @@ pub struct SliceColumn {
     pub index: usize,
 }
 
-/// Column of the number density over its mean in the whole domain.
+/// Column of the number density divided by its mean in the whole domain.
 pub const NUMBER_DENSITY: SliceColumn = SLICE_COLUMNS[0];
 /// Column of the streamwise mean velocity U.
 pub const U: SliceColumn = SLICE_COLUMNS[1];

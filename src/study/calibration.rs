@@ -32,7 +32,7 @@ const PARTICLE_WINDOWS: f64 = 4e6;
 /// Number of collisions in the short run, computed by kinetic theory from the start; such a run takes some seconds.
 const COLLISIONS: f64 = 5e5;
 
-/// [-] smallest width of the smaller box over the particle diameter.
+/// [-] smallest width of the smaller box divided by the particle diameter.
 const NARROWEST: f64 = 10.0;
 
 /// Smallest number of impacts from which the distribution of their speeds is computed: ten impacts then lie beyond the

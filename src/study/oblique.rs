@@ -13,7 +13,8 @@ use nalgebra::Vector3;
 /// Number of points of a curve.
 const POINTS: usize = 28;
 
-/// [-] largest reduced slip of a curve, over the reduced slip at which sticking ends under Walton's rule with β_0 = 0.
+/// [-] largest reduced slip of a curve, divided by the reduced slip at which sticking ends under Walton's rule with β_0
+/// = 0.
 const REACH: f64 = 2.0;
 
 /// Number of windows per contact time in the simulation of an impact. `LONGEST` is the largest number of contact times.

@@ -135,8 +135,8 @@ impl Crowd {
             let unit = column.unit;
             let mean = self.mean_profile(column);
             let size = norm(&mean);
-            // squared distances from the mean of R runs are too small by the factor (R-1)/R; those of another run from
-            // that mean are too large by the factor (R+1)/R
+            // squared distances of R runs from their own mean are too small by the factor (R-1)/R; those of another run
+            // from this mean are too large by the factor (R+1)/R
             let starts = STARTS as f64;
             let squares: f64 =
                 self.references.iter().map(|run| norm(&differences(&profile(run, column), &mean)).powi(2)).sum();

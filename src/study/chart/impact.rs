@@ -53,9 +53,9 @@ struct Stopped {
 /// Results of one run.
 struct Rebound {
     restitution: f64,
-    /// [-] residual of the energy balance, over the energy at the start.
+    /// [-] residual of the energy balance, divided by the energy at the start.
     residual: f64,
-    /// [-] final gap minus the gap after an instantaneous collision, over the diameter of the smaller sphere.
+    /// [-] final gap minus the gap after an instantaneous collision, divided by the diameter of the smaller sphere.
     displacement: f64,
     counters: Counters,
     wall: f64,

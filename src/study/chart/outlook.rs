@@ -116,9 +116,9 @@ mod tests {
         let expected = [10.0, 10.0, 30.0];
         let close = |found: Option<f64>, wanted: f64| assert!((found.unwrap() - wanted).abs() < 1e-12, "{found:?}");
         close(time_left(&expected, 0, 0.0, 0.0), 50.0);
-        // as fast as expected: the time left is that of the runs not yet done
+        // as fast as expected: the remaining time is that expected of the remaining runs
         close(time_left(&expected, 1, 0.5, 15.0), 35.0);
-        // twice as slow: 40 s for 20 s of runs, together with a prior of 2.5 s
+        // twice as slow: 40 s instead of 20 s; the weight of the estimate is that of 2.5 s
         close(time_left(&expected, 2, 0.0, 40.0), 30.0 * 42.5 / 22.5);
         assert_eq!(time_left(&expected, 3, 0.0, 50.0), None);
         assert_eq!(time_left(&[], 0, 0.0, 1.0), None);

@@ -24,8 +24,8 @@ const TRIAL: f64 = 0.02;
 
 /// [-] largest relative difference from a number of three digits at which a number is taken as that number.
 const ROUNDING: f64 = 1e-9;
-/// [-] longest tried duration, over the duration of the case. A longer run has longer windows, so the duration that is
-/// needed is found by trials.
+/// [-] longest tried duration, divided by the duration of the case. A longer run has longer windows, so the duration
+/// that is needed is found by trials.
 const LONGEST: f64 = 1e6;
 
 /// A piece of the simulated time of a case.

@@ -58,7 +58,7 @@ pub fn judge_at(outcomes: &[Outcome], others: &[Vec<Outcome>], asked: Criteria) 
 /// Margin and error levels of a comparison.
 #[derive(Clone, Copy, Debug)]
 pub struct Criteria {
-    /// [-] margin over the scale of each observable.
+    /// [-] margin relative to the scale of each observable.
     pub margin: f64,
     /// Probabilities of wrong answers.
     pub levels: ErrorLevels,

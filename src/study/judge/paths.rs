@@ -17,7 +17,7 @@ use crate::runs::execute;
 use crate::statistics::Answer;
 use nalgebra::Vector3;
 
-/// [-] disturbance of the twin's velocities over the largest speed. It is far above rounding and far below the
+/// [-] disturbance of the twin's velocities, divided by the largest speed. It is far above rounding and far below the
 /// differences that are compared.
 const DISTURBANCE: f64 = 1e-6;
 
@@ -203,8 +203,8 @@ impl Widest {
     /// Particles in an impact are left out, since they differ because of the contact and not because of its result. A
     /// particle is in an impact shortly after the beginning of a touch, and shortly before its end.
     fn of(before: &[&[Instant; 2]], [variant, reference]: [&Outcome; 2], late: f64) -> Option<Self> {
-        /// [-] longest time of an impact over the contact time of the fastest impacts. With Hertz's law slow impacts
-        /// last longer: the contact time decreases with the fifth root of the speed.
+        /// [-] longest time of an impact, divided by the contact time of the fastest impacts. With Hertz's law slow
+        /// impacts last longer: the contact time decreases with the fifth root of the speed.
         const SLOW: f64 = 3.0;
         let domain = &reference.experiment.scene.domain;
         let longest = SLOW * impact_time(&variant.experiment).max(impact_time(&reference.experiment));

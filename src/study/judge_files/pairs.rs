@@ -18,7 +18,7 @@ pub struct ComparedColumns {
     pub unit: String,
     /// Kind of comparison; `None` for averages if both sides are steady, and for curves otherwise.
     pub compare: Option<JudgedAs>,
-    /// [-] margin over the scale.
+    /// [-] margin relative to the scale.
     pub margin: f64,
     /// Scale of differences, in the unit of the comparison; `None` for the value of the second side.
     pub scale: Option<f64>,

@@ -13,7 +13,7 @@ const MOST_SLICES: u32 = 1000;
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct JudgeFile {
-    /// Margin of all quantities that have no margin of their own, over the scale of each quantity [-].
+    /// Margin of all quantities that have no margin of their own, relative to the scale of each quantity [-].
     pub margin: Option<Located<Ratio>>,
     /// First side.
     #[serde(default)]
@@ -60,7 +60,7 @@ pub struct QuantityFile {
     pub b_unit: Option<Located<String>>,
     /// Kind of comparison. Default: averages if both sides are steady, else curves.
     pub compare: Option<JudgedAs>,
-    /// Margin of this quantity, over its scale.
+    /// Margin of this quantity, relative to its scale.
     pub margin: Option<Located<Ratio>>,
     /// Scale of differences, in the SI unit of the quantity or, if no units are given, in the unit of the columns.
     /// Default: magnitude of the value of B.

@@ -17,7 +17,7 @@ const STEPS: [&str; 4] = ["Step", "TimeStep", "step", "frame"];
 /// Columns of a table of points that are not part of the label of a point.
 const POINT: [&str; 2] = ["value", "standard_error"];
 
-/// [-] largest deviation of a time from equal spacing, over the spacing, in a series that is averaged.
+/// [-] largest deviation of a time from equal spacing, divided by the spacing, in a series that is averaged.
 const SPACING: f64 = 1e-3;
 
 /// One side of the comparison.

@@ -29,7 +29,7 @@ fn effective_diameter(softness: f64) -> f64 {
     1.0 - (PI / 2.0).sqrt() * softness
 }
 
-/// [-] collision rate of hard spheres of the effective diameter, over that of hard spheres of the full diameter.
+/// [-] collision rate of hard spheres of the effective diameter, divided by that of hard spheres of the full diameter.
 fn of_smaller_spheres(softness: f64) -> f64 {
     let smaller = effective_diameter(softness);
     collision_rate(FRACTION * smaller.powi(3), 1.0) / smaller / collision_rate(FRACTION, 1.0)
@@ -46,7 +46,7 @@ fn touches(softness: f64) -> f64 {
     (contact(fraction) + slope * (1.0 / smaller - 1.0)) / contact(FRACTION)
 }
 
-/// [1/m] collision rate over the square root of the temperature, in a run of `duration` [s].
+/// [1/m] collision rate divided by the square root of the temperature, in a run of `duration` [s].
 fn rate(experiment: &Experiment, duration: f64) -> Result<(f64, Option<Failure>), StudyError> {
     let mut simulation = simulation(experiment)?;
     // in the first tenth of the time the influence of the start decays

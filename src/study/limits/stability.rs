@@ -14,11 +14,11 @@ use crate::predict::integrator::{Scheme, reduced_step, stability_limit};
 use crate::runs::StudyError;
 use std::f64::consts::PI;
 
-/// [-] overlap of the sphere with each wall, over the diameter.
+/// [-] overlap of the sphere with each wall, divided by the diameter.
 const SQUEEZE: f64 = 0.005;
 
-/// [-] size of the disturbance, over the overlap with each wall. The contacts last until the disturbance has grown a
-/// hundredfold.
+/// [-] size of the disturbance, divided by the overlap with each wall. The contacts last until the disturbance has
+/// grown a hundredfold.
 const DISTURBANCE: f64 = 0.01;
 
 /// Number of time steps of a point. The growth of Heun's method without damping at ω_0 Δt = 0.1 is 1.25e-5 per step, a

@@ -23,9 +23,9 @@ struct SteppedRun {
     pairs: f64,
     /// Number of missed collisions, which were over before the next search for collisions.
     missed: f64,
-    /// [-] mean overlap at which collisions were found, over the diameter; 0 if there was no collision.
+    /// [-] mean overlap at which collisions were found, divided by the diameter; 0 if there was no collision.
     overlap: f64,
-    /// [-] 99 % quantile of the overlap at which collisions were found, over the diameter.
+    /// [-] 99 % quantile of the overlap at which collisions were found, divided by the diameter.
     deepest: f64,
     failure: Option<Failure>,
 }

@@ -12,7 +12,7 @@ use crate::runs::StudyError;
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 
-/// [-] thickness of the plate, over the diameter of the sphere.
+/// [-] thickness of the plate, divided by the diameter of the sphere.
 const PLATE: f64 = 0.1;
 /// [m] height of the middle of the plate.
 const MIDDLE: f64 = 0.02;
@@ -67,7 +67,7 @@ pub fn pair(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
 }
 
 /// Number of spheres that were stopped, number that passed the plate undetected, and the first failure. The `phases`
-/// spheres start at equally spaced phases of a step. `reduced` [-] is the speed over d ω_0.
+/// spheres start at equally spaced phases of a step. `reduced` [-] is the speed divided by d ω_0.
 fn through_plate(grid: &Points, reduced: f64, steps: f64, phases: i32) -> Result<KnownPoint, StudyError> {
     let frequency = (STIFFNESS / mass()).sqrt();
     let speed = reduced * DIAMETER * frequency;

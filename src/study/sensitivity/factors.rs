@@ -31,7 +31,7 @@ const THETA: f64 = 0.1;
 /// [-] ratio of successive stiffnesses. With each reduction the overlaps double, so the softest spheres overlap four
 /// times as deeply.
 const STIFFNESS_RATIO: f64 = 4.0;
-/// [-] length of the shorter box over that of the whole one.
+/// [-] length of the shorter box divided by that of the whole box.
 const BOX_SHARE: f64 = 0.5;
 
 /// Plans the runs of a factor, or returns the reason why it cannot apply. The argument of type `Option<&str>` is the

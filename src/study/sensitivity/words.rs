@@ -73,7 +73,7 @@ fn where_(shift: &Shift) -> String {
 /// [-] share of the scale below which a shift is attributed to rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// A shift over its scale with its error, in words.
+/// A shift relative to its scale with its error, in words.
 fn share(shift: &Shift) -> String {
     if shift.share().abs() < ROUNDING && shift.share_error().is_none_or(|error| error < ROUNDING) {
         return "nothing".into();

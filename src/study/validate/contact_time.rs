@@ -22,7 +22,7 @@ pub const CONTACT_TIME: ValidationCheck = ValidationCheck {
     measure: cooling,
 };
 
-/// [-] contact time of the row, over the time between two collisions of a sphere at the start.
+/// [-] contact time of the row, divided by the time between two collisions of a sphere at the start.
 const RATIO: f64 = 0.2;
 
 /// Largest speed of a quadrature over a Maxwellian, in units of √T. A share of 1e-17 of the spheres is faster.
@@ -31,14 +31,14 @@ const FASTEST: f64 = 9.0;
 /// Number of points of a quadrature. With 200 points the result changes by less than 1e-6.
 const POINTS: usize = 100;
 
-/// [-] collision rate of a sphere of speed `v` [√T] in a Maxwellian gas, over the mean rate of all spheres.
+/// [-] collision rate of a sphere of speed `v` [√T] in a Maxwellian gas, divided by the mean rate of all spheres.
 fn rate_at(v: f64) -> f64 {
     let mean_relative_speed = (2.0 / PI).sqrt() * (-0.5 * v * v).exp() + (v + 1.0 / v) * erf(v / 2.0_f64.sqrt());
     mean_relative_speed * PI.sqrt() / 4.0
 }
 
-/// [-] energy loss in the TC model over the loss by Haff's law. `ratio` is the contact time over the mean time between
-/// two collisions of a sphere, and `loss` is 1 - e².
+/// [-] energy loss in the TC model, divided by the loss by Haff's law. `ratio` is the contact time divided by the mean
+/// time between two collisions of a sphere, and `loss` is 1 - e².
 ///
 /// Spheres of one speed collide at the rate ν, and so lose this speed. In a steady gas as many spheres get this speed
 /// by a collision, so a share exp(-ν t_c) has had no collision during the last time t_c. In a gas that cools, the
@@ -49,8 +49,8 @@ fn share_of_loss(ratio: f64, loss: f64) -> f64 {
     (0..4).fold(1.0, |share, _| share_with_cooling(ratio, loss * share / 3.0))
 }
 
-/// [-] energy loss in the TC model over the loss by Haff's law, if -d(ln T)/dt is `cooling` times the collision rate of
-/// a sphere.
+/// [-] energy loss in the TC model, divided by the loss by Haff's law, if -d(ln T)/dt is `cooling` times the collision
+/// rate of a sphere.
 fn share_with_cooling(ratio: f64, cooling: f64) -> f64 {
     let step = FASTEST / POINTS as f64;
     let speeds: Vec<f64> = (0..POINTS).map(|k| (k as f64 + 0.5) * step).collect();

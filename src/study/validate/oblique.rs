@@ -11,7 +11,7 @@ const SPEED: f64 = 3.9;
 
 /// Motion of a ball after an impact.
 pub(super) struct PlateRebound {
-    /// [-] velocity along the plate after the impact, over that before it.
+    /// [-] velocity along the plate after the impact, divided by that before it.
     pub(super) ratio: f64,
     /// [rad/s] spin, positive if the ball rolls forward.
     pub(super) spin: f64,
