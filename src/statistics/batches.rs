@@ -437,8 +437,8 @@ mod tests {
         let mean = |of: &dyn Fn(&(f64, f64)) -> f64| found.iter().map(of).sum::<f64>() / TRIALS as f64;
         let rho = mean(&|one| one.0);
         let scatter = mean(&|one| (one.0 - rho).powi(2));
-        // the correction is of first order in 1/20, so terms of second order remain: a few times 1/400; without the
-        // correction the value would be 0.29
+        // the correction is of first order in 1/20 (20 blocks), so errors of second order remain, a few times 1/400;
+        // without the correction the value would be 0.29
         let error = (scatter / TRIALS as f64).sqrt();
         assert!((rho - RHO).abs() < 3.0 * error + 4.0 / 400.0, "{rho} +- {error}");
     }

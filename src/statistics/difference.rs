@@ -46,8 +46,8 @@ pub struct Observable {
     pub scale: f64,
     /// Description of the scale, in words that follow "% of".
     pub scale_is: &'static str,
-    /// Average at each position with its blocks of time, as one component each. A single number has one position.
-    /// `None` if the average is unknown.
+    /// Average at each position with its blocks of time: one [`Batches`] with one component per position. A single
+    /// number has one position. `None` if the average is unknown.
     pub parts: Vec<Option<Batches>>,
 }
 
@@ -85,7 +85,8 @@ impl Deviation {
     }
 }
 
-/// Tests of one observable of two runs. Differences and bounds are in the unit of the observable, probabilities [-].
+/// Results of the tests of one observable of two runs. Differences and bounds are in the unit of the observable,
+/// probabilities [-].
 #[derive(Clone, Debug, Serialize)]
 pub struct Tested {
     /// Name of the observable.

@@ -138,8 +138,8 @@ impl Accumulator {
     ///
     /// Values are computed from the sums over all these samples. For standard errors each value is also computed
     /// without each of 20 to 39 equal blocks of time (jackknife, since the moments are not linear in the sums). The
-    /// error is that of the mean of the resulting pseudo-values. It is computed by [`estimate`](super::estimate), which
-    /// takes the correlation of blocks into account.
+    /// mean of the resulting pseudo-values has the error that [`estimate`](super::estimate) returns, which takes the
+    /// correlation of blocks into account.
     pub fn table(&self, from: f64) -> ProfileTable {
         let full = self.blocks.iter().take_while(|b| b.samples == self.block_samples).count();
         // sample times are sums of many steps: their rounding must not exclude a sample

@@ -16,7 +16,7 @@ const INSTANTS: usize = 20;
 /// Smallest number of replicas of each variant for which errors are given.
 pub const FEWEST: usize = 3;
 
-/// Recommended number of replicas if there are none: Student's t then has 14 degrees of freedom.
+/// Recommended number of replicas for runs without replicas: Student's t then has 14 degrees of freedom.
 const ADVISED: usize = 8;
 
 /// Number of particles that are assumed to move together, a cautious value for the answer "different" from single runs.

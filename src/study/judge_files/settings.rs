@@ -21,7 +21,7 @@ pub struct JudgeFile {
     /// Second side, the reference.
     #[serde(default)]
     pub b: SideFile,
-    /// Quantities that are compared; empty: all columns of equal names.
+    /// Quantities that are compared. Default: all columns with equal names on both sides.
     #[serde(default)]
     pub quantities: Vec<Located<QuantityFile>>,
 }

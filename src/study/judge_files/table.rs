@@ -28,7 +28,7 @@ pub struct NumberTable {
     pub warnings: Vec<Diagnostic>,
     /// Numbers of each column; not-a-number for a cell that contains none.
     numbers: Vec<Vec<f64>>,
-    /// Cells that contain no number, by row and column.
+    /// Texts of the cells that contain no number, by row and column.
     texts: BTreeMap<(usize, usize), String>,
     /// Range of bytes of each row in the text.
     lines: Vec<Range<usize>>,

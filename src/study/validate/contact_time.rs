@@ -69,7 +69,7 @@ fn share_with_cooling(ratio: f64, cooling: f64) -> f64 {
     kept / all
 }
 
-/// [-] T(t)/T(0) at `times` [s], for the collision rate [1/s] at the start.
+/// [-] T(t)/T(0) at `times` [s] by the theory of the TC model, for the collision rate [1/s] at the start.
 fn theory(restitution: f64, rate: f64, times: &[f64]) -> Vec<f64> {
     /// Number of steps between two times, with which the classical Runge-Kutta method is exact to 1e-9.
     const STEPS: usize = 20;

@@ -88,7 +88,7 @@ pub const MIXTURE: ValidationCheck = ValidationCheck {
 };
 
 fn mixture(scene: &CheckScene) -> Result<CheckResult, StudyError> {
-    // 0.27 mm³ of spheres per large one and ten small ones: 1000 small ones, 100 large ones and φ = 0.2
+    // volume of 1000 small and 100 large spheres, at φ = 0.2
     let volume = PI / 6.0 * (1000.0 * 0.4e-3_f64.powi(3) + 100.0 * 1.2e-3_f64.powi(3));
     let edge = (volume / 0.2).cbrt();
     let mut sets: Vec<String> = (0..3).map(|axis| format!("domain.size[{axis}]={edge} m")).collect();
