@@ -116,12 +116,12 @@ impl Histogram {
         self.sum_of_squares.merge(&other.sum_of_squares);
     }
 
-    /// Sum of all values, rounded.
+    /// Sum of all values, rounded to double precision.
     pub fn sum(&self) -> f64 {
         self.sum.value()
     }
 
-    /// Sum of the squares of all values, rounded.
+    /// Sum of the squares of all values, rounded to double precision.
     pub fn sum_of_squares(&self) -> f64 {
         self.sum_of_squares.value()
     }

@@ -89,7 +89,7 @@ pub struct FrictionLosses {
 }
 
 impl FrictionLosses {
-    /// Losses to springs, in the order of [`OF_SPRINGS`].
+    /// Energies lost to springs, in the order of [`OF_SPRINGS`].
     pub fn of_springs(&self) -> [f64; 4] {
         [self.separation, self.rescaling, self.rolling, self.twisting]
     }

@@ -124,7 +124,7 @@ mod tests {
         assert!((one.components().unwrap() - Vector3::new(4.0, 0.0, 100.0) / 3.0).norm() < 1e-12);
         let each: Vec<_> = VelocitySpread::of(&particles, 2, 1.0).of_slices().collect();
         assert_eq!(each[1], (2.0, Some(Vector3::new(0.0, 0.0, 110.0)), Some(Vector3::new(2.0, 0.0, 0.0))));
-        // relative to the mean of all particles, for any slices: squares of ±1 and ±5
+        // variance about the mean of all particles, for any number of slices: squares of ±1 and ±5
         let two = VelocitySpread::of(&particles, 2, 1.0);
         assert!((two.variance() - 26.0).abs() < 1e-12 && (two.mean() - Vector3::new(0.0, 0.0, 105.0)).norm() < 1e-12);
         // a particle outside the box counts in the nearest slice

@@ -274,7 +274,7 @@ fn averaging(experiment: &Experiment, plan: &RunPrediction) -> Option<Averaging>
     let size: [f64; 3] =
         std::array::from_fn(|axis| if domain.periodic[axis] { side.min(domain.size[axis]) } else { domain.size[axis] });
     let particles = (plan.particles as f64 * size.iter().product::<f64>() / domain.volume()).round().max(1.0);
-    // samples less than a mean free time apart are not independent
+    // samples less than a mean free time apart are not independent, so the averaging time has a lower limit
     let shortest = FREE_TIMES / gas.collision_rate;
     Some(Averaging {
         size,

@@ -26,7 +26,7 @@ use std::sync::Arc;
 pub struct Variants {
     /// Case from which the variants are made.
     pub case: Case,
-    /// Experiment of each variant.
+    /// Experiment of each variant, with the warnings about it.
     pub checked: Vec<Checked>,
     /// Number of runs of each variant, with different seeds.
     pub replicas: u16,

@@ -62,7 +62,7 @@ struct Rebound {
 }
 
 impl HeadOn {
-    /// Makes a head-on impact from the impact of a case, with the normal speed at which its bodies approach.
+    /// Makes the head-on impact of the two bodies of a case, with their normal speed of approach.
     ///
     /// # Errors
     /// The case does not have two bodies, or they do not approach, or there is not enough time for an impact.

@@ -48,11 +48,11 @@ pub struct MethodSweep {
 pub struct Values {
     /// [-] numbers of steps per contact N_c.
     pub steps_per_contact: Vec<f64>,
-    /// [-] factors on the stiffness of the case.
+    /// [-] factors by which the stiffness of the case is multiplied.
     pub stiffness: Vec<f64>,
     /// [-] step criteria θ.
     pub theta: Vec<f64>,
-    /// [-] factors on the window of the case.
+    /// [-] factors by which the window of the case is multiplied.
     pub windows: Vec<f64>,
 }
 

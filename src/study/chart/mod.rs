@@ -30,7 +30,7 @@ use crate::runs::{StudyError, conclude, folder, provenance, read, start, tell};
 pub struct ChartResults {
     /// Reference against which errors are measured.
     pub reference: String,
-    /// Description of the runs behind each point.
+    /// Description of the runs from which each point is computed.
     pub setting: String,
     /// Methods that were swept.
     pub methods: Vec<ChartMethod>,

@@ -22,7 +22,7 @@ const QUICK_PARTS: f64 = 100.0;
 /// [-] share of a run that is timed to estimate its wall time.
 const TRIAL: f64 = 0.02;
 
-/// [-] largest relative difference from a number of three digits at which a number is taken as that number.
+/// [-] largest relative difference between a number and its three rounded digits, for which the two count as equal.
 const ROUNDING: f64 = 1e-9;
 /// [-] longest tried duration, divided by the duration of the case. A longer run has longer windows, so the duration
 /// that is needed is found by trials.

@@ -25,7 +25,7 @@ const DISTURBANCE: f64 = 1e-6;
 /// the models would exceed the speeds themselves.
 const GROWTH: f64 = 1e3;
 
-/// States of all particles at one instant, by id.
+/// States of all particles at one instant, sorted by id.
 type Instant<'a> = &'a [PathSample];
 
 /// Recorded instants of a run.
@@ -183,7 +183,7 @@ impl<'a> ImpactSpans<'a> {
         Self { instants, during }
     }
 
-    /// Indices of the instants from one time to another [s].
+    /// Indices of the recorded instants from the time `from` [s] to the time `to` [s].
     fn between(&self, from: f64, to: f64) -> std::ops::Range<usize> {
         let first = self.instants.partition_point(|instant| instant[0].time < from);
         first..first.max(self.instants.partition_point(|instant| instant[0].time <= to))
@@ -290,9 +290,9 @@ pub struct Missed {
     pub time: f64,
     /// [m/s] largest speed of a particle in the reference.
     pub speed: f64,
-    /// [m/s] largest velocity in the weighted sum.
+    /// [m/s] largest magnitude of a velocity in the weighted sum.
     pub velocity: f64,
-    /// [m] largest distance in the weighted sum.
+    /// [m] largest magnitude of a displacement in the weighted sum.
     pub place: f64,
 }
 

@@ -8,7 +8,7 @@ use crate::legible::quote;
 
 /// Quantity of both sides that is compared.
 pub struct ComparedColumns {
-    /// Name in sentences.
+    /// Name of the quantity in sentences.
     pub name: String,
     /// Columns of both sides, or labels of their points.
     pub columns: [String; 2],

@@ -234,7 +234,7 @@ fn correlation_time(interval: f64, values: &[f64], blocks: &Batches) -> Option<f
     (variance > 0.0).then(|| 0.5 * interval * count * error * error / variance)
 }
 
-/// Observables of two averages. If the second has no value, nothing is compared.
+/// Observables of the averages of both sides. If the second average has no value, nothing is compared.
 fn numbers(columns: &ComparedColumns, averages: &[SideAverage; 2]) -> [Observable; 2] {
     let value = averages[1].summary.mean.map_or(0.0, |mean| mean.value.abs());
     let (scale, scale_is) = columns.scale.map_or((value, "its value"), |scale| (scale, "the scale given"));
@@ -294,7 +294,7 @@ fn curves(columns: &ComparedColumns, both: &[MeasuredSide; 2]) -> Result<[Observ
 }
 
 impl ReplicaValues<'_> {
-    /// Value at a time, if the series has a row there.
+    /// Value at a time; `None` if the series has no row at this time.
     fn at(&self, time: f64) -> Option<f64> {
         let times = &self.file.times;
         let place = times.partition_point(|other| *other < time - SAME_TIME * time.abs());

@@ -34,7 +34,7 @@ pub struct SideFile {
     pub files: Option<Vec<Located<String>>>,
     /// Name in sentences.
     pub name: Option<String>,
-    /// Column of the times.
+    /// Name of the column of times.
     pub time: Option<Located<String>>,
     /// Unit of the times, such as "ms", or "1e-5 s" for a count of time steps.
     pub time_unit: Option<Located<String>>,

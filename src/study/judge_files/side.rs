@@ -22,7 +22,7 @@ const SPACING: f64 = 1e-3;
 
 /// One side of the comparison.
 pub struct JudgeSide {
-    /// Name in sentences.
+    /// Name of the side in sentences.
     pub name: String,
     /// Paths of all files, as they were given.
     pub paths: Vec<String>,
@@ -56,7 +56,7 @@ pub struct TimedTable {
     pub table: NumberTable,
     /// Index of the column of times.
     pub time: usize,
-    /// Times [s], or in the unit of the column if that is not known.
+    /// Times [s]; in the unit of their column if that unit is not known.
     pub times: Vec<f64>,
     /// Indices of the rows to which the times belong. Rows that repeat a time are left out.
     pub rows: Vec<usize>,

@@ -59,7 +59,7 @@ pub fn anisotropy_decay(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let softness = |kappa: f64| kappa / FRAC_2_PI.sqrt();
     let temperature = start_temperature(&grid.base);
     let stiffness = |kappa: f64| mass() * temperature / (softness(kappa) * DIAMETER).powi(2);
-    // softness 0 means hard spheres
+    // in this list, κ_n = 0 stands for hard spheres
     let all: Vec<f64> = std::iter::once(0.0).chain(kappas.iter().copied()).collect();
     let runs = grid.run(&points(&seeds, &all), |&(seed, kappa)| {
         let experiment = grid.with(|case| {

@@ -71,7 +71,7 @@ pub fn softness(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     );
     let seeds = even(1.0, f64::from(seeds), seeds as usize);
     let duration = collisions / collision_rate(FRACTION, SPEED * SPEED);
-    // softness 0 means hard spheres
+    // in this list, softness 0 stands for hard spheres
     let all: Vec<f64> = std::iter::once(0.0).chain(softness.iter().copied()).collect();
     let runs = grid.run(&points(&seeds, &all), |&(seed, softness)| {
         let experiment = grid.with(|case| {

@@ -39,7 +39,7 @@ pub fn missed_and_overlap(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     );
     let seeds = even(1.0, f64::from(seeds), seeds as usize);
     let duration = collisions / collision_rate(FRACTION, SPEED * SPEED);
-    // θ = 0 means exact instants
+    // in this list, θ = 0 stands for exact collision instants
     let all: Vec<f64> = std::iter::once(0.0).chain(theta.iter().copied()).collect();
     let runs = grid.run(&points(&seeds, &all), |&(seed, theta)| {
         let mut simulation = simulation(&grid.with(|case| {
@@ -105,7 +105,8 @@ fn overlap(stepped: &[(f64, &[SteppedRun])]) -> MapSweep {
     let rows = rows(stepped, |theta, runs| {
         let (overlap, error) = mean(runs, |seen| seen.overlap);
         let (deepest, _) = mean(runs, |seen| seen.deepest);
-        // expected overlap: half a step at the mean normal speed of impact sqrt(π T), with u_r = sqrt(4T/π)
+        // expected relative overlap π θ/4: half a step at the mean normal speed of impact sqrt(π T), with u_r =
+        // sqrt(4T/π)
         vec![theta, overlap, error, deepest, PI / 4.0 * theta]
     });
     let lesson = rows.iter().find(|row| row.values[0] == 0.3).map_or(String::new(), |row| {

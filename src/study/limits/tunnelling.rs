@@ -23,7 +23,7 @@ pub fn pair(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let (speed, stiffness) = (ratios(0.01, 100.0, count), ratios(0.01, 1e5, count));
     let reduced = 0.5 * mass();
     let rows = grid.run(&points(&speed, &stiffness), |&(speed, stiffness)| {
-        // the time from a distance of 0.594 mm to the touch, a contact, and an equal time afterwards
+        // time from a gap of 0.594 mm to the touch, then two contact times
         let duration = 0.6e-3 / speed + 2.0 * (PI * (reduced / stiffness).sqrt());
         let sphere = |x: f64, speed: f64| (Vector3::new(x, 1e-3, 1e-3), Vector3::new(speed, 0.0, 0.0));
         let mut simulation = simulation(&grid.with(|case| {

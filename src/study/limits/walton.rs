@@ -13,7 +13,7 @@ use crate::runs::StudyError;
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 
-/// Limits of the classes of the error, as shares of the largest friction impulse.
+/// [-] upper limits of the classes of the error, relative to the largest friction impulse.
 const CLASSES: [f64; 4] = [0.002, 0.01, 0.05, 0.2];
 
 /// [-] M_t/M, effective mass of the slip over that of the normal motion, for a solid sphere (docs/rotation.md).

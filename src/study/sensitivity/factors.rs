@@ -68,14 +68,14 @@ pub const KNOWN: [Known; 16] = [
     Known { name: "seed", title: "another seed", make: seed },
 ];
 
-/// Size as typed, checked to be within `from ..= to`, or the usual size.
+/// Size that the user typed, which must be within `from ..= to`; `usual` if none was typed.
 pub(super) fn sized(size: Option<&str>, usual: f64, from: f64, to: f64) -> Result<f64, String> {
     let Some(text) = size else { return Ok(usual) };
     let number = text.trim().parse().ok().filter(|number| (from..=to).contains(number));
     number.ok_or_else(|| format!("its size `{text}` is no number from {from} to {to}"))
 }
 
-/// Reason for the value of a size: typed by the user, or the usual one.
+/// Reason for a size: "as asked for" if the user typed it, else `usual`.
 pub(super) fn why(size: Option<&str>, usual: impl Into<String>) -> String {
     if size.is_some() { "as asked for".into() } else { usual.into() }
 }
@@ -248,7 +248,7 @@ fn why_restitution(own: f64) -> &'static str {
     }
 }
 
-/// Keys of all walls, each with the wall's value of the property.
+/// Keys of all walls, each with the value of the property `of` its surface.
 fn walls(plan: &SensitivityPlan, of: fn(&Surface) -> f64) -> Result<Vec<(String, f64)>, String> {
     let walls = &plan.reference().scene.walls;
     if walls.is_empty() {
@@ -387,7 +387,7 @@ fn seed(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<PlannedFactor,
         return Err("all particles start at given places: there is no chance in it".into());
     }
     let own = reference.run.seed;
-    // a seed that no replica has
+    // a seed that no replica of the case uses
     let usual = own.wrapping_add(u64::from(plan.replicas));
     let to = match size {
         None => usual,

@@ -72,7 +72,7 @@ impl PlannedFactor {
 
 /// A run of the study, and its changes of the case.
 pub struct PlannedRun {
-    /// Experiment with the first of its seeds.
+    /// Experiment of the run, with the first seed.
     pub experiment: Experiment,
     /// Changes of the case, in the form in which a user types them.
     pub set: String,

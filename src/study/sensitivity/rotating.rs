@@ -81,8 +81,8 @@ pub fn tangential_stiffness(plan: &mut SensitivityPlan, size: Option<&str>) -> R
     Ok(PlannedFactor::against(first, run, format!("k_t/k_n {} → {}", plain(own), plain(to)), why(size, usual)))
 }
 
-/// Plans the run without rolling resistance. A size is the rolling friction μ_r of the run; a case without rolling
-/// resistance needs one, since no value is usual.
+/// Plans the run without rolling resistance. A `size` is the rolling friction μ_r of the run; without rolling
+/// resistance in the case it is required, since no value is usual.
 pub fn rolling(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<PlannedFactor, String> {
     let first = plan.first();
     let reference = plan.run(first);

@@ -29,7 +29,7 @@ pub const SOFT_FLOOR: ValidationCheck = ValidationCheck {
     measure: soft_floor,
 };
 
-/// Stiffness [N/m], restitution [-], largest overlap [m] and next apex [m]; `None` where no value was computed.
+/// Stiffness [N/m], restitution [-], then the reference values of the largest overlap [m] and of the next apex [m].
 const SOFT_FLOORS: [(f64, f64, f64, f64); 4] = [
     (5e4, 1.0, 0.04352938, 0.5),
     (5e4, 0.9, 0.04131345, 0.41907173),
@@ -74,20 +74,20 @@ fn apexes(scene: &CheckScene) -> Result<CheckResult, StudyError> {
     let fall = (2.0 * (height - radius) / GRAVITY).sqrt();
     let (mut numbers, mut points) = (Vec::new(), vec![SeriesPoint::at(0.0, height)]);
     for part in 1..=10 {
-        // up to shortly before the first impact
+        // fall until shortly before the first impact
         run_to(&mut simulation, 0.0999 * fall * f64::from(part), 1)?;
         points.push(SeriesPoint::at(simulation.time, simulation.particles.position[0].y));
     }
     let mut until = fall;
     for bounce in 1..=6 {
-        // in the middle of the flight after this bounce
+        // flight after this bounce, until shortly before its end
         let half = fall * restitution.powi(bounce);
         for part in 1..=20 {
             run_to(&mut simulation, until + half * f64::from(part) / 10.0 - if part == 20 { 1e-6 } else { 0.0 }, 1)?;
             points.push(SeriesPoint::at(simulation.time, simulation.particles.position[0].y));
         }
         let expected = radius + (height - radius) * restitution.powi(2 * bounce);
-        // rounding of some ten operations on lengths of 1 m
+        // tolerance: rounding of some ten operations on lengths of 1 m
         numbers.push(exact(format!("apex {bounce}"), "m", expected, apex(&simulation), 1e-9));
         until += 2.0 * half;
     }

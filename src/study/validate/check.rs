@@ -12,13 +12,13 @@ use rayon::prelude::*;
 
 /// Row of the validation suite: its description, and the function that runs its scene.
 pub struct ValidationCheck {
-    /// Name of the row, for `--only`.
+    /// Name of the row on the command line (`--only`).
     pub name: &'static str,
     /// Kind of the reference.
     pub tier: ValidationTier,
     /// Name of the built-in case with the scene. The row changes some keys of this case.
     pub case: &'static str,
-    /// Scene in words.
+    /// Description of the scene, for the report.
     pub scene: &'static str,
     /// Source of the reference, with the place in it.
     pub source: &'static str,

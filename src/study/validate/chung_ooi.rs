@@ -132,7 +132,8 @@ fn oblique(scene: &CheckScene) -> Result<CheckResult, StudyError> {
     let (mut numbers, mut found) = (Vec::new(), Vec::new());
     for (angle, ratio, spin) in TEST_4 {
         let left = rebound(scene, angle, &sets)?;
-        // from 35 degrees on the ball slides throughout, and the points miss the closed form by up to 0.003 and 3 rad/s
+        // from 35 degrees on the ball slides throughout; the digitised points then deviate from the closed form by up
+        // to 0.003 and 3 rad/s
         numbers.push(read_off(format!("v_t'/v_t at {angle}°"), "", (ratio, 0.003), left.ratio, 0.03));
         numbers.push(read_off(format!("spin at {angle}°"), "rad/s", (spin, 3.0), left.spin, 20.0));
         found.push(SeriesPoint::at(angle, left.spin));
@@ -204,7 +205,7 @@ fn finite_elements(scene: &CheckScene) -> Result<CheckResult, StudyError> {
         let mut simulation = scene.simulation(Model::Soft, None, &steel(slip * 0.3 * 5.0))?;
         run_to(&mut simulation, 1e-7, 1)?;
         let spin = -simulation.particles.spin_of(0).z * 1e-5 / (0.3 * 5.0);
-        // in gross sliding R ω'/(μ v_n) is 5; the points there are 4.94 to 4.97
+        // in gross sliding the closed form of R ω'/(μ v_n) is 5, while the digitised points are 4.94 to 4.97
         numbers.push(read_off(format!("R ω'/(μ v_n) at {slip}"), "", (expected, 0.03), spin, 0.25));
         found.push(SeriesPoint::at(slip, spin));
     }

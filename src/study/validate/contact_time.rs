@@ -125,7 +125,7 @@ mod tests {
         let first = (1.0 - share_of_loss(1e-4, 0.0)) / 1e-4;
         // the coefficient of Luding and Goldshtein (2003, Granular Matter 5, 159) has four digits
         assert!((first - 1.268 * PI.sqrt()).abs() < 1e-3 * first, "{first}");
-        // evaluated with another program, on 400 points
+        // reference value from another program, with 400 points
         assert!((share_of_loss(0.2, 0.0) - 0.639368).abs() < 1e-6, "{}", share_of_loss(0.2, 0.0));
         // in a gas that cools, fewer of the fast spheres come from a recent collision, so fewer collisions are elastic
         assert!(share_of_loss(0.2, 0.19) > share_of_loss(0.2, 0.0));

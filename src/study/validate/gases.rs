@@ -10,7 +10,8 @@ use crate::simulation::Simulation;
 use crate::statistics::Estimate;
 use std::f64::consts::PI;
 
-/// [m²/s²] granular temperature 2E/(3(N-1)m) of equal spheres whose momentum is zero.
+/// [m²/s²] granular temperature 2E/(3(N-1)m) of equal spheres, with their kinetic energy E relative to the centre of
+/// mass.
 pub(super) fn temperature(particles: &Particles) -> f64 {
     let mass = particles.total_mass();
     // kinetic energy of the motion of the centre of mass
@@ -18,9 +19,9 @@ pub(super) fn temperature(particles: &Particles) -> f64 {
     2.0 * (particles.kinetic_energy() - together) / (3.0 * mass * (1.0 - 1.0 / particles.len() as f64))
 }
 
-/// Runs a hard gas of the diameter `diameter` [m] until every sphere has collided `collisions` times on average, in
-/// windows in which a sphere flies a third of the way to its neighbours. `rate` [-] is the collision rate in units of
-/// sqrt(T)/d.
+/// Runs a gas of hard spheres with the diameter `diameter` [m] until every sphere has collided `collisions` times on
+/// average. In a window a sphere flies a third of the way to its neighbours. `rate` [-] is the collision rate in units
+/// of sqrt(T)/d. Returns the simulated time [s].
 fn collide(simulation: &mut Simulation, diameter: f64, rate: f64, collisions: f64) -> Result<f64, StudyError> {
     let speed = temperature(&simulation.particles).sqrt();
     let time = collisions * diameter / (rate * speed);
@@ -42,7 +43,7 @@ pub const HARD_GAS: ValidationCheck = ValidationCheck {
     measure: hard_gas,
 };
 
-/// Volume fraction, collision rate in units of sqrt(T)/d, and compressibility factor.
+/// Volume fraction [-], collision rate in units of sqrt(T)/d [-], and compressibility factor [-].
 const KOLAFA: [(f64, f64, f64); 4] =
     [(0.01, 0.138854, 1.041019), (0.1, 1.765845, 1.521647), (0.3, 10.101194, 3.983983), (0.45, 28.449080, 9.404114)];
 
@@ -178,7 +179,7 @@ fn atmosphere(scene: &CheckScene) -> Result<CheckResult, StudyError> {
         let temperature = heights.speeds / (3.0 * heights.samples);
         let mean = heights.height / heights.samples;
         let volume = simulation.count() as f64 * PI / 6.0 * 1e-9;
-        // the mean over the spheres of the local volume fraction: half of that at the floor
+        // local volume fraction, averaged over the spheres: half of that at the floor
         let fraction = 0.5 * volume / (72e-3 * 72e-3 * mean);
         let [below, above] = heights.halves.map(|[count, square]| square / count);
         Ok([

@@ -94,7 +94,7 @@ fn dropped_with_spin(scene: &CheckScene) -> Result<CheckResult, StudyError> {
         touch += flight;
         let found = rolling(&simulation, radius);
         for (name, (expected, found)) in ["v", "R ω"].into_iter().zip(expected.into_iter().zip(found)) {
-            // nine decimals of the reference
+            // tolerance: the reference has nine decimals
             numbers.push(exact(format!("{name} after bounce {}, hard", k + 1), "m/s", expected, found, 1e-9));
         }
     }
