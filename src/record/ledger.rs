@@ -270,7 +270,7 @@ impl Books {
         self.rounded.take();
     }
 
-    /// [kg m/s] momentum given to the particles by walls, computed without rounding the other entries.
+    /// [kg m/s] momentum given to the particles by walls. Only these three entries are rounded, which saves time.
     pub fn by_walls(&self) -> Vector3<f64> {
         values(&self.given_by_walls()).into()
     }

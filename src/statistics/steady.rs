@@ -125,7 +125,7 @@ fn truncation(values: &[f64]) -> (usize, bool) {
     if best.0 > (1.0 - WORTH) * whole {
         return (0, false);
     }
-    // noise shifts the minimum a little, so the last tenth before the limit counts as being at the limit
+    // noise shifts the minimum a little, so a number in the last tenth below the limit also counts as at the limit
     (best.1 * BATCH, 10 * best.1 >= 9 * (count / 2))
 }
 
