@@ -270,7 +270,7 @@ impl Books {
         self.rounded.take();
     }
 
-    /// [kg m/s] momentum given to the particles by walls. Only these three entries are rounded, which saves time.
+    /// [kg m/s] momentum given to the particles by walls. Only these three entries are rounded.
     pub fn by_walls(&self) -> Vector3<f64> {
         values(&self.given_by_walls()).into()
     }
