@@ -1,8 +1,8 @@
-//! Comparisons that the suite does not make: what they need is not built, or the numbers are not public.
+//! Comparisons that the suite does not make, because the program lacks a feature or the numbers are not public.
 
 use crate::output::NotValidated;
 
-/// All comparisons that are not made. Their references are named as what exists; they were not read.
+/// All comparisons that are not made. The references are known to exist, but were not read.
 pub const MISSING: &[NotValidated] = &[
     NotValidated {
         name: "simple shear, hard spheres",
