@@ -1,4 +1,4 @@
-//! The scene: all data that both engines read and neither changes.
+//! The scene: input data of a simulation that all engines read and none of them changes.
 
 mod buoyancy;
 mod sizes;
@@ -16,7 +16,7 @@ use crate::walls::Wall;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Response of two surfaces to an impact: one source for both engines.
+/// Properties of an impact between two surfaces, for soft and hard engines.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Surface {
     /// [-] normal restitution e, 0 ..= 1: ratio of normal speeds after and before an isolated impact.
@@ -25,10 +25,10 @@ pub struct Surface {
     pub friction: f64,
 }
 
-/// Properties of the contact between two kinds of bodies.
+/// Properties of the contact between two kinds of bodies, which are two species or a species and a wall.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Meeting {
-    /// Restitution and friction, for both engines.
+    /// Restitution and friction, for soft and hard engines.
     pub surface: Surface,
     /// [-] stiffness of soft contacts of the pair over that of the contact law.
     pub stiffness_ratio: f64,
@@ -37,7 +37,7 @@ pub struct Meeting {
     /// not depend on the masses.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub at_mass: Option<f64>,
-    /// Rolling and twisting friction that differ from those of the law.
+    /// Rolling and twisting friction, where they differ from those of the contact law.
     #[serde(skip_serializing_if = "ResistanceFriction::is_of_law")]
     pub resistance: ResistanceFriction,
 }
@@ -54,13 +54,13 @@ impl Meeting {
 }
 
 impl From<Surface> for Meeting {
-    /// A meeting with the stiffness of the contact law.
+    /// Contact properties with the given surface and the stiffness of the contact law.
     fn from(surface: Surface) -> Self {
         Self { surface, stiffness_ratio: 1.0, at_mass: None, resistance: ResistanceFriction::default() }
     }
 }
 
-/// Kind of a collision partner.
+/// Kind of a collision partner: a species or a wall.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Kind {
@@ -70,7 +70,8 @@ pub enum Kind {
     Wall(u32),
 }
 
-/// Pairs of kinds with contact properties of their own. All others meet as [`Scene::contact`] or their wall says.
+/// Pairs of kinds with contact properties of their own. All other pairs use [`Scene::contact`] or the surface of the
+/// wall.
 ///
 /// ```
 /// use diptych::scene::{Kind, Pairs};
@@ -78,7 +79,7 @@ pub enum Kind {
 ///
 /// let mut pairs = Pairs::default();
 /// pairs.set(1, Kind::Species(0), Surface { restitution: 0.8, friction: 0.2 }.into());
-/// // the order of the two does not matter
+/// // the order of the two kinds does not matter
 /// assert_eq!(pairs.find(0, Kind::Species(1)).map(|meeting| meeting.surface.restitution), Some(0.8));
 /// assert!(pairs.find(0, Kind::Wall(1)).is_none());
 /// ```
@@ -86,7 +87,7 @@ pub enum Kind {
 #[serde(transparent)]
 pub struct Pairs(Vec<(u16, Kind, Meeting)>);
 
-/// Sorted pair of kinds: of two species the one that comes first in the case comes first.
+/// Pair of kinds in sorted order. Of two species, the one with the lower index comes first.
 #[inline]
 pub(crate) fn in_order(species: u16, other: Kind) -> (u16, Kind) {
     match other {
@@ -96,7 +97,7 @@ pub(crate) fn in_order(species: u16, other: Kind) -> (u16, Kind) {
 }
 
 impl Pairs {
-    /// Sets the contact properties of a species and another kind.
+    /// Sets the contact properties of a pair of a species and another kind.
     pub fn set(&mut self, species: u16, other: Kind, meeting: Meeting) {
         let key = in_order(species, other);
         match self.0.binary_search_by_key(&key, |(species, other, _)| (*species, *other)) {
@@ -105,7 +106,7 @@ impl Pairs {
         }
     }
 
-    /// Contact properties of a species and another kind, if they were set for this pair.
+    /// Contact properties of a pair of a species and another kind, if they were set for this pair.
     #[inline]
     pub fn find(&self, species: u16, other: Kind) -> Option<&Meeting> {
         if self.0.is_empty() {
@@ -125,13 +126,13 @@ impl Pairs {
         self.0.is_empty()
     }
 
-    /// Surfaces of all pairs, for changes.
+    /// Mutable surfaces of all pairs.
     pub fn surfaces_mut(&mut self) -> impl Iterator<Item = &mut Surface> {
         self.0.iter_mut().map(|(_, _, meeting)| &mut meeting.surface)
     }
 }
 
-/// Elastic constants of a solid; only contact laws that derive their stiffness from materials read them.
+/// Elastic constants of a solid. They are used only by contact laws that derive their stiffness from materials.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Elasticity {
     /// [Pa] Young's modulus E.
@@ -150,12 +151,13 @@ pub struct Species {
     pub diameter: f64,
     /// [kg/m³] density ρ_p.
     pub density: f64,
-    /// [kg/m³] added mass over the volume of a sphere: gas that a sphere accelerates with itself. 0 if it is left out.
+    /// [kg/m³] added mass over the volume of a sphere: gas that accelerates together with the sphere. 0 without added
+    /// mass.
     #[serde(skip_serializing_if = "is_zero")]
     pub added_density: f64,
-    /// Elasticity of the species; `None`: that of the contact law.
+    /// Elasticity of the species; `None`: the elasticity of the contact law.
     pub elasticity: Option<Elasticity>,
-    /// Distribution of the diameters; `None`: all are `diameter`.
+    /// Distribution of the diameters; `None`: all particles have the diameter `diameter`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sizes: Option<SizeDistribution>,
     /// [-] moment of inertia about the centre over m r², where m is the mass without added mass: 2/5 of a solid sphere,
@@ -164,12 +166,12 @@ pub struct Species {
     pub inertia_factor: f64,
 }
 
-/// True if a moment of inertia is that of a solid sphere, of which a case needs to say nothing.
+/// True if the inertia factor is that of a solid sphere, which is left out of the stored scene.
 fn is_solid(factor: &f64) -> bool {
     *factor == SOLID_SPHERE
 }
 
-/// True if a species has no added mass, of which a case needs to say nothing.
+/// True if the density is 0 (no added mass), which is left out of the stored scene.
 fn is_zero(density: &f64) -> bool {
     *density == 0.0
 }
@@ -181,23 +183,23 @@ impl Species {
         Self { name, diameter, density, added_density: 0.0, elasticity, sizes, inertia_factor: SOLID_SPHERE }
     }
 
-    /// [m³] volume of one sphere, π d³/6; the mean volume where sizes differ.
+    /// [m³] volume of one sphere, π d³/6. If sizes differ, it is the mean volume.
     pub fn volume(&self) -> f64 {
         std::f64::consts::PI / 6.0 * self.diameter.powi(3)
     }
 
-    /// [kg/m³] mass that a force accelerates, over the volume of a sphere: density plus added mass.
+    /// [kg/m³] mass that a force accelerates, over the volume of a sphere: density plus added mass per volume.
     pub fn inertial_density(&self) -> f64 {
         self.density + self.added_density
     }
 
-    /// [kg] mass of one sphere with its added mass; the mean mass where sizes differ.
+    /// [kg] mass of one sphere with its added mass. If sizes differ, it is the mean mass.
     pub fn mass(&self) -> f64 {
         self.inertial_density() * self.volume()
     }
 
-    /// [-] moment of inertia about the centre over m r², where m is the mass with added mass: gas around a sphere that
-    /// only rotates is not accelerated.
+    /// [-] moment of inertia about the centre over m r², where m is the mass with added mass. The moment of inertia
+    /// itself has no part of added mass, because a sphere that only rotates does not accelerate the gas around it.
     pub fn factor_with_added_mass(&self) -> f64 {
         self.inertia_factor * (self.density / self.inertial_density())
     }
@@ -244,38 +246,40 @@ pub struct Scene {
     /// [m/s²] acceleration of the particles by gravity. With [buoyancy](Self::add_buoyancy), it is the acceleration of
     /// the densest species by weight and buoyancy.
     pub gravity: Vector3<f64>,
-    /// The gas with its velocity profile and drag law; `None`: no gas, no drag code runs.
+    /// The gas with its velocity profile and drag law; `None`: no gas and no drag.
     pub fluid: Option<Fluid>,
     /// Walls, each with its own surface.
     pub walls: Vec<Wall>,
-    /// Surface between particles, where `pairs` holds no other.
+    /// Surface of two particles, for all pairs of species that are not in `pairs`.
     pub contact: Surface,
     /// Pairs of species, and of species and walls, with contact properties of their own.
     #[serde(skip_serializing_if = "Pairs::is_empty")]
     pub pairs: Pairs,
-    /// Kinds of particles; `Particles::species` points here.
+    /// Kinds of particles. `Particles::species` contains indices of this list.
     pub species: Vec<Species>,
-    /// Tangential behaviour of spheres that rotate; `None`: no sphere rotates, and friction has no memory.
+    /// Tangential law of spheres that rotate. `None`: no sphere rotates, and friction depends on the current slip
+    /// alone.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rotation: Option<Rotation>,
 }
 
 impl Scene {
-    /// [m³] volume available to particles: the domain, or the smallest vessel in it.
+    /// [m³] volume available to particles: that of the domain, or of the smallest vessel if that is smaller.
     pub fn room(&self) -> f64 {
         let vessels = self.walls.iter().filter_map(|wall| wall.geometry.law().vessel_volume(&self.domain.size));
         vessels.fold(self.domain.volume(), f64::min)
     }
 
-    /// Gives particles what they need to rotate, if spheres of the scene do.
+    /// Gives the particles spin and inertia, if spheres of the scene rotate.
     pub fn let_rotate(&self, particles: &mut Particles) {
         if self.rotation.is_some() {
             particles.let_rotate(&self.species.iter().map(Species::factor_with_added_mass).collect::<Vec<_>>());
         }
     }
 
-    /// Kinds of impacts that can happen, each once; where sizes are spread, of mean spheres. `shear_ratio` gives the
-    /// ratio of Mindlin's stiffness of two bodies with these elasticities to Hertz's elastic constant [-].
+    /// Kinds of impacts that can happen, without duplicates; spheres of spread sizes count as mean spheres.
+    /// `shear_ratio` returns, for two bodies with the given elasticities, Mindlin's tangential stiffness over Hertz's
+    /// elastic constant [-].
     pub fn impact_kinds(&self, shear_ratio: impl Fn([Option<Elasticity>; 2]) -> f64) -> Vec<ImpactKind> {
         let species = |species: u16| &self.species[usize::from(species)];
         let body = |of: u16| {
@@ -304,7 +308,7 @@ impl Scene {
         kinds
     }
 
-    /// Contact properties of particles of a species with a species or a wall.
+    /// Contact properties of a species with another kind.
     #[inline]
     pub fn meeting(&self, species: u16, other: Kind) -> Meeting {
         match self.pairs.find(species, other) {
@@ -313,7 +317,7 @@ impl Scene {
         }
     }
 
-    /// Rolling and twisting friction of a species and another species or a wall.
+    /// Rolling and twisting friction of a species with another kind.
     #[inline]
     pub fn resistance(&self, species: u16, other: Kind) -> ResistanceFriction {
         match (self.pairs.find(species, other), other) {
@@ -323,13 +327,13 @@ impl Scene {
         }
     }
 
-    /// Restitution and friction of a species and another species or a wall.
+    /// Restitution and friction of a species with another kind.
     #[inline]
     pub fn surface(&self, species: u16, other: Kind) -> &Surface {
         self.pairs.find(species, other).map_or_else(|| self.usual(other), |meeting| &meeting.surface)
     }
 
-    /// Surface of a kind towards all kinds for which `pairs` holds no other.
+    /// Surface in contacts with a kind, for all pairs that are not in `pairs`.
     #[inline]
     fn usual(&self, other: Kind) -> &Surface {
         match other {
@@ -338,21 +342,22 @@ impl Scene {
         }
     }
 
-    /// Every pair of species, the first not after the second, with its contact properties.
+    /// All pairs of species with their contact properties. The index of the first species is at most that of the
+    /// second.
     pub fn meetings(&self) -> impl Iterator<Item = (u16, u16, Meeting)> {
         let count = self.species.len() as u16;
         let each = move |one| (one..count).map(move |other| (one, other, self.meeting(one, Kind::Species(other))));
         (0..count).flat_map(each)
     }
 
-    /// Every species and wall, with their contact properties.
+    /// All pairs of a species and a wall, with their contact properties.
     pub fn meetings_at_walls(&self) -> impl Iterator<Item = (u16, u32, Meeting)> {
         let (count, walls) = (self.species.len() as u16, self.walls.len() as u32);
         let each = move |one| (0..walls).map(move |wall| (one, wall, self.meeting(one, Kind::Wall(wall))));
         (0..count).flat_map(each)
     }
 
-    /// Every species, with the stiffness of contacts between its own particles over that of the contact law [-].
+    /// All species, each with the stiffness of contacts between two of its particles over that of the contact law [-].
     pub fn alike(&self) -> impl Iterator<Item = (&Species, f64)> {
         (0..).zip(&self.species).map(|(index, species)| {
             (species, self.meeting(index, Kind::Species(index)).stiffness_of(0.5 * species.mass()))
@@ -369,8 +374,8 @@ impl Scene {
         self.species.iter().map(Species::largest).fold(0.0, f64::max)
     }
 
-    /// Two copies of the scene, with all particles at their smallest and at their largest diameter; only one copy if
-    /// every species has one size.
+    /// Two copies of the scene: with all particles at their smallest diameter, and with all at their largest. There is
+    /// only one copy if every species has one size.
     pub fn at_extremes(&self) -> Vec<Self> {
         if !self.has_sizes() {
             return vec![self.clone()];
@@ -382,18 +387,18 @@ impl Scene {
         vec![with(Species::smallest), with(Species::largest)]
     }
 
-    /// True if the diameters of any species are spread.
+    /// True if any species has a distribution of diameters.
     pub fn has_sizes(&self) -> bool {
         self.species.iter().any(|species| species.sizes.is_some())
     }
 
-    /// [m/s] speed below which particles under gravity g count as at rest. It is a hundredth of sqrt(g d) with the
-    /// smallest diameter d, so that they rise by less than d/20,000; 0 without gravity.
+    /// [m/s] speed below which a particle counts as at rest: a hundredth of sqrt(g d), with gravity g and the smallest
+    /// diameter d. A particle with this speed rises by d/20,000. 0 without gravity.
     pub fn rest_speed(&self) -> f64 {
         0.01 * (self.gravity.norm() * self.smallest_diameter()).sqrt()
     }
 
-    /// [-] restitution between particles, if all pairs of species have equal restitution.
+    /// [-] restitution between particles; `None` if it differs between pairs of species.
     pub fn restitution_of_pairs(&self) -> Option<f64> {
         if self.pairs.is_empty() {
             return Some(self.contact.restitution);
@@ -401,7 +406,7 @@ impl Scene {
         same(self.meetings().map(|(_, _, meeting)| meeting.surface.restitution))
     }
 
-    /// [-] restitution at walls, if it is equal for all species and walls; `None` without walls.
+    /// [-] restitution at walls; `None` without walls, or if it differs between walls or species.
     pub fn restitution_at_walls(&self) -> Option<f64> {
         if self.pairs.is_empty() {
             return same(self.walls.iter().map(|wall| wall.surface.restitution));
@@ -409,8 +414,8 @@ impl Scene {
         same(self.meetings_at_walls().map(|(_, _, meeting)| meeting.surface.restitution))
     }
 
-    /// Surfaces between particles and surfaces at walls; for `particles` < 2 those at walls alone. Without a species
-    /// they are the general ones of the case.
+    /// Surfaces of all contacts between particles and at walls. For `particles` < 2 there are only those at walls. If
+    /// no pair has properties of its own, the list has one surface per wall and [`contact`](Self::contact).
     pub fn surfaces(&self, particles: usize) -> Vec<Surface> {
         if self.pairs.is_empty() {
             let walls = self.walls.iter().map(|wall| wall.surface);
@@ -422,7 +427,7 @@ impl Scene {
     }
 }
 
-/// The common value of all numbers; `None` if they differ, or if there are none.
+/// The common value of all numbers; `None` without numbers or if they differ.
 fn same(mut numbers: impl Iterator<Item = f64>) -> Option<f64> {
     let first = numbers.next()?;
     numbers.all(|number| number == first).then_some(first)

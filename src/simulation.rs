@@ -40,8 +40,8 @@ use std::time::Duration;
 use totals::SimulationTotals;
 use turbulence::TurbulentKick;
 
-/// Smallest number of particles for which the drag law is tabulated. Making the table takes as long as some dozen kicks
-/// of so many particles, and a run makes hundreds of kicks.
+/// Number of particles from which the drag law is tabulated. The table costs as much time as some dozen kicks of so
+/// many particles, while a run makes hundreds of kicks.
 const TABULATE: usize = 1000;
 
 /// A simulation of one variant: the particles, the engine that moves them, and the records of the run.
@@ -69,7 +69,7 @@ const TABULATE: usize = 1000;
 /// # Ok::<(), diptych::Failure>(())
 /// ```
 pub struct Simulation {
-    /// Particles that this process holds.
+    /// Particles in the memory of this process.
     pub particles: Particles,
     /// Collisions and other records since the start.
     pub record: Record,
@@ -85,22 +85,22 @@ pub struct Simulation {
     /// Seed of the random numbers of the run.
     seed: u64,
     spheres: Vec<Sphere>,
-    /// Kicks that were used last: for half a window and for a whole window.
+    /// Kicks that were used last. A run needs two of them: for half a window and for a whole window.
     kicks: Vec<Kick>,
     /// Sums over all particles of all processes.
     totals: SimulationTotals,
     /// [kg m/s] momentum that walls have given to the particles of all processes since the start.
     by_walls: Vector3<f64>,
-    /// Connection to the other processes that share the run; `None` if there are no others.
+    /// Connection to the other processes that share the run; `None` if one process runs the simulation.
     share: Option<SharedSimulation>,
-    /// Description of the particles gathered from all processes, while these replace those of the lead process.
+    /// Description of the gathered particles, while particles of all processes replace those of the lead process.
     shown: Option<GatheredParticles>,
-    /// True if the drag of the last window has been applied completely, so that velocities and positions belong to one
+    /// True if the drag of the last window has been applied completely. Velocities and positions then belong to one
     /// time.
     half_kicked: bool,
     /// Failure that is returned by the next run because the soft time step is too long.
     refused: Option<Failure>,
-    /// Limit of the growth of the energy by errors of the soft scheme.
+    /// Limit of the growth of the energy by errors of the soft scheme; `None` without a check.
     bound: Option<Bound>,
     /// [J] elastic energy of the initial overlaps, until the engine has processed the start (soft).
     unseen: Option<f64>,
@@ -132,13 +132,13 @@ impl Simulation {
         Self::of(experiment, particles, None)
     }
 
-    /// Creates a simulation of particles. With `others`, each process has a part of them.
+    /// Creates a simulation of particles. With `others`, `particles` are those of one process of several.
     fn of(experiment: &Experiment, particles: Particles, others: Option<&dyn Communicator>) -> Self {
         let sample = Sample::part(&particles, others);
         let totals = SimulationTotals::of(&sample);
         let (engine, step) = (engine(experiment, totals.count), soft_step(experiment, totals.count));
         let soft = experiment.model().has_contacts() && may_touch(experiment, totals.count);
-        // contacts that do not end give no limit: the step is then at most the whole run
+        // if no contact ends, the contacts do not limit the step; the step is then at most the whole run
         let step = step.min(experiment.run.duration);
         let may_run = experiment.soft.allow_unstable || experiment.soft.integrator == Integrator::Rk2;
         let broken = if soft { broken_contract(experiment, totals.count) } else { None };
@@ -156,7 +156,8 @@ impl Simulation {
         Self::with_totals(scene, particles, totals, SimulationEngine::Single(engine))
     }
 
-    /// Creates a simulation as [`with_engine`](Self::with_engine) does, whose run several processes can share.
+    /// Creates a simulation as [`with_engine`](Self::with_engine) does, with an engine whose run several processes can
+    /// share.
     pub fn with_distributed_engine(scene: Scene, particles: Particles, engine: Box<dyn Distributed>) -> Self {
         let totals = SimulationTotals::of(&Sample::from(&particles));
         Self::with_totals(scene, particles, totals, SimulationEngine::Distributed(engine))
@@ -214,22 +215,21 @@ impl Simulation {
     /// Runs `windows` windows of `window` [s] each. At the end, velocities and positions belong to the same time.
     ///
     /// # Errors
-    /// The engine's failure, an escape, an unstable soft time step, or an energy that grew beyond what the scheme
-    /// explains. The state is then the one at which the failure was detected.
+    /// The engine's failure, a particle outside the domain, an unstable soft time step, or an energy that grew more
+    /// than the errors of the scheme explain. The simulation then has the state at which the failure was detected.
     pub fn run(&mut self, windows: u64, window: f64) -> Result<(), Failure> {
         let result = self.run_while(windows, window, &mut |_, _| true).map(drop);
         self.show(1);
         result
     }
 
-    /// Runs windows as [`run`](Self::run) for as long as `go_on` returns true, and returns the number of windows done.
-    /// `go_on` is called at the end of every window but the last, with the number of windows done in this call. A
-    /// stopped run can be continued for the remaining windows, here or from a [`snapshot`](Self::snapshot), with
+    /// Runs windows as [`run`](Self::run) does while `go_on` returns true. Returns the number of windows done. `go_on`
+    /// is called at the end of every window but the last, with the number of windows done in this call. A stopped run
+    /// can be continued for the remaining windows, in this simulation or from a [`snapshot`](Self::snapshot), with
     /// identical bits.
     ///
-    /// If several processes share the run, each may hold only its part of the particles when `go_on` is called and
-    /// after the run. [`show`](Self::show) gathers the parts, and [`sample`](Self::sample) is used for sums over all
-    /// particles.
+    /// If several processes share the run, each may have only its part of the particles, during calls of `go_on` and
+    /// after the run. [`show`](Self::show) gathers the parts. [`sample`](Self::sample) gives sums over all particles.
     ///
     /// When `go_on` is called, and after a run that was stopped, velocities lack a half-kick of drag.
     /// [`look`](Self::look) and [`settle`](Self::settle) apply this half-kick.
@@ -248,7 +248,7 @@ impl Simulation {
         if let Some(failure) = &self.refused {
             return Err(failure.clone());
         }
-        // successive half-kicks are one kick, because the solution for drag alone is exact
+        // half-kicks in succession are applied as one kick, because the solution for drag alone is exact
         self.hide();
         if self.half_kicked {
             self.kick(0.5 * window, self.number_of_first_half());
@@ -270,8 +270,8 @@ impl Simulation {
         Ok(windows)
     }
 
-    /// Applies the half-kick of drag that velocities lack after a run of windows of `window` [s] was stopped. This
-    /// method is for a run that is not continued.
+    /// Applies the half-kick of drag that velocities lack after a run with windows of `window` [s] was stopped. Call
+    /// this method only for a run that is not continued.
     pub fn settle(&mut self, window: f64) {
         if !self.half_kicked {
             self.hide();
@@ -290,16 +290,16 @@ impl Simulation {
         in_order(self.particles.clone(), &self.scene)
     }
 
-    /// Replaces the particles by those of [`state`](Self::state), without a copy. This method is for a simulation that
-    /// is over, because the engine requires its own order of the particles.
+    /// Replaces the particles by those of [`state`](Self::state), without a copy. Call this method only for a
+    /// simulation that has ended, because the engine relies on its own order of the particles.
     pub fn end(&mut self) {
         // the memory of the engine is freed before the particles are copied
         self.engine.forget();
         self.particles = in_order(std::mem::take(&mut self.particles), &self.scene);
     }
 
-    /// [m/s] momentum of all particles over their mass, from sums that are updated since the start; 0 without
-    /// particles.
+    /// [m/s] momentum of all particles divided by their mass; 0 without particles. The momentum is the initial one plus
+    /// all changes since the start.
     pub fn mean_velocity(&self) -> Vector3<f64> {
         if self.totals.mass > 0.0 { self.totals.momentum / self.totals.mass } else { Vector3::zeros() }
     }
@@ -319,8 +319,8 @@ impl Simulation {
         self.totals.mean_radius
     }
 
-    /// Indices of the particles that were moved last in islands (groups of particles that may meet). `None` if all
-    /// particles were moved at once.
+    /// Indices of the particles that the last window moved in islands (groups of particles that may meet). `None` if
+    /// all particles were moved at once.
     pub fn in_islands(&self) -> Option<&[u32]> {
         self.engine.in_islands()
     }
@@ -348,7 +348,7 @@ impl Simulation {
         );
         self.spent.engine += self.clock.now() - began;
         self.unseen = None;
-        // after a failure the state is that at the instant of the failure, so the ledger also ends at this instant
+        // after a failure the state is that at the instant of the failure, so the ledger is kept up to this instant
         let reached = result.as_ref().map_or_else(|why| (why.time() - self.time).clamp(0.0, window), |()| window);
         let given = self.given_by_walls();
         let by_walls = given - std::mem::replace(&mut self.by_walls, given);
@@ -365,9 +365,9 @@ impl Simulation {
         result
     }
 
-    /// Calls `show` during a run, with the missing half-kick of drag, `kick` [s], applied to the velocities. Afterwards
-    /// the velocities are restored, so that the next kick is a whole one and rounding does not depend on this call. If
-    /// each process has a part of the particles, all processes apply the half-kick.
+    /// Calls `show` during a run, with the missing half-kick of drag, `kick` [s], applied to the velocities. The
+    /// velocities are restored afterwards. The next kick is then a whole one, and this call does not change its
+    /// rounding. If each process has a part of the particles, all processes apply the half-kick.
     pub fn look<T>(&mut self, kick: f64, show: impl FnOnce(&mut Self) -> T) -> T {
         let dragged = self.scene.fluid.as_ref().is_some_and(|fluid| fluid.drag.is_some());
         let kept = dragged.then(|| {
@@ -395,7 +395,7 @@ impl Simulation {
         answer
     }
 
-    /// Applies drag alone for the duration `duration` [s], as the kick with this number.
+    /// Applies drag alone for `duration` [s]. `number` selects the random numbers of the kick.
     fn kick(&mut self, duration: f64, number: u64) {
         let Some(fluid) = &self.scene.fluid else { return };
         let Some(law) = &fluid.drag else { return };
@@ -433,11 +433,11 @@ impl Simulation {
 
     /// Checks that all particles are inside the domain and that their energy is within its limit.
     fn check(&mut self) -> Result<(), Failure> {
-        // this order also checks the first part of a window, before all particles are moved at once
+        // the order to check also covers the first part of a window, before all particles are moved at once
         self.order(&Order::Check);
         self.collect_records();
         if let Some(bound) = &self.bound {
-            // the energy is checked first, since too much energy may be the reason why particles left the domain
+            // the energy is checked first, because a particle may have left the domain owing to an excess of energy
             let uniform = self.counters().uniform_steps > 0;
             let (energy, elastic) = (self.energy(), self.engine.elastic_energy());
             // only the lead process has the records of all processes
