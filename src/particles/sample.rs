@@ -71,7 +71,7 @@ impl<'a> Sample<'a> {
         sums.values()
     }
 
-    /// Number of particles on all processes.
+    /// Number of particles in all processes.
     pub fn count(&self) -> usize {
         let [count] = self.added([self.particles.position.len() as f64]);
         count as usize

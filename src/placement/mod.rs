@@ -55,7 +55,7 @@ pub struct Crowded {
     pub wanted: f64,
     /// [-] volume of the particles without overlap, over the same free volume, when the search ended.
     pub reached: f64,
-    /// [m³] free volume of the room in which the particles start.
+    /// [m³] free volume of the space in which the particles start.
     pub room: f64,
     /// True if the search ended early because the allowed effort was spent.
     pub given_up: bool,

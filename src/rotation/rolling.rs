@@ -30,9 +30,9 @@ pub enum RollingLaw {
         /// [-] rolling friction μ_r.
         friction: f64,
     },
-    /// Type B: a torque in proportion to the rolling speed (Zhou et al. 1999, Physica A 269, 536).
+    /// Type B: a torque proportional to the rolling speed (Zhou et al. 1999, Physica A 269, 536).
     Viscous {
-        /// [s/m] torque over R_eff f_n and over the rolling speed.
+        /// [s/m] torque divided by R_eff f_n and by the rolling speed.
         coefficient: f64,
     },
 }
@@ -93,7 +93,8 @@ pub struct RollingBodies {
 }
 
 impl RollingBodies {
-    /// Bodies with that mass [kg], radius [m] and moment of inertia [kg m²] each. A wall has none.
+    /// Makes the properties from mass [kg], radius [m] and moment of inertia [kg m²] of each particle; a wall is left
+    /// out.
     pub fn of(bodies: impl Iterator<Item = (f64, f64, f64)> + Clone) -> Self {
         let sum = |of: &dyn Fn((f64, f64, f64)) -> f64| bodies.clone().map(of).sum::<f64>();
         let radius = 1.0 / sum(&|(_, radius, _)| 1.0 / radius);
