@@ -87,21 +87,20 @@ pub struct Input {
 }
 
 impl Input {
-    /// Changes to keys as `key=value`: all of `--set`, and those of flags such as `--relax`.
+    /// Changes of keys as `key=value`: all `--set` options, and the changes by flags such as `--relax`.
     pub fn sets(&self) -> Vec<String> {
         let relax = self.relax.then(|| "run.relax=true".to_owned());
         self.set.iter().cloned().chain(relax).collect()
     }
 
-    /// Copy of these options, with the simulated time as a further change if one is given.
+    /// Copies the options, and adds the simulated time as a change if it is given.
     pub fn with_duration(&self, duration: Option<&String>) -> Self {
         let mut input = self.clone();
         input.set.extend(duration.map(|duration| format!("run.duration={duration}")));
         input
     }
 
-    /// Copy of these options, with the time between two instants of the trajectories as a further change if one is
-    /// given.
+    /// Copies the options, and adds the time between two instants of the trajectories as a change if it is given.
     pub fn with_every(&self, every: Option<&String>) -> Self {
         let mut input = self.clone();
         input.set.extend(every.map(|every| format!("output.every={every}")));
@@ -132,7 +131,7 @@ pub struct Keep {
     pub checkpoint_every: CheckpointEvery,
 }
 
-/// Wall time between two checkpoints; `None`: no checkpoints.
+/// Wall time between two checkpoints; `None`: no checkpoints are written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CheckpointEvery(pub Option<Duration>);
 
@@ -235,7 +234,7 @@ pub enum ModelChoice {
 }
 
 impl ModelChoice {
-    /// Collision model that was chosen; `None` for `auto`, for which `plan` chooses the model later.
+    /// Chosen collision model; `None` for `auto`, for which `plan` chooses the model later.
     pub fn model(self) -> Option<Model> {
         match self {
             Self::Soft => Some(Model::Soft),
@@ -264,7 +263,7 @@ pub struct Plan {
     pub effort: Effort,
 }
 
-/// [-] parses a share between 0 and 1 from a number or a percentage.
+/// [-] parses a share between 0 and 1, written as a number or a percentage.
 fn relative_error(text: &str) -> Result<f64, String> {
     let (number, unit) = match text.trim().strip_suffix('%') {
         Some(number) => (number.trim(), 0.01),

@@ -1,45 +1,45 @@
-//! The clock that times the parts of a run and reports the progress of the run.
+//! Clock that times the parts of a run and receives its progress.
 //!
-//! The run loop and the engines never read the time of day. The caller that starts a simulation passes a clock to it,
-//! or none. The measured times appear only in reports.
+//! The run loop and the engines never read the time themselves. The caller that starts a simulation may pass a clock to
+//! it. The measured times appear only in reports.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
 
-/// A clock that counts from a fixed start, or one that stands still and costs nothing.
+/// Clock that counts from a fixed start. The default clock stands still and costs nothing.
 ///
-/// Two separate times are exchanged through a clock: wall time is read from it, simulated time is reported to it.
+/// A clock handles two different times: wall time is read from it, and simulated time is reported to it.
 #[derive(Clone, Debug, Default)]
 pub struct Clock {
     read: Option<fn() -> Duration>,
     reached: Option<Reached>,
 }
 
-/// The simulated time that a run has reached, readable from another thread while it runs.
+/// Simulated time that a run has reached. Other threads can read it during the run.
 #[derive(Clone, Debug, Default)]
 pub struct Reached(Arc<AtomicU64>);
 
 impl Reached {
-    /// [s] simulated time reported last; 0 before the first report.
+    /// [s] simulated time of the last report; 0 before the first report.
     pub fn time(&self) -> f64 {
         f64::from_bits(self.0.load(Ordering::Relaxed))
     }
 }
 
 impl Clock {
-    /// The wall clock of the machine.
+    /// Clock with the wall time of the machine.
     pub fn wall() -> Self {
         static BEGAN: OnceLock<Instant> = OnceLock::new();
         Self { read: Some(|| BEGAN.get_or_init(Instant::now).elapsed()), reached: Some(Reached::default()) }
     }
 
-    /// Present time; constant if the clock stands still.
+    /// Present wall time; constant if the clock stands still.
     pub fn now(&self) -> Duration {
         self.read.map_or(Duration::ZERO, |read| read())
     }
 
-    /// Runs `work`, adds its duration to `spent` and returns its result.
+    /// Runs `work`, adds its duration to `spent`, and returns its result.
     pub fn time<T>(&self, spent: &mut Duration, work: impl FnOnce() -> T) -> T {
         let began = self.now();
         let result = work();
@@ -47,15 +47,15 @@ impl Clock {
         result
     }
 
-    /// Reports that the run has reached simulated `time` [s]. The report is one write to memory, so that engines can
-    /// make it at every step or event.
+    /// Reports that the run has reached the simulated time `time` [s]. The report is one write to memory, so that
+    /// engines can make it at every step or event.
     pub fn tell(&self, time: f64) {
         if let Some(reached) = &self.reached {
             reached.0.store(time.to_bits(), Ordering::Relaxed);
         }
     }
 
-    /// The simulated time reported to this clock and to its clones; `None` if the clock stands still.
+    /// Simulated time reported to this clock and its clones; `None` if the clock stands still.
     pub fn reached(&self) -> Option<Reached> {
         self.reached.clone()
     }

@@ -1,10 +1,10 @@
-//! Communication among processes that share one run. The caller of a simulation passes the connection itself (MPI, or
+//! Communication between processes that share one run. The caller of a simulation supplies the connection (MPI, or
 //! threads in tests).
 
 use crate::exact::ExactSum;
 
-/// The processes that share one run. All processes must call the same methods in the same order: a call returns when
-/// all processes have made it. Process 0 is the lead.
+/// Connection between the processes that share one run. All processes must call the same methods in the same order. A
+/// call returns when all processes have made it. Process 0 is the lead.
 pub trait Communicator: Send + Sync {
     /// Number of this process, counted from 0.
     fn rank(&self) -> usize;
@@ -12,17 +12,17 @@ pub trait Communicator: Send + Sync {
     /// Number of processes that share the run.
     fn size(&self) -> usize;
 
-    /// Sends `outgoing[k]` to process k, for all k. Returns the bytes that each process sent to this one, in the order
-    /// of process numbers.
+    /// Sends `outgoing[k]` to process k, for all k. Returns the bytes that each process has sent to this process, in
+    /// the order of process numbers.
     fn exchange(&self, outgoing: Vec<Vec<u8>>) -> Vec<Vec<u8>>;
 
-    /// Returns the bytes of the lead on all processes; the arguments of the other processes are ignored.
+    /// Returns the bytes of the lead in all processes. The arguments of the other processes are ignored.
     fn broadcast(&self, bytes: Vec<u8>) -> Vec<u8>;
 
     /// Replaces each number by its sum over all processes.
     fn sum(&self, numbers: &mut [i64]);
 
-    /// Replaces each value by its largest value on any process.
+    /// Replaces each value by the largest value of all processes.
     fn largest(&self, values: &mut [f64]);
 
     /// True if this process is the lead.
@@ -43,8 +43,8 @@ pub trait Communicator: Send + Sync {
         }
     }
 
-    /// Sends bytes to the lead. Returns the bytes of all processes, in the order of their numbers, on the lead, and
-    /// nothing on the others.
+    /// Sends bytes to the lead. In the lead, returns the bytes of all processes in the order of their numbers; in other
+    /// processes, returns an empty list.
     fn collect(&self, own: Vec<u8>) -> Vec<Vec<u8>> {
         let mut outgoing = vec![Vec::new(); self.size()];
         if let Some(lead) = outgoing.first_mut() {

@@ -1,4 +1,4 @@
-//! The box of a scene: its size and its periodic sides.
+//! Box of a scene: its size and its periodic sides.
 
 pub mod blocks;
 
@@ -14,11 +14,11 @@ pub struct Domain {
     pub size: Vector3<f64>,
     /// True for each axis along which the box is periodic.
     pub periodic: [bool; 3],
-    /// [m] half the edge along periodic axes, infinity along others: beyond this distance another image of a particle
-    /// is nearer.
+    /// [m] half the edge length along periodic axes, infinite along other axes. If two coordinates differ by more,
+    /// another image is nearer.
     #[serde(skip)]
     pub(crate) half: Vector3<f64>,
-    /// [m²] square of the shortest half edge: if a particle is within this distance of another, none of its images is
+    /// [m²] square of the shortest half edge. For particles within this distance of each other, no other images are
     /// nearer.
     #[serde(skip)]
     direct: f64,
@@ -36,12 +36,12 @@ impl Domain {
         self.size.x * self.size.y * self.size.z
     }
 
-    /// [m] vector from `b` to the nearest image of `a`. Both positions must be within 1.5 periods of the box. This is
-    /// so between two calls of [`Domain::wrap`].
+    /// [m] vector from `b` to the nearest image of `a`. Both positions must be within 1.5 periods of the box, as they
+    /// are between two calls of [`Domain::wrap`].
     #[inline(always)]
     pub fn separation(&self, a: &Vector3<f64>, b: &Vector3<f64>) -> Vector3<f64> {
         let mut d = a - b;
-        // most pairs are near, and for these one comparison replaces those of three axes
+        // most pairs are near, and need this one comparison instead of one per axis
         if d.norm_squared() < self.direct {
             return d;
         }
@@ -55,7 +55,7 @@ impl Domain {
         d
     }
 
-    /// [m] image of `position` that lies in the box along all periodic axes.
+    /// [m] image of `position` [m] that lies in the box along all periodic axes.
     #[inline]
     pub fn wrap(&self, position: &Vector3<f64>) -> Vector3<f64> {
         Vector3::from_fn(|axis, _| {

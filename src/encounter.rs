@@ -1,10 +1,10 @@
-//! Two bodies that meet: a pair of particles, or a particle and a wall. This file contains their identity, their
-//! relative position and velocity, and the time at which they touch. All engines and predictions use these functions;
-//! no other code distinguishes pairs from walls.
+//! Two bodies that may touch: a pair of particles, or a particle and a wall. This file has their identity, their
+//! relative position and velocity, and the time at which they touch. All engines and predictions use these functions,
+//! and no other code distinguishes pairs from walls.
 //!
-//! The functions that are called for every pair are always inlined. In most calls the compiler then knows the frame,
-//! and that the bodies are a pair, so half of the code is optimised away. As function calls they cost a tenth of the
-//! run time of case D with soft spheres.
+//! Functions that are called for every pair are always inlined. In most calls the compiler can then determine the frame
+//! and that the bodies are a pair, so it removes half of the code. As function calls they would take a tenth of the run
+//! time of case D with soft spheres.
 
 use crate::contact_law::Bodies;
 use crate::particles::Particles;
@@ -16,7 +16,7 @@ use crate::walls::{Flight, Touch};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Collision partner of a particle, in the form in which results name it.
+/// Collision partner of a particle, as results name it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Partner {
@@ -35,7 +35,7 @@ impl std::fmt::Display for Partner {
     }
 }
 
-/// The second body of a couple: the body that a particle may meet.
+/// Second body of a couple, which a particle may touch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Other {
     /// Another particle, by its index in the particle store.
@@ -54,13 +54,13 @@ pub struct AtWall {
 }
 
 impl AtWall {
-    /// The first contact of the wall with the index `wall` in the scene.
+    /// First contact of the wall with the index `wall` in the scene.
     pub fn first(wall: u32) -> Self {
         Self { wall, which: 0 }
     }
 }
 
-/// A particle, by its index in the particle store, and a body that it may meet.
+/// A particle, given by its index in the particle store, and a body that it may touch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Couple {
     /// Index of the particle.
@@ -69,24 +69,24 @@ pub struct Couple {
     pub other: Other,
 }
 
-/// Time at which two bodies are compared, relative to the time of the stored positions and velocities. The particle
-/// store may be in a falling frame, so two times of fall are also given. All times in s.
+/// Time at which two bodies are compared, relative to the time of the stored positions and velocities. If the particle
+/// store is in a falling frame, two times of fall are also needed. All times are in s.
 ///
-/// Engines move particles in the frame that falls freely with gravity, in which gravity does not affect pairs. A wall
+/// Engines move particles in a frame that falls freely with gravity, in which gravity does not act on pairs. A wall
 /// does not fall, so the motion of a particle relative to a wall includes gravity.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FrameTime {
-    /// Time [s] from the time of the particle store to that of the comparison; particles fly straight meanwhile.
+    /// [s] time from that of the particle store to that of the comparison. Particles fly straight in between.
     pub ahead: f64,
-    /// Time [s] of free fall whose displacement g t²/2 must be added to positions relative to a wall.
+    /// [s] time t of free fall whose displacement g t²/2 is added to positions relative to a wall.
     pub sunk: f64,
-    /// Time [s] of free fall whose velocity g t must be added to velocities relative to a wall.
+    /// [s] time t of free fall whose velocity g t is added to velocities relative to a wall.
     pub fallen: f64,
 }
 
 impl FrameTime {
-    /// Time of the particle store. Positions are relative to the walls, and velocities are in a frame that has fallen
-    /// for `time` [s].
+    /// Time of the particle store. Positions are relative to the walls; velocities are in a frame that has fallen for
+    /// `time` [s].
     pub fn fallen(time: f64) -> Self {
         Self { ahead: 0.0, sunk: 0.0, fallen: time }
     }
@@ -96,20 +96,20 @@ impl FrameTime {
         Self { ahead: 0.0, sunk: time, fallen: time }
     }
 
-    /// Time that is `time` [s] after that of the particle store. The frame of positions and velocities begins to fall
-    /// at the time of the store.
+    /// Time `time` [s] after that of the particle store. The frame of positions and velocities begins to fall at the
+    /// time of the store.
     pub fn ahead(time: f64) -> Self {
         Self { ahead: time, sunk: time, fallen: time }
     }
 
-    /// [m] centre of the particle at index `place`, in the frame of the particle store.
+    /// [m] centre of the particle at the index `place`, in the frame of the particle store.
     #[inline(always)]
     fn position(&self, particles: &Particles, place: usize) -> Vector3<f64> {
         let x = particles.position[place];
         if self.ahead == 0.0 { x } else { x + particles.velocity[place] * self.ahead }
     }
 
-    /// Motion of the particle at index `place` relative to a wall, with gravity.
+    /// Motion of the particle at the index `place` relative to a wall, with gravity.
     #[inline(always)]
     pub fn flight(&self, particles: &Particles, scene: &Scene, place: usize) -> Flight {
         let fall = scene.gravity * (0.5 * self.sunk * self.sunk);
@@ -124,14 +124,14 @@ impl FrameTime {
 /// Motion of the surface of a wall at a contact.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct WallMotion {
-    /// [m/s] velocity at the contact point.
+    /// [m/s] velocity of the surface at the contact point.
     pub velocity: Vector3<f64>,
-    /// [rad/s] angular velocity.
+    /// [rad/s] angular velocity of the surface.
     pub spin: Vector3<f64>,
 }
 
 impl WallMotion {
-    /// [W] power of a force [N] on the particle and of a couple [N m].
+    /// [W] power of a force [N] and a couple [N m] that the surface exerts on the particle.
     #[inline(always)]
     pub fn power(&self, force: &Vector3<f64>, couple: Option<&Vector3<f64>>) -> f64 {
         force.dot(&self.velocity) + couple.map_or(0.0, |couple| couple.dot(&self.spin))
@@ -152,7 +152,7 @@ pub struct Encounter {
 }
 
 impl Encounter {
-    /// [m] overlap of the two bodies; negative if there is a gap.
+    /// [m] overlap of the two bodies; negative if they do not touch.
     #[inline]
     pub fn overlap(&self) -> f64 {
         -self.gap
@@ -166,12 +166,12 @@ impl Encounter {
 }
 
 impl Couple {
-    /// A couple of two particles, by their indices in the particle store.
+    /// Couple of two particles, given by their indices in the particle store.
     pub fn pair(i: u32, j: u32) -> Self {
         Self { i, other: Other::Particle(j) }
     }
 
-    /// A couple of a particle, by its index in the particle store, and a contact of a wall.
+    /// Couple of a particle, given by its index in the particle store, and a contact of a wall.
     pub fn at_wall(i: u32, at: AtWall) -> Self {
         Self { i, other: Other::Wall(at) }
     }
@@ -181,8 +181,8 @@ impl Couple {
         matches!(self.other, Other::Wall(_))
     }
 
-    /// True if the other body is a wall with a constant normal. The motion of a single contact with such a wall
-    /// requires only one coordinate.
+    /// True if the other body is a wall with a constant normal. A single contact with such a wall needs only one
+    /// coordinate.
     pub fn is_flat(&self, scene: &Scene) -> bool {
         match self.other {
             Other::Particle(_) => false,
@@ -190,14 +190,14 @@ impl Couple {
         }
     }
 
-    /// True if the couple is a contact with a wall, but not the first possible contact with that wall.
+    /// True if the couple is a contact with a wall, and not the first possible contact of this wall.
     #[inline]
     pub fn is_further(&self) -> bool {
         matches!(self.other, Other::Wall(at) if at.which > 0)
     }
 
     /// True if both couples are contacts of one particle with one wall, and this contact cannot be nearer than `other`.
-    /// This is known if a wall numbers its contacts by distance, the nearest first.
+    /// This is known for walls that number their contacts by distance, the nearest first.
     pub fn is_beyond(&self, other: &Self, scene: &Scene) -> bool {
         let (Other::Wall(at), Other::Wall(before)) = (self.other, other.other) else { return false };
         let same = self.i == other.i && at.wall == before.wall && at.which > before.which;
@@ -212,7 +212,7 @@ impl Couple {
         }
     }
 
-    /// Indices of the particles of the couple: two for a pair, one for a wall.
+    /// Indices of the particles of the couple: two for a pair, one for a particle and a wall.
     pub fn places(&self) -> [Option<u32>; 2] {
         [Some(self.i), self.j()]
     }
@@ -226,7 +226,7 @@ impl Couple {
         Self { i: place_of(self.i), other }
     }
 
-    /// True if `self` and `couple` name the same two bodies, in either order.
+    /// True if `self` and `couple` are the same two bodies, in either order.
     pub fn is(&self, couple: &Self) -> bool {
         self == couple || couple.j().is_some_and(|j| *self == Self::pair(j, couple.i))
     }
@@ -248,8 +248,8 @@ impl Couple {
         (particles.species[self.i as usize], other)
     }
 
-    /// Motion of the wall's surface at the contact; `None` between particles. The power of a force [N] on the particle,
-    /// or the energy of an impulse [N s], that the wall gives is force times velocity.
+    /// Motion of the wall's surface at the contact; `None` for two particles. The wall gives energy to the particle:
+    /// the power of a force [N], or the energy of an impulse [N s], is this force or impulse times the velocity.
     #[inline(always)]
     pub fn wall_motion(
         &self,
@@ -283,7 +283,7 @@ impl Couple {
         self.j().map_or(mass, |j| 1.0 / (1.0 / mass + 1.0 / particles.mass[j as usize]))
     }
 
-    /// [kg] effective mass M_t of the slip of two rotating bodies ([`tangential_mass`]); 0 if the particles have no
+    /// [kg] effective mass M_t of the slip of two rotating bodies ([`tangential_mass`]); 0 for particles without
     /// moments of inertia.
     pub fn tangential_mass(&self, particles: &Particles) -> f64 {
         let Some(inertia) = &particles.inertia else { return 0.0 };
@@ -294,9 +294,10 @@ impl Couple {
         tangential_mass(self.places().into_iter().flatten().map(of))
     }
 
-    /// [m/s] relative velocity w = l_i ω_i + l_j ω_j of two surfaces due to the spins ω, from which the slip follows.
-    /// Also returns the ratio of lever arm l to radius. The lever arms add up to the distance of the centres, `reach` +
-    /// `gap` [m], so that a contact conserves energy and angular momentum. At a wall the lever arm is the radius.
+    /// [m/s] relative velocity w = l_i ω_i + l_j ω_j of two surfaces due to their spins ω, from which the slip follows.
+    /// Also returns the ratio of the lever arms l to the radii. For two particles the arms add up to the distance of
+    /// the centres, `reach` + `gap` [m], so that a contact conserves energy and angular momentum. At a wall the arm is
+    /// the radius.
     #[inline(always)]
     pub fn surface_velocity(&self, particles: &Particles, reach: f64, gap: f64) -> (Vector3<f64>, f64) {
         let (radii, spins) = (&particles.radius, particles.spins());
@@ -311,7 +312,8 @@ impl Couple {
         }
     }
 
-    /// [rad/s] component along the normal of the mean spin of the two bodies; the spin of a wall is zero.
+    /// [rad/s] component along the normal of the mean spin of the two bodies. The spin of a wall is that of its turning
+    /// surface, otherwise 0.
     #[inline(always)]
     pub fn twist(&self, particles: &Particles, scene: &Scene, normal: &Vector3<f64>) -> f64 {
         let spins = particles.spins();
@@ -325,7 +327,8 @@ impl Couple {
         }
     }
 
-    /// [rad/s] spin of particle i relative to the other body; the spin of a wall is zero.
+    /// [rad/s] spin of particle i relative to the other body. The spin of a wall is that of its turning surface,
+    /// otherwise 0.
     #[inline(always)]
     pub fn relative_spin(&self, particles: &Particles, scene: &Scene) -> Vector3<f64> {
         let spins = particles.spins();
@@ -339,13 +342,14 @@ impl Couple {
         }
     }
 
-    /// [m] smaller diameter of the two bodies, by which overlaps are divided; at a wall the diameter of the particle.
+    /// [m] smaller diameter of the two particles, with which overlaps are compared; at a wall the diameter of the
+    /// particle.
     pub fn diameter(&self, particles: &Particles) -> f64 {
         let radius = particles.radius[self.i as usize];
         2.0 * self.j().map_or(radius, |j| radius.min(particles.radius[j as usize]))
     }
 
-    /// The other body, in the form in which results name it.
+    /// The other body, as results name it.
     pub fn partner(&self, particles: &Particles) -> Partner {
         match self.other {
             Other::Particle(j) => Partner::Particle(particles.id[j as usize]),
@@ -373,7 +377,7 @@ impl Couple {
         self.meet_at(self.reach(particles), particles, scene, moment)
     }
 
-    /// [m] distance between the centres of two particles that touch; at a wall the radius.
+    /// [m] distance between the centres of two particles that touch; at a wall the radius of the particle.
     #[inline(always)]
     pub fn reach(&self, particles: &Particles) -> f64 {
         let radius = particles.radius[self.i as usize];
@@ -403,15 +407,15 @@ impl Couple {
         Encounter { normal, gap, velocity, normal_velocity: velocity.dot(&normal) }
     }
 
-    /// [s] time from `moment` until the two bodies touch on their flights; `None` without a touch. Touches after
+    /// [s] time from `moment` until the two bodies touch on their flights; `None` without a touch. Touches later than
     /// `until` [s] may be missed.
     #[inline(always)]
     pub fn touch_time(&self, particles: &Particles, scene: &Scene, moment: FrameTime, until: f64) -> Option<f64> {
         self.touch(particles, scene, moment, until).map(|touch| touch.time)
     }
 
-    /// First touch of the two bodies, with its time as in [`touch_time`](Self::touch_time), and the number of the
-    /// surface feature that is touched.
+    /// First touch of the two bodies: its time as in [`touch_time`](Self::touch_time), and the number of the surface
+    /// feature that is touched.
     #[inline(always)]
     pub fn touch(&self, particles: &Particles, scene: &Scene, moment: FrameTime, until: f64) -> Option<Touch> {
         let i = self.i as usize;
@@ -431,16 +435,16 @@ impl Couple {
     }
 }
 
-/// True if two particles, by index, may touch on straight flights from their positions. If the result is false, they
-/// certainly do not touch.
+/// True if two particles, given by their indices, may touch on straight flights from their positions. If the result is
+/// false, they do not touch.
 #[inline(always)]
 pub fn may_meet(particles: &Particles, scene: &Scene, [i, j]: [usize; 2]) -> bool {
     let (apart, velocity) = relative(particles, scene, [i, j], FrameTime::default());
     may_touch(&apart, &velocity, particles.radius[i] + particles.radius[j])
 }
 
-/// Separation [m] from the second of two particles to the nearest image of the first, and the velocity [m/s] of the
-/// first relative to the second.
+/// Vector [m] from the second of two particles to the nearest image of the first, and velocity [m/s] of the first
+/// relative to the second.
 #[inline(always)]
 pub fn relative(
     particles: &Particles,

@@ -1,4 +1,4 @@
-//! One variant of a case, checked and converted to SI units: all data on which a simulation depends.
+//! One variant of a case, checked and converted to SI units: all data that determine a simulation.
 
 use crate::contact_law::ContactLaw;
 use crate::particles::Particles;
@@ -32,7 +32,7 @@ impl Model {
         }
     }
 
-    /// True if contacts of the model last, so that it needs a contact law and a time step.
+    /// True if contacts of the model take time, so that it needs a contact law and a time step.
     pub fn has_contacts(self) -> bool {
         match self {
             Self::Soft | Self::Hybrid => true,
@@ -41,7 +41,7 @@ impl Model {
     }
 }
 
-/// A collision model with the data it requires.
+/// A collision model with its contact law, if it needs one.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Spheres {
@@ -49,13 +49,13 @@ pub enum Spheres {
     Soft(ContactLaw),
     /// Hard spheres.
     Hard,
-    /// Hard spheres where two particles meet alone, soft spheres with this contact law elsewhere.
+    /// Hard spheres where two particles meet alone, and soft spheres with this contact law elsewhere.
     Hybrid(ContactLaw),
-    /// Spheres that collide by chance.
+    /// Spheres that collide at random (direct simulation Monte Carlo).
     Dsmc,
 }
 
-/// Reference of the comparison of a variant.
+/// Reference with which a variant is compared.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum Reference {
@@ -74,7 +74,7 @@ pub struct ReferenceTable {
     pub points: Vec<ReferencePoint>,
 }
 
-/// One value of a table in SI units, such as a velocity [m/s] with its error.
+/// One value of a table in SI units, such as a velocity [m/s], with its error.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ReferencePoint {
     /// Name of the quantity: a column of `profiles.csv`, or an average over the whole scene.
@@ -87,14 +87,14 @@ pub struct ReferencePoint {
     pub standard_error: Option<f64>,
 }
 
-/// All data on which a simulation depends, in SI units.
+/// All data that determine a simulation, in SI units.
 #[derive(Clone, Debug, Serialize)]
 pub struct Experiment {
     /// Name of the variant.
     pub name: String,
     /// Reference with which this variant is compared, if the case names one.
     pub against: Option<Reference>,
-    /// The scene, which every engine reads.
+    /// Scene, which all engines read.
     pub scene: Scene,
     /// Initial state of the particles.
     pub start: Vec<Population>,
@@ -104,7 +104,7 @@ pub struct Experiment {
     pub hard: HardSettings,
     /// Additional settings of the hybrid engine, which also uses those of the soft engine.
     pub hybrid: HybridSettings,
-    /// Settings of collisions by chance.
+    /// Settings of the engine in which pairs collide at random (DSMC).
     pub dsmc: DsmcSettings,
     /// Length, window, seed and collision model of the run.
     pub run: RunSettings,
@@ -123,7 +123,7 @@ impl Experiment {
         }
     }
 
-    /// Contact law of the run; `None` for hard spheres and collisions by chance.
+    /// Contact law of the run; `None` for hard spheres and DSMC.
     pub fn law(&self) -> Option<ContactLaw> {
         match self.run.spheres {
             Spheres::Soft(law) | Spheres::Hybrid(law) => Some(law),
@@ -136,7 +136,7 @@ impl Experiment {
         self.start.iter().map(|population| population.amount.count()).sum()
     }
 
-    /// [-] volume of all particles at the start over that of the box. It is zero if the drag law does not depend on it.
+    /// [-] volume of all particles at the start over the volume of the box; 0 if the drag law does not depend on it.
     pub fn fraction_for_drag(&self) -> f64 {
         let drag = self.scene.fluid.as_ref().and_then(|fluid| fluid.drag.as_ref());
         if drag.is_none_or(|drag| drag.law().cells().is_none()) {
@@ -159,17 +159,17 @@ impl Experiment {
 /// Particles of one species and their initial state.
 #[derive(Clone, Debug, Serialize)]
 pub struct Population {
-    /// Index into [`Scene::species`].
+    /// Index of the species in [`Scene::species`].
     pub species: u16,
-    /// Number of particles, or their positions.
+    /// Number of particles, or particles with given positions.
     pub amount: Amount,
     /// Part of the domain that a random start fills; `None` for the whole domain.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub region: Option<StartRegion>,
-    /// [m/s] mean velocity of a random start. Two or more spheres have exactly this mean.
+    /// [m/s] mean velocity of a random start. If there are two or more spheres, their mean is exact.
     pub velocity_mean: Vector3<f64>,
-    /// [m/s] standard deviation of each velocity component of a random start. Two or more spheres have exactly this
-    /// deviation. The velocity of a single sphere is drawn from a normal distribution of this width about the mean.
+    /// [m/s] standard deviation of each velocity component of a random start. If there are two or more spheres, their
+    /// deviation is exact. The velocity of a single sphere is drawn from a normal distribution with this deviation.
     pub velocity_fluctuation: Vector3<f64>,
     /// [rad/s] mean spin of a random start.
     #[serde(skip_serializing_if = "is_zero")]
@@ -179,21 +179,21 @@ pub struct Population {
     pub spin_fluctuation: f64,
 }
 
-/// True if the spin is zero, so that a stored experiment need not contain it.
+/// True if the spin is zero, which is left out of a stored experiment.
 fn is_zero(spin: &Vector3<f64>) -> bool {
     *spin == Vector3::zeros()
 }
 
-/// True if the deviation is zero, so that a stored experiment need not contain it.
+/// True if the deviation is zero, which is left out of a stored experiment.
 fn is_none(deviation: &f64) -> bool {
     *deviation == 0.0
 }
 
 impl Population {
-    /// [m/s] root mean square, over the three components, of the velocity fluctuation of a random start.
+    /// [m/s] root mean square of the three velocity fluctuations of a random start.
     pub fn mean_fluctuation(&self) -> f64 {
         let v = self.velocity_fluctuation;
-        // equal components are returned without the rounding of a root
+        // equal components are returned without the rounding error of a root
         if v.x == v.y && v.y == v.z { v.x } else { (v.norm_squared() / 3.0).sqrt() }
     }
 }
@@ -205,7 +205,7 @@ impl Population {
 pub enum Amount {
     /// This number of particles, at random positions without overlap.
     Count(usize),
-    /// These particles, as read from a file.
+    /// The particles themselves, read from a file.
     Placed(Particles),
 }
 
@@ -222,16 +222,15 @@ impl Amount {
 /// Settings of the soft engine.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SoftSettings {
-    /// The contact law that the case names, for pairs and walls; a case that runs only with hard spheres may name
-    /// none.
+    /// Contact law of the case, for pairs and walls. A case that runs only with hard spheres may have none.
     pub law: Option<ContactLaw>,
     /// Choice of the time step.
     pub time_step: TimeStep,
-    /// Particles that a time step moves.
+    /// Particles that move in a time step.
     pub stepping: SoftStepping,
     /// The time integrator.
     pub integrator: Integrator,
-    /// True if a run with an unstable time step is allowed; energy may then grow without limit.
+    /// True if an unstable time step is allowed, with which energy may grow without limit.
     pub allow_unstable: bool,
 }
 
@@ -239,9 +238,9 @@ pub struct SoftSettings {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum TimeStep {
-    /// [-] N_c: Δt = shortest contact time / N_c.
+    /// [-] number of steps per contact N_c; the time step is Δt = (shortest contact time)/N_c.
     PerContact(f64),
-    /// [s] Δt itself.
+    /// [s] time step Δt.
     Fixed(f64),
 }
 
@@ -275,31 +274,33 @@ pub enum Integrator {
 pub struct HardSettings {
     /// Method of finding collisions.
     pub stepping: HardStepping,
-    /// [s] t_c of the TC model: a collision less than t_c after another collision of either particle is elastic. `None`
-    /// if no collision is made elastic.
+    /// [s] time t_c of the TC model: a collision is elastic if either particle has collided less than t_c before.
+    /// `None`: no collision is made elastic.
     pub contact_time: Option<f64>,
 }
 
 /// Settings of the hybrid engine.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct HybridSettings {
-    /// [-] clearance θ: a touch is treated as an instant if no other particle can come near within θ contact times.
+    /// [-] clearance θ: a touch is an instantaneous collision if no other particle can come near within θ contact
+    /// times.
     pub clearance: f64,
 }
 
-/// Settings of collisions by chance.
+/// Settings of the engine in which pairs collide at random (DSMC).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct DsmcSettings {
-    /// True if the collision rate has the Enskog factor: the contact value at the local volume fraction.
+    /// True if the collision rate contains the Enskog factor, which is the contact value at the local volume fraction.
     pub enskog: bool,
-    /// Numbers of cells along x, y and z; `None` if they are chosen from the mean free path and the number of particles.
+    /// Numbers of cells along x, y and z; `None`: chosen from the mean free path and the number of particles.
     pub cells: Option<[usize; 3]>,
     /// [-] longest time step over the mean free time.
     pub step: f64,
 }
 
 impl Default for DsmcSettings {
-    /// Enskog factor, chosen cells, and steps of a fifth of the mean free time (docs/design/dsmc.md).
+    /// Returns settings with the Enskog factor, chosen cells, and steps of a fifth of the mean free time
+    /// (docs/design/dsmc.md).
     fn default() -> Self {
         Self { enskog: true, cells: None, step: 0.2 }
     }
@@ -311,7 +312,7 @@ impl Default for DsmcSettings {
 pub enum HardStepping {
     /// At the exact instants of touch, with an event queue.
     Events,
-    /// At the ends of time steps Δt < θ d/u_r, where particles overlap (the paper's section 3.4).
+    /// At the ends of time steps Δt < θ d/u_r, from overlaps of particles (the paper's section 3.4).
     Steps {
         /// [-] step criterion θ.
         theta: f64,
@@ -321,8 +322,7 @@ pub enum HardStepping {
 /// Length, window and seed of a run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RunSettings {
-    /// [s] time between instants at which windows must also end, so that all particles can be written at these
-    /// instants.
+    /// [s] time between instants at which all particles are written. Windows must also end at these instants.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub instants: Option<f64>,
     /// Collision model of the run.
@@ -331,7 +331,7 @@ pub struct RunSettings {
     pub duration: f64,
     /// Beginning of the averaging period.
     pub average_from: AverageFrom,
-    /// [s] window h; `None` if it is to be chosen from the scene.
+    /// [s] window h; `None`: chosen from the scene.
     pub window: Option<f64>,
     /// Seed of the initial state.
     pub seed: u64,
@@ -377,7 +377,7 @@ impl TrajectoryFormat {
 pub enum AverageFrom {
     /// [s] averaging begins at this simulated time.
     Time(f64),
-    /// Averaging begins when the state is found to be steady, which is detected after the run.
+    /// Averaging begins when the state is steady, as a test after the run finds.
     Steady,
 }
 
@@ -386,6 +386,6 @@ pub enum AverageFrom {
 pub struct StatisticsSettings {
     /// Number of slices normal to y.
     pub slices: usize,
-    /// [s] time between samples; `None` if it is to be chosen from the scene.
+    /// [s] time between samples; `None`: chosen from the scene.
     pub sample_interval: Option<f64>,
 }

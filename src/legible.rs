@@ -1,21 +1,21 @@
-//! Foreign text, such as keys, names and cells of a file, made safe to display.
+//! Foreign text, such as keys, names and cells of a file, in a form that is safe to display.
 //!
-//! A terminal, a browser or a spreadsheet would act on some of the characters: escape sequences, characters that change
-//! the direction of writing, formulas. Messages, pages, pictures and tables therefore show such characters in the form
-//! `\u{1b}`, and put an apostrophe before formulas.
+//! A terminal, a browser or a spreadsheet would act on some characters: escape sequences, characters that change the
+//! direction of writing, formulas. Messages, pages, pictures and tables therefore show such characters as `\u{1b}`, and
+//! put an apostrophe before formulas.
 
 use std::borrow::Cow;
 
-/// [characters] largest part of a foreign text that a message quotes.
+/// [characters] largest length of a quotation of foreign text in a message.
 const QUOTED: usize = 200;
 
 /// [characters] largest length of a message: about 25 lines of a terminal.
 const MESSAGE: usize = 2000;
 
-/// True for a character that has an effect instead of a visible shape. These are controls (category Cc of Unicode),
-/// line and paragraph separators, and characters of category Cf that change the direction of writing or have no width.
-/// UTR 36, "Unicode Security Considerations", names both categories. The joiners U+200C and U+200D are not among them,
-/// because scripts of India and Persia require them.
+/// True for a character that has an effect instead of a visible shape. These characters are controls (category Cc of
+/// Unicode), line and paragraph separators, and characters of category Cf that change the direction of writing or have
+/// no width. UTR 36, "Unicode Security Considerations", names both categories. The joiners U+200C and U+200D are
+/// excluded, because Indian and Persian scripts require them.
 pub fn acts(c: char) -> bool {
     c.is_control()
         || matches!(c,
@@ -23,7 +23,7 @@ pub fn acts(c: char) -> bool {
             | '\u{feff}' | '\u{fff9}'..='\u{fffb}' | '\u{e0000}'..='\u{e007f}')
 }
 
-/// Text of one or more lines made safe to display; line ends and tabs are kept.
+/// Makes a text of one or more lines safe to display. Line ends and tabs are kept.
 pub fn lines(text: &str) -> Cow<'_, str> {
     if !text.contains(|c| acts(c) && !matches!(c, '\n' | '\t')) {
         return Cow::Borrowed(text);
@@ -40,7 +40,7 @@ pub fn lines(text: &str) -> Cow<'_, str> {
     Cow::Owned(shown)
 }
 
-/// A message of one line made safe to display; it is cut after `MESSAGE` characters.
+/// Makes a message of one line safe to display, and cuts it after `MESSAGE` characters.
 pub fn message(text: &str) -> Cow<'_, str> {
     let is_long = text.len() > MESSAGE && text.chars().nth(MESSAGE).is_some();
     if !is_long && !text.contains(acts) {
@@ -54,7 +54,7 @@ pub fn message(text: &str) -> Cow<'_, str> {
     Cow::Owned(shown)
 }
 
-/// The first `QUOTED` characters of a foreign name or cell, for a message.
+/// First `QUOTED` characters of a foreign name or cell, for a message.
 pub fn quote(text: &str) -> Cow<'_, str> {
     match text.char_indices().nth(QUOTED) {
         None => Cow::Borrowed(text),
@@ -62,7 +62,7 @@ pub fn quote(text: &str) -> Cow<'_, str> {
     }
 }
 
-/// A JSON text in which characters with an effect are replaced by JSON escapes.
+/// Replaces characters with an effect in a JSON text by JSON escapes.
 pub fn json(text: &str) -> Cow<'_, str> {
     if !text.contains(|c| acts(c) && c != '\n') {
         return Cow::Borrowed(text);
@@ -79,7 +79,7 @@ pub fn json(text: &str) -> Cow<'_, str> {
     Cow::Owned(shown)
 }
 
-/// Appends a character to `to`, or its escape if the character has an effect.
+/// Appends a character to `to`, as an escape if the character has an effect.
 fn show(c: char, to: &mut String) {
     match c {
         '\n' | '\r' | '\t' => to.extend(c.escape_default()),
@@ -88,18 +88,18 @@ fn show(c: char, to: &mut String) {
     }
 }
 
-/// True if a spreadsheet could read a text as a formula (OWASP, "CSV Injection"). Leading apostrophes are ignored.
+/// True if a spreadsheet could take a text for a formula (OWASP, "CSV Injection"). Leading apostrophes are ignored.
 fn is_formula(text: &str) -> bool {
     text.trim_start_matches('\'').starts_with(['=', '+', '-', '@', '\t', '\r'])
 }
 
-/// A cell of a table: an apostrophe is put before a text that a spreadsheet would compute; numbers stay unchanged.
+/// Makes a cell of a table: puts an apostrophe before a text that a spreadsheet would compute. Numbers stay unchanged.
 pub fn cell(text: String) -> String {
     let is_number = || text.parse::<f64>().is_ok_and(f64::is_finite);
     if !is_formula(&text) || is_number() { text } else { format!("'{text}") }
 }
 
-/// The text from which [`cell`] made a cell.
+/// Returns the text from which [`cell`] has made a cell.
 pub fn of_cell(cell: &str) -> &str {
     cell.strip_prefix('\'').filter(|text| is_formula(text)).unwrap_or(cell)
 }

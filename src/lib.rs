@@ -13,10 +13,11 @@
 //!         Outcome -> outputs (csv, json, svg, html)  <-  studies: run, compare, plan, impact
 //! ```
 //!
-//! Without the feature `program` (on by default) the crate has no command line, studies and output files. Without
-//! `case` it reads no case files either; the physics remains, from `clock` to `outcome`.
+//! The feature `program` (on by default) adds the command line, studies and output files. The feature `case` adds case
+//! files. Without both, the crate contains the physics: the modules from `clock` to `outcome`.
 //!
-//! All quantities are in SI units; x is spanwise, y wall-normal, z streamwise. Imports point one way, down this list.
+//! All quantities are in SI units; x is spanwise, y wall-normal, z streamwise. A module imports only from modules above
+//! it in the list below; `scene` also imports `fluid` and `walls`.
 //!
 //! Names that most programs need are re-exported at the root; `examples/` shows their use.
 
@@ -87,7 +88,7 @@ pub mod study;
 #[cfg(feature = "lab")]
 pub mod lab;
 
-// Names that most programs using the library need.
+// names that most programs with this library need
 pub use nalgebra::Vector3;
 
 pub use contact_law::{ContactLaw, Hertz, LinearSpringDashpot};

@@ -38,7 +38,7 @@ fn main() -> ExitCode {
             }
             ExitCode::from(why.exit_code() as u8)
         }
-        // clap returns requests for help or for the version as errors too
+        // clap also returns requests for help or for the version as errors
         Err(why) => {
             let _ = ranks.agree(Err::<(), _>(StudyError::Input(why.to_string())), |()| 0);
             let said = if ranks.is_lead() { say(&why) } else { Ok(()) };
@@ -47,8 +47,8 @@ fn main() -> ExitCode {
     }
 }
 
-/// Prints the message of the command-line parser in colours. If the message quotes control characters, which would act
-/// on the terminal, it is printed without colours, and these characters appear in the form `\u{1b}`.
+/// Prints the message of the command-line parser in colours. A message with control characters, which would act on the
+/// terminal, is printed without colours, with these characters as `\u{1b}`.
 fn say(why: &clap::Error) -> std::io::Result<()> {
     let plain = why.render().to_string();
     let shown = legible::lines(&plain);
@@ -59,8 +59,7 @@ fn say(why: &clap::Error) -> std::io::Result<()> {
     Ok(())
 }
 
-/// Runs a command and returns the exit code. The code is 0, unless `--exit-code` is given: then it depends on the
-/// verdict.
+/// Runs a command and returns the exit code: 0, or with `--exit-code` the code of the verdict.
 fn command(command: Command, ranks: &Ranks) -> Result<u8, StudyError> {
     let done = match command {
         Command::Run(args) => study::run(&args, ranks),
@@ -98,8 +97,8 @@ fn exit_code(result: &Result<u8, StudyError>) -> u8 {
     }
 }
 
-/// Exit code for the answer of a comparison if `--exit-code` was given, else 0. Codes 1 and 2 are those of failures and
-/// bad input.
+/// Exit code of a comparison: that of its answer if `--exit-code` was given, otherwise 0. Codes 1 and 2 are reserved
+/// for failures and bad input.
 fn verdict(asked: bool, answer: Option<Answer>) -> u8 {
     match answer.filter(|_| asked) {
         None | Some(Answer::Equivalent) => 0,

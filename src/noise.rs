@@ -1,27 +1,28 @@
-//! Random numbers that are a function of a seed, a step and a particle or cell, and not of the order in which they are
-//! drawn.
+//! Random numbers as a function of a seed, a step and a particle or cell. They do not depend on the order in which they
+//! are drawn.
 //!
-//! The generator is ChaCha with eight rounds, used as a counter: the key holds the seed and the use, the stream is the
-//! number of the step, and the position in the stream is that of the particle or cell. So results are equal for any
-//! number of threads and processes, for any order of the particle store, and after a stopped run is continued.
+//! The generator is ChaCha with eight rounds, used as a counter. The key consists of the seed and the use, the stream
+//! is the number of the step, and the position in the stream is that of the particle or cell. Results are therefore
+//! equal for any number of threads and processes, for any order of the particle store, and after a stopped run is
+//! continued.
 
 use nalgebra::Vector3;
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-/// Binary logarithm of the number of blocks of 64 bytes that belong to one particle or cell in one step. So many are
-/// never drawn, and all numbers of 32 bits fit beside it into the block counter of 64 bits.
+/// Binary logarithm of the number of blocks of 64 bytes for one particle or cell in one step, which is more than is
+/// ever drawn. Together with ids of 32 bits, it fits into the block counter of 64 bits.
 const BLOCKS: u32 = 32;
 
-/// Purpose of random numbers. Different uses have independent numbers for equal seeds.
+/// Purpose of random numbers. For equal seeds, different purposes have independent numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NoiseUse {
     /// Initial fluctuations of the gas that particles see.
     FirstEddies = 1,
     /// Later fluctuations of the gas that particles see.
     Eddies = 2,
-    /// Collisions by chance, of which each cell has its numbers.
+    /// Random collisions (DSMC), with separate numbers for each cell.
     Collisions = 3,
 }
 
@@ -29,7 +30,7 @@ pub enum NoiseUse {
 pub struct Noise(ChaCha8Rng);
 
 impl Noise {
-    /// Random numbers for a use in the step number `step` of a run with the seed `seed`.
+    /// Random numbers for a purpose in the step with the number `step`, of a run with the seed `seed`.
     pub fn new(seed: u64, purpose: NoiseUse, step: u64) -> Self {
         let mut key = [0; 32];
         key[..8].copy_from_slice(&seed.to_le_bytes());
@@ -39,14 +40,14 @@ impl Noise {
         Self(random)
     }
 
-    /// Generator at the first of the numbers that belong to the particle or cell `id`.
+    /// Generator at the first number of the particle or cell `id`.
     #[inline]
     pub fn of(&mut self, id: u32) -> &mut ChaCha8Rng {
         self.0.set_block_pos(u64::from(id) << BLOCKS);
         &mut self.0
     }
 
-    /// [-] first `N` vectors of the particle `id`, whose components are independent Gaussian numbers of mean 0 and
+    /// [-] first `N` vectors of the particle `id`. Their components are independent Gaussian numbers with mean 0 and
     /// variance 1.
     #[inline]
     pub fn normals<const N: usize>(&mut self, id: u32) -> [Vector3<f64>; N] {
@@ -69,7 +70,8 @@ mod tests {
         assert_eq!(forwards, backwards);
     }
 
-    /// Means over 1e5 numbers have standard errors of 3.2e-3, squares of 4.5e-3; five of them are allowed.
+    /// Means over 1e5 numbers have standard errors of 3.2e-3, means of squares 4.5e-3; the test allows five standard
+    /// errors.
     #[test]
     fn seeds_uses_steps_and_particles_are_independent() {
         let of = |seed, purpose, step, id| Noise::new(seed, purpose, step).normals::<1>(id)[0].x;

@@ -1,9 +1,9 @@
-//! Schedule of a run: the lengths of windows and the times of samples. A window is the time between two exchanges of
-//! momentum with the gas (drag kicks). At a sample, measurements are taken.
+//! Schedule of a run: lengths of windows and times of samples. A window is the time between two exchanges of momentum
+//! with the gas (drag kicks). A sample is an instant at which measurements are taken.
 //!
-//! The schedule depends on the scene, not on the model. So drag is split from motion in the same way in all engines,
-//! and samples are taken at equal times. Windows may become longer during a run if drag is certain to slow the
-//! particles down. The slowing is computed from drag alone, which is equal in every model, and not from the particles.
+//! The schedule depends on the scene and not on the model. Drag is therefore split from motion in the same way in all
+//! engines, and all engines take samples at equal times. Windows may grow during a run if drag is certain to slow the
+//! particles down. The slowing is computed from drag alone, which is equal in every model.
 
 use crate::experiment::{Amount, Experiment, Population};
 use crate::fluid::Profile;
@@ -14,73 +14,74 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-/// [-] relative change of the mean velocity and the agitation that the splitting of drag from motion may cause.
-/// Standard errors of long runs are ten times as large.
+/// [-] allowed relative change of the mean velocity and the agitation by the splitting of drag from motion. Standard
+/// errors of long runs are ten times as large.
 pub const SPLITTING: f64 = 1e-4;
 
-/// [-] relative change that the splitting may cause in the response of a single particle to the gas. It is smaller than
-/// `SPLITTING`, because a single particle has no scatter that hides the change.
+/// [-] allowed relative change of the response of a single particle to the gas by the splitting. It is smaller than
+/// `SPLITTING`, because a single particle has no scatter that could hide the change.
 pub const SPLITTING_ALONE: f64 = 1e-5;
 
-/// [-] largest distance between the path within a window and the parabola that it stands for, divided by the smallest
-/// diameter. It has the size of [`SPLITTING_ALONE`].
+/// [-] largest distance between the path within a window and the parabola that replaces it, divided by the smallest
+/// diameter. It is as large as [`SPLITTING_ALONE`].
 const SAG: f64 = 1e-5;
 
 /// Number of windows in a run without drag, with one sample each.
 const PIECES: f64 = 200.0;
 
-/// Number of collisions of each particle between two samples, in an elastic gas without drag. After so many collisions
-/// the velocities are independent, and a sample costs little compared with the collisions.
+/// Number of collisions of each particle between two samples, in an elastic gas without drag. After this number the
+/// velocities are independent, and a sample costs little compared with the collisions.
 const COLLISIONS: f64 = 5.0;
 
 /// Largest number of samples in an elastic gas without drag. More samples would take much memory and contain little
 /// more information.
 const MOST_SAMPLES: f64 = 1e5;
 
-/// Largest number of particles whose paths are stored. A reader can still distinguish so many in a picture.
+/// Largest number of particles whose paths are stored, which can still be distinguished in a picture.
 pub const MOST_FOLLOWED: usize = 50;
 
-/// Number of rows of a curve over time at instants that are common to all variants. Paths of few bodies have as many
-/// instants.
+/// Number of rows of a curve over time, at instants common to all variants. The second number is for few bodies, whose
+/// paths are also written.
 const ROWS: f64 = 200.0;
 const ROWS_OF_FEW: f64 = 1000.0;
 
-/// Number of samples per response time of drag, well below the time in which velocities change.
+/// Number of samples per response time of drag, so that the time between samples is well below that in which velocities
+/// change.
 const SAMPLES_PER_RESPONSE: f64 = 20.0;
 
 /// Largest number of times that the length of windows may be doubled in a run.
 const DOUBLINGS: usize = 4;
 
-/// [-] ratio of the longest window to the length of the run; longer windows would be visible in time series.
+/// [-] longest window over the length of the run; longer windows would be visible in time series.
 const SHARE: f64 = 1e-3;
 
-/// [-] growing windows are used if they save at least this share of the windows of a run.
+/// [-] smallest share of the windows of a run that growing windows must save to be used.
 const WORTH: f64 = 0.1;
 
-/// Windows of a run and samples between them. All windows are equal, or several of the shortest windows are merged into
-/// one from a certain sample on.
+/// Windows of a run, and samples between them. All windows are equal, or several of the shortest windows are merged
+/// into one from a certain sample on.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Schedule {
     /// [s] window h. If windows grow, it is the first and shortest window.
     pub window: f64,
-    /// Number of windows between two samples, counted in the shortest windows.
+    /// Number of the shortest windows between two samples.
     pub windows_per_sample: u64,
-    /// Number of samples, without the one at the start.
+    /// Number of samples, without the sample at the start.
     pub samples: u64,
-    /// Numbers of the samples from which on two, four, eight and sixteen of the shortest windows are merged into one.
-    /// `None` if so many are never merged.
+    /// Numbers of the samples from which two, four, eight and sixteen of the shortest windows are merged into one.
+    /// `None`: this number is never merged.
     pub longer: [Option<u64>; DOUBLINGS],
-    /// [s] time between two instants, counted from the start, at which windows must also end because all particles are
-    /// written.
+    /// [s] time between two instants at which all particles are written, counted from the start. Windows must also end
+    /// at these instants.
     pub instants: Option<f64>,
 }
 
-/// Next piece of a run through which an engine can advance without interruption.
+/// Next part of a run, which an engine can do without interruption.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ScheduleStep {
     /// Several whole windows, up to the next sample or up to the window that contains an instant.
     Windows(u64),
-    /// A part of a window, up to an instant [s] within the window.
+    /// A part of a window, up to an instant at this time [s].
     ToInstant(f64),
     /// The rest of a window, up to its end at this time [s].
     ToEnd(f64),
@@ -92,8 +93,8 @@ impl Schedule {
         Self { window, windows_per_sample, samples, ..Self::default() }
     }
 
-    /// Schedule of an experiment. No window is longer than that given by the experiment or, if none is given, than the
-    /// splitting of drag allows. The duration is a whole number of the shortest windows.
+    /// Schedule of an experiment. The longest window is that of the experiment or, if none is given, that allowed by
+    /// the splitting of drag. The duration is a whole number of the shortest windows.
     pub fn new(experiment: &Experiment) -> Self {
         let duration = experiment.run.duration;
         if duration <= 0.0 {
@@ -114,19 +115,19 @@ impl Schedule {
         let longest = experiment.run.window.unwrap_or(allowed).min(duration);
         // windows are shortened if samples are requested more often than windows end
         let interval = experiment.statistics.sample_interval.unwrap_or(often.max(longest)).min(duration);
-        // the term 1e-9 keeps rounding of the quotient from adding a window
+        // the term 1e-9 prevents an additional window by rounding of the quotient
         let samples = (duration / interval - 1e-9).ceil().max(1.0);
         let windows_per_sample = (duration / samples / longest - 1e-9).ceil().max(1.0);
         let window = duration / (samples * windows_per_sample);
         let instants = experiment.run.instants;
         let even = Self { instants, ..Self::even(window, windows_per_sample as u64, samples as u64) };
-        // a run without end can have more windows than an integer counts exactly
+        // a run without end can have more windows than an integer can count exactly
         let countless = samples * windows_per_sample > 1e15;
         if experiment.run.window.is_some() || countless { even } else { even.growing(experiment) }
     }
 
-    /// Schedule in which windows grow while drag slows the particles down, if such windows save enough work. Otherwise
-    /// returns this schedule.
+    /// Schedule in which windows grow while drag slows the particles down. Returns this schedule unchanged if growing
+    /// windows save too little work.
     fn growing(self, experiment: &Experiment) -> Self {
         let Some(slowing) = Slowing::of(experiment) else { return self };
         let most = SHARE * experiment.run.duration;
@@ -138,8 +139,8 @@ impl Schedule {
             for (k, longer) in grown.longer.iter_mut().enumerate().take(doublings) {
                 let wanted = window * (2_u64 << k) as f64;
                 let allowed = |sample: u64| slowing.longest_window(sample as f64 * self.interval()) >= wanted;
-                // bisection for the first sample from which longer windows are allowed, since the allowed length grows
-                // with time
+                // bisection for the first sample from which longer windows are allowed; the allowed length grows with
+                // time
                 let (mut early, mut late) = (0, self.samples);
                 while early < late {
                     let middle = early + (late - early) / 2;
@@ -153,7 +154,7 @@ impl Schedule {
         best.filter(|best| (best.windows() as f64) < (1.0 - WORTH) * self.windows() as f64).unwrap_or(self)
     }
 
-    /// Number of the shortest windows that are merged into the next window, after `done` shortest windows.
+    /// Number of the shortest windows in the next window, which begins after `done` shortest windows.
     pub fn together(&self, done: u64) -> u64 {
         let sample = done / self.windows_per_sample.max(1);
         1 << self.longer.iter().flatten().filter(|first| **first <= sample).count()
@@ -169,12 +170,12 @@ impl Schedule {
         self.windows_per_sample as f64 * self.window
     }
 
-    /// Length of the whole run, as a number of the shortest windows.
+    /// Number of the shortest windows in the whole run.
     pub fn length(&self) -> u64 {
         self.samples * self.windows_per_sample
     }
 
-    /// Number of windows of the whole run, where merged windows count as one.
+    /// Number of windows in the whole run; merged windows count as one.
     pub fn windows(&self) -> u64 {
         let (mut windows, mut from, mut each) = (0, 0, self.windows_per_sample);
         for first in self.longer.iter().flatten() {
@@ -184,20 +185,20 @@ impl Schedule {
         windows + (self.samples - from) * each
     }
 
-    /// [s] allowance for the rounding of a time: a millionth of a window. The product of a number of 1e9 windows and
-    /// their length has an error of 1e-7 of a window.
+    /// [s] allowance for rounding errors of times: a millionth of a window. The time of window number 1e9 has an error
+    /// of 1e-7 of a window.
     pub fn rounding(&self) -> f64 {
         1e-6 * self.window
     }
 
-    /// Next piece of a run at the time `now` [s]. The present window begins after `done` of the shortest windows.
+    /// Next part of a run from the time `now` [s]. The current window begins after `done` of the shortest windows.
     pub fn piece(&self, done: u64, now: f64) -> ScheduleStep {
         let together = self.together(done);
         let to_sample = (self.windows_per_sample - done % self.windows_per_sample) / together;
         let Some(every) = self.instants else { return ScheduleStep::Windows(to_sample) };
         let (window, end) = (self.window * together as f64, (done + together) as f64 * self.window);
         let number = ((now + self.rounding()) / every).floor() + 1.0;
-        // the quotient may have been rounded down: the number then belongs to the present instant
+        // if the quotient was rounded down, the number belongs to the current instant
         let mut number = if number * every <= now + self.rounding() { number + 1.0 } else { number };
         if now > done as f64 * self.window + self.rounding() {
             let instant = number * every;
@@ -225,7 +226,7 @@ impl Schedule {
         }
     }
 
-    /// True if instants divide windows, because they are not at the ends of windows.
+    /// True if some instants lie within windows and not at their ends.
     pub fn is_cut(&self) -> bool {
         let windows = self.instants.map_or(1.0, |every| every / self.longest());
         (windows - windows.round()).abs() > 1e-6 * windows.max(1.0) || windows.round() < 1.0
@@ -234,45 +235,45 @@ impl Schedule {
 
 /// Time scales that determine the splitting error of drag.
 ///
-/// Drag along a window is replaced by kicks at its ends. Four quantities change within the window. The error of each is
-/// of second order in the window h (Strang 1968, SIAM J. Numer. Anal. 5, 506; factors of the trapezoidal rule):
-/// * the slip velocity changes by drag itself: relative error (h/τ)²/24. The time τ is the response time at the start
-///   or the relaxation time τ_l of the later slip, whichever is shorter;
+/// Drag along a window is replaced by kicks at its ends. The error has four parts, each of second order in the window h
+/// (Strang 1968, SIAM J. Numer. Anal. 5, 506; factors of the trapezoidal rule):
+/// * the slip velocity changes by drag itself: relative error (h/τ)²/24. Here τ is the response time at the start, or
+///   the relaxation time τ_l of the later slip if it is shorter;
 /// * the speed of a fall from rest changes by gravity and drag together: error h² (1/τ_l - 1/τ_0)/(12 t), relative to
-///   the speed after the time t. τ_l is the relaxation time at that speed, and τ_0 the one at rest;
-/// * the velocity changes by collisions at a rate ν, whose instants within the window are random. This increases the
+///   the speed after the time t. Here τ_l is the relaxation time at this speed, and τ_0 that at rest;
+/// * the velocity changes by collisions with the rate ν at random instants within the window. This increases the
 ///   agitation by the share ν τ (h/τ)²/24;
 /// * the gas velocity at the particle changes by motion across the profile: error σ² h² u'/(6 L_y) of the mean
 ///   velocity, with the agitation σ and the gradient u' at the walls.
 ///
-/// The second error is found as follows. During the fall the speed w changes at the rate g - D(w), with the
-/// deceleration D by drag. Strang's splitting gives an error of at most h² g ((D'² - D D'')/24 + g D''/12), from its
-/// double commutators. Once drag carries the weight, the relative error of the speed is less than (h D')²/24. Before
-/// that, the last term dominates. The integral of this term over the fall, with D = 0 and w = g t, is the second error.
+/// The second error is derived as follows. During the fall the speed w changes at the rate g - D(w), where D is the
+/// deceleration by drag. The double commutators of Strang's splitting give an error of at most h² g ((D'² - D D'')/24 +
+/// g D''/12). Once drag balances the weight, the relative error of the speed is less than (h D')²/24. Before that, the
+/// last term dominates. Its integral over the fall, with D = 0 and w = g t, is the second error.
 #[derive(Clone, Copy, Debug)]
 struct DragScales {
-    /// [s] response time τ at the larger of two slip speeds: the initial one, and the one that gravity causes.
+    /// [s] response time τ at the larger of the initial slip speed and the slip speed that gravity causes.
     response: f64,
     /// [s] relaxation time τ_l at the slip speed that gravity causes.
     relaxation: f64,
-    /// [s²] t/(1/τ_l - 1/τ_0) of the fall; infinite without a fall, or if drag is linear.
+    /// [s²] quantity t/(1/τ_l - 1/τ_0) of the fall; infinite without a fall, or if drag is linear.
     fall: f64,
     /// [1/s] collision rate ν of a particle.
     rate: f64,
-    /// [1/s²] σ² u'/(L_y U) for motion across the gas profile, with the agitation σ, the gradient u' at the walls, and
-    /// the gas velocity U.
+    /// [1/s²] quantity σ² u'/(L_y U) for motion across the gas profile, with the agitation σ, the gradient u' at the
+    /// walls, and the gas velocity U.
     crossing: f64,
 }
 
 impl DragScales {
-    /// Time scales for the particles of a population. If the particles differ in size, the scales are those of
-    /// particles of the mean volume and of the smallest particles.
+    /// Time scales of the particles of a population. If the particles differ in size, they are computed for particles
+    /// of the mean volume and for the smallest particles.
     fn of(experiment: &Experiment, population: &Population) -> Vec<Self> {
         let (velocity, fluctuation) = motion(population);
         let scene = &experiment.scene;
         let Some(fluid) = &scene.fluid else { return Vec::new() };
         let gas = fluid.profile.velocity(0.5 * scene.domain.size.y);
-        // slip speed of the mean velocity, or that of a single particle if particles fly in all directions
+        // slip speed of the mean velocity, or that of a single particle if the particles fly in all directions
         let slip = (velocity - Vector3::new(0.0, 0.0, gas)).norm().max(3.0_f64.sqrt() * fluctuation);
         let species = &scene.species[population.species as usize];
         let smallest = species.sizes.is_some().then(|| species.of_one_size(species.smallest()));
@@ -280,7 +281,8 @@ impl DragScales {
         sizes.filter_map(|species| Self::at(experiment, species, [slip, fluctuation])).collect()
     }
 
-    /// Time scales for spheres of a species at a slip speed [m/s] and a fluctuation of each velocity component [m/s].
+    /// Time scales of spheres of a species, at a slip speed [m/s] and with a standard deviation of each velocity
+    /// component [m/s].
     fn at(experiment: &Experiment, species: &Species, [slip, fluctuation]: [f64; 2]) -> Option<Self> {
         let scene = &experiment.scene;
         let fluid = scene.fluid.as_ref()?;
@@ -296,8 +298,8 @@ impl DragScales {
         let fall = if falling > 0.0 && steeper > 0.0 { falling / gravity / steeper } else { f64::INFINITY };
         let count: usize = experiment.count();
         let density = count as f64 / scene.domain.volume();
-        // without agitation at the start, an agitation is assumed that will develop: a share of the gas velocity or,
-        // for falling bodies, of their speed
+        // without agitation at the start, the agitation that will develop is estimated as a share of the gas velocity
+        // or, for falling bodies, of their speed
         let kept_up = if count < 2 { 0.0 } else { AGITATION * gas.abs().max(falling) };
         let agitation = fluctuation.max(kept_up);
         // Chapman & Cowling 1970, 5.21: 4 n d² sqrt(π T), where T is the variance of a velocity component
@@ -313,20 +315,19 @@ impl DragScales {
         let fall = (12.0 * SPLITTING_ALONE * self.fall).sqrt();
         let agitation = (24.0 * SPLITTING / (1.0 + self.rate * self.response)).sqrt() * self.response;
         let crossing = (6.0 * SPLITTING / self.crossing).sqrt();
-        // in a gas at rest 0/0 occurs, which sets no limit
+        // in a gas at rest, 0/0 sets no limit
         [fall, agitation, crossing].into_iter().fold(alone, f64::min)
     }
 }
 
-/// Upper limit of the speed of particles of one species in still gas, computed from drag alone. The growth of windows
-/// depends on this limit.
+/// Upper limit of the speed of particles of one species in still gas, computed from drag alone. It determines the
+/// growth of windows.
 ///
-/// Drag decreases the root mean square speed R at least as fast as the speed of one sphere that starts with the speed
-/// R. The reason is that the power of drag, m w²/τ(w), is a convex function of w² for any law whose 1/τ grows with w.
-/// So the mean of this power is at least its value at R (Jensen's inequality). Collisions and walls at rest add no
-/// energy. Gravity adds at most the speed of a fall from rest. Drag grows at least as fast as w. So the sum S of a
-/// decay and of a fall grows at least as fast as g - S/τ(S), while dR/dt <= g - R/τ(R). Therefore S is an upper limit
-/// of R.
+/// Drag decreases the root mean square speed R at least as fast as the speed of one sphere that starts with R. The
+/// reason is Jensen's inequality: the power of drag, m w²/τ(w), is a convex function of w² for any law whose 1/τ grows
+/// with w, so its mean is at least its value at R. Collisions and walls at rest add no energy. Gravity adds at most the
+/// speed of a fall from rest. Let S be the sum of the decaying speed and the speed of the fall. Drag grows at least as
+/// fast as w, so dS/dt is at least g - S/τ(S), while dR/dt <= g - R/τ(R). Therefore S is an upper limit of R.
 struct Slowing<'a> {
     experiment: &'a Experiment,
     /// [m/s] root mean square speed R at the start.
@@ -334,8 +335,8 @@ struct Slowing<'a> {
 }
 
 impl<'a> Slowing<'a> {
-    /// Limit for an experiment. `None` if a moving or turbulent gas, several species or a start without speed make the
-    /// limit useless.
+    /// Limit for an experiment. `None` if the limit is useless: for a moving or turbulent gas, several species, or a
+    /// start without speed.
     fn of(experiment: &'a Experiment) -> Option<Self> {
         let fluid =
             experiment.scene.fluid.as_ref().filter(|fluid| fluid.drag.is_some() && fluid.turbulence.is_none())?;
@@ -350,7 +351,7 @@ impl<'a> Slowing<'a> {
         (still && of_one_kind && speed > 0.0).then_some(Self { experiment, speed })
     }
 
-    /// [s] longest window allowed at a time [s] of the run; its length grows with time.
+    /// [s] longest window allowed at the time `time` [s] of the run; it grows with time.
     fn longest_window(&self, time: f64) -> f64 {
         let Self { experiment, speed } = self;
         let scene = &experiment.scene;
@@ -367,18 +368,18 @@ impl<'a> Slowing<'a> {
     }
 }
 
-/// [s] longest window if buoyancy gives species of different densities different accelerations, so that kicks add the
-/// differences; infinite if it does not. With a difference b [m/s²] the path within a window of length h differs by at
-/// most b h²/8 from a parabola. This distance is at most a [`SAG`] of the smallest diameter.
+/// [s] longest window with kicks of buoyancy, which act if species of different densities have different accelerations;
+/// infinite without such kicks. With a difference b [m/s²] of accelerations, the path within a window of length h
+/// differs by at most b h²/8 from a parabola. This distance is limited to [`SAG`] times the smallest diameter.
 fn longest_with_kicks_of_buoyancy(scene: &Scene) -> f64 {
     let largest = scene.differences_in_gravity().iter().map(|difference| difference.norm()).fold(0.0, f64::max);
     if largest > 0.0 { (8.0 * SAG * scene.smallest_diameter() / largest).sqrt() } else { f64::INFINITY }
 }
 
-/// [s] longest window in which the eddies that particles see are moved apart from the particles; infinite without
-/// turbulence. Within a window of length h the fluctuation changes by a share h r of its standard deviation, with the rate
-/// r of [`Turbulence::largest_rate`](crate::fluid::Turbulence::largest_rate). The error of the splitting is a twelfth of
-/// its square (trapezoidal rule), and at most [`SPLITTING`].
+/// [s] longest window for the splitting of eddies from the motion of particles; infinite without turbulence. Within a
+/// window of length h the fluctuation changes by a share h r of its standard deviation, with the rate r of
+/// [`Turbulence::largest_rate`](crate::fluid::Turbulence::largest_rate). The error is a twelfth of the square of this
+/// share (trapezoidal rule), and at most [`SPLITTING`].
 pub fn longest_for_eddies(experiment: &Experiment) -> f64 {
     let scene = &experiment.scene;
     let Some(fluid) = &scene.fluid else { return f64::INFINITY };
@@ -391,8 +392,8 @@ pub fn longest_for_eddies(experiment: &Experiment) -> f64 {
     (12.0 * SPLITTING).sqrt() / rates.fold(0.0, f64::max)
 }
 
-/// [1/s] collision rate of each particle in an elastic gas that nothing drives, whose agitation is constant; 0 for all
-/// other scenes.
+/// [1/s] collision rate of each particle in an elastic granular gas without gravity and drag, whose agitation is
+/// constant; 0 for all other scenes.
 fn steady_rate(experiment: &Experiment) -> f64 {
     let scene = &experiment.scene;
     let surfaces = scene.surfaces(experiment.count());
@@ -409,8 +410,8 @@ fn steady_rate(experiment: &Experiment) -> f64 {
     4.0 * count / scene.domain.volume() * PI.sqrt() * each.sum::<f64>()
 }
 
-/// Sets common instants for all variants if their sample times differ. Windows of all variants are divided at these
-/// instants, and curves and paths are compared there.
+/// Sets common instants for all variants if their sample times differ. The windows of all variants are divided at these
+/// instants, where curves and paths are compared.
 pub fn align(experiments: &mut [&mut Experiment]) {
     let intervals: Vec<f64> = experiments.iter().map(|one| Schedule::new(one).interval()).collect();
     let durations = experiments.iter().map(|one| one.run.duration);
@@ -422,8 +423,7 @@ pub fn align(experiments: &mut [&mut Experiment]) {
     let few = experiments.iter().all(|one| one.count() <= MOST_FOLLOWED);
     let wanted = longest / if few { ROWS_OF_FEW } else { ROWS };
     for one in experiments {
-        // if the case gives instants already, the common interval is shortened so that the given interval is a whole
-        // multiple of it
+        // if the case gives an interval of instants, the common interval is a whole fraction of it
         let parts = one.run.instants.map(|every| every / (every / wanted - 1e-9).ceil().max(1.0));
         one.run.instants = Some(parts.unwrap_or(wanted));
     }
@@ -440,7 +440,8 @@ fn motion(population: &Population) -> (Vector3<f64>, f64) {
     (mean, (square / 3.0).sqrt())
 }
 
-/// [1/s] gradient of the gas profile where a sphere with this radius [m] touches the lower or upper side of the box.
+/// [1/s] gradient of the gas profile at a distance of one to two radii [m] from the lower or upper wall of the gas,
+/// whichever is steeper.
 fn wall_gradient(profile: &Profile, radius: f64, height: f64) -> f64 {
     let [low, high] = profile.between(height);
     let steep = |near: f64, far: f64| (profile.velocity(far) - profile.velocity(near)).abs() / radius;

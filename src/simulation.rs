@@ -215,8 +215,8 @@ impl Simulation {
     /// Runs `windows` windows of `window` [s] each. At the end, velocities and positions belong to the same time.
     ///
     /// # Errors
-    /// The engine's failure, a particle outside the domain, an unstable soft time step, or an energy that grew more
-    /// than the errors of the scheme explain. The simulation then has the state at which the failure was detected.
+    /// The engine's failure, an escape, an unstable soft time step, or an energy that grew beyond what the scheme
+    /// explains. The state is then the one at which the failure was detected.
     pub fn run(&mut self, windows: u64, window: f64) -> Result<(), Failure> {
         let result = self.run_while(windows, window, &mut |_, _| true).map(drop);
         self.show(1);

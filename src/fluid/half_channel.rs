@@ -4,8 +4,8 @@
 use super::k_epsilon::{C_MU, GridNode, KBudget, Section, TurbulenceModel};
 use super::{launder_sharma, wall_functions};
 
-/// Flow in one half of a channel, in wall units: lengths are in units of ν/u_τ, velocities in units of u_τ. So the
-/// viscosity ν is 1, the wall stress τ_w is 1, and the half height h is Re_τ.
+/// Flow in one half of a channel, in wall units: lengths are in units of ν/u_τ, velocities in units of u_τ. The
+/// viscosity ν and the wall stress τ_w are then 1, and the half height h is Re_τ.
 ///
 /// The flow may also be that in a pipe of radius h, because its stress also falls linearly to the axis. In a pipe the
 /// area of a face is proportional to its distance r from the axis. The equation of a quantity φ is then (1/r) d/dr(r D

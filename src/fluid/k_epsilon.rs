@@ -1,9 +1,9 @@
 //! Fully developed turbulent channel flow by the k-epsilon model: the velocity profile for a given bulk velocity.
 //!
-//! In a steady, fully developed channel of half width h the pressure gradient alone determines the total shear stress,
-//! (ν + ν_t) dU/dy = u_τ² (1 - y/h). So the momentum equation is integrated directly, and only k and ε are iterated.
-//! All equations are solved in wall units (lengths in ν/u_τ, velocities in u_τ), on a finite-volume grid of a half
-//! channel. The friction Reynolds number is adjusted until the flow has the required bulk velocity.
+//! In a steady, fully developed channel of half width h, the pressure gradient alone determines the total shear stress,
+//! (ν + ν_t) dU/dy = u_τ² (1 - y/h). The momentum equation is therefore integrated directly, and only k and ε are
+//! iterated. All equations are solved in wall units (lengths in ν/u_τ, velocities in u_τ), on a finite-volume grid of a
+//! half channel. The friction Reynolds number is adjusted until the flow has the required bulk velocity.
 
 use super::half_channel::HalfChannel;
 use super::table::VelocityTable;
@@ -174,7 +174,7 @@ impl ChannelFlow {
     ///
     /// # Errors
     ///
-    /// Errors of [`ChannelFlow::solve`], or fewer than 4 cells.
+    /// As [`ChannelFlow::solve`], or fewer than 4 cells.
     pub fn solve_with_cells(
         bulk_velocity: f64,
         height: f64,
@@ -191,7 +191,7 @@ impl ChannelFlow {
     ///
     /// # Errors
     ///
-    /// Errors of [`ChannelFlow::solve_with_cells`].
+    /// As [`ChannelFlow::solve_with_cells`].
     pub fn solve_pipe(
         bulk_velocity: f64,
         diameter: f64,
@@ -261,7 +261,7 @@ impl ChannelFlow {
     ///
     /// # Errors
     ///
-    /// None for a solved flow; errors of [`VelocityTable::new`] if `profile` was altered.
+    /// None for a solved flow; those of [`VelocityTable::new`] if `profile` was altered.
     pub fn half_table(&self) -> Result<VelocityTable, String> {
         half_table(&self.profile)
     }

@@ -21,7 +21,7 @@ impl Pipe {
     ///
     /// # Errors
     ///
-    /// None for a solved flow; errors of [`VelocityTable::new`] if its profile was altered.
+    /// None for a solved flow; those of [`VelocityTable::new`] if its profile was altered.
     pub fn new(center: [f64; 2], flow: ChannelFlow) -> Result<Self, String> {
         Ok(Self { center, half: flow.half_table()?, flow })
     }

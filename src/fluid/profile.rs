@@ -63,7 +63,7 @@ impl Profile {
     ///
     /// # Errors
     ///
-    /// Errors of [`ChannelFlow::solve`].
+    /// Those of [`ChannelFlow::solve`].
     pub fn k_epsilon_channel(
         bulk_velocity: f64,
         height: f64,
@@ -80,7 +80,7 @@ impl Profile {
     ///
     /// # Errors
     ///
-    /// Errors of [`ChannelFlow::solve_pipe`].
+    /// Those of [`ChannelFlow::solve_pipe`].
     pub fn k_epsilon_pipe(
         bulk_velocity: f64,
         diameter: f64,

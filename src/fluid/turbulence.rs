@@ -50,7 +50,7 @@ pub struct TurbulenceProfile {
 pub struct LocalTurbulence {
     /// [m/s] standard deviation σ = sqrt(2k/3) of each velocity component.
     pub deviation: f64,
-    /// [1/s] gradient of σ.
+    /// [1/s] gradient of the standard deviation σ.
     pub gradient: Vector3<f64>,
     /// [s] Lagrangian integral time T_L of the gas.
     pub time: f64,
@@ -74,7 +74,7 @@ impl TurbulenceStatistics {
     ///
     /// # Errors
     ///
-    /// Errors of [`VelocityTable::new`].
+    /// Those of [`VelocityTable::new`].
     pub fn table(points: &[[f64; 3]], viscosity: f64) -> Result<Self, String> {
         let deviation: Vec<_> = points.iter().map(|[y, k, _]| (*y, (2.0 / 3.0 * k).sqrt())).collect();
         let time: Vec<_> = points.iter().map(|[y, k, epsilon]| (*y, turnover(*k, *epsilon, viscosity))).collect();
@@ -88,7 +88,7 @@ impl TurbulenceStatistics {
     ///
     /// # Errors
     ///
-    /// None for a solved flow; errors of [`VelocityTable::new`] if its nodes were altered.
+    /// None for a solved flow; those of [`VelocityTable::new`] if its nodes were altered.
     pub fn of(flow: &ChannelFlow) -> Result<Self, String> {
         let nodes = flow.nodes.iter().map(|node| [node.y, node.k, node.epsilon]);
         let wall = flow.nodes.first().filter(|_| flow.model.reaches_the_wall()).map(|node| [0.0, 0.0, node.epsilon]);

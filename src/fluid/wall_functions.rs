@@ -95,7 +95,7 @@ fn law(channel: &HalfChannel, y: f64) -> f64 {
 ///
 /// # Errors
 ///
-/// Errors of [`VelocityTable::new`], which occur only if the solution is not finite.
+/// Those of [`VelocityTable::new`]: none unless the solution is not finite.
 pub(super) fn profile(channel: &HalfChannel) -> Result<Vec<(f64, f64)>, String> {
     let first = channel.y[0];
     let edge = (SUBLAYER / scale(channel)).min(0.9 * first);

@@ -94,7 +94,7 @@ impl Crowded {
 /// model.
 ///
 /// # Errors
-/// No random positions without overlap were found in a bounded number of rounds.
+/// If random positions without overlap are not found in a bounded number of rounds.
 pub fn initial_state(experiment: &Experiment) -> Result<Particles, Crowded> {
     initial_state_within(experiment, u64::MAX)
 }
@@ -104,7 +104,7 @@ pub fn initial_state(experiment: &Experiment) -> Result<Particles, Crowded> {
 /// pairs.
 ///
 /// # Errors
-/// No random positions without overlap were found within this effort.
+/// If random positions without overlap are not found within that effort.
 pub fn initial_state_within(experiment: &Experiment, effort: u64) -> Result<Particles, Crowded> {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(experiment.run.seed);
     let regions = regions(&experiment.start);

@@ -33,7 +33,7 @@ pub struct Moved {
 /// Afterwards the particles are in the order of their ids.
 ///
 /// # Errors
-/// If no arrangement without overlap was found, the error is the number of remaining overlaps.
+/// The number of remaining overlaps, if no arrangement without overlap was found.
 pub fn push_placed_apart(particles: &mut Particles, scene: &Scene) -> Result<Moved, usize> {
     let room = FreeRoom::of(scene);
     let given = particles.clone();

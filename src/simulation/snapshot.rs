@@ -58,7 +58,7 @@ impl Simulation {
     /// method then.
     ///
     /// # Errors
-    /// The engine is one of the calling program that cannot store its state.
+    /// An engine of the calling program cannot store its state.
     pub fn snapshot(&self) -> Result<Snapshot, StoreError> {
         let parts = self.parts().map_or(0, Communicator::size);
         Ok(Snapshot {

@@ -88,7 +88,7 @@ impl Mesh {
     /// the defects that were found in the triangles, most of which are corrected.
     ///
     /// # Errors
-    /// The triangles do not form a wall of this type.
+    /// If the triangles do not form a wall of this type.
     pub fn new(name: &str, heap: &[[Vector3<f64>; 3]], sides: Option<Sides>) -> Result<(Self, Findings), Fault> {
         let (surface, sides, findings) = TriangleSurface::new(heap, sides)?;
         let all = || (0..surface.faces.len()).map(|face| surface.corners(face));
@@ -113,7 +113,7 @@ impl Mesh {
     /// itself.
     ///
     /// # Errors
-    /// The triangles do not form a wall of this type.
+    /// If the triangles do not form a wall of this type.
     pub fn without_end(
         name: &str,
         heap: &[[Vector3<f64>; 3]],

@@ -41,7 +41,7 @@ pub struct Continued {
 /// period.
 ///
 /// # Errors
-/// The open edges on two sides do not match.
+/// If the open edges on two sides do not match.
 pub fn continued(heap: &[[Vector3<f64>; 3]], periods: [Option<f64>; 3], margin: f64) -> Result<Continued, Mismatch> {
     let mut all = Continued { heap: heap.to_vec(), ..Continued::default() };
     for (axis, period) in periods.into_iter().enumerate() {

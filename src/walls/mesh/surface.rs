@@ -141,7 +141,7 @@ impl TriangleSurface {
     /// body, and an open surface is a thin sheet.
     ///
     /// # Errors
-    /// The triangles do not form a surface, or `sides` requires an inside and the surface has none.
+    /// If the triangles do not form a surface, or if `sides` requires an inside and the surface has none.
     pub fn new(heap: &[[Vector3<f64>; 3]], sides: Option<Sides>) -> Result<(Self, Sides, Findings), Fault> {
         let mut findings = Findings { given: heap.len(), ..Findings::default() };
         refuse_not_finite(heap)?;
