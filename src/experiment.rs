@@ -49,7 +49,7 @@ pub enum Spheres {
     Soft(ContactLaw),
     /// Hard spheres.
     Hard,
-    /// Hard spheres where two particles meet alone, and soft spheres with this contact law elsewhere.
+    /// Hard spheres where two bodies touch with no third body near, and soft spheres with this contact law elsewhere.
     Hybrid(ContactLaw),
     /// Spheres that collide at random (direct simulation Monte Carlo).
     Dsmc,
@@ -314,7 +314,7 @@ pub enum HardStepping {
     Events,
     /// At the ends of time steps Δt < θ d/u_r, from overlaps of particles (the paper's section 3.4).
     Steps {
-        /// [-] step criterion θ.
+        /// [-] step criterion θ: factor of d/u_r (diameter over mean speed of impact) in the limit of the time step.
         theta: f64,
     },
 }

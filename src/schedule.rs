@@ -37,10 +37,11 @@ const COLLISIONS: f64 = 5.0;
 /// more information.
 const MOST_SAMPLES: f64 = 1e5;
 
-/// Largest number of particles whose paths are stored, which can still be distinguished in a picture.
+/// Largest number of particles for which paths are stored. In a picture, this number of paths can still be
+/// distinguished.
 pub const MOST_FOLLOWED: usize = 50;
 
-/// Number of rows of a curve over time, at instants common to all variants. The second number is for few bodies, whose
+/// Number of rows of a curve over time, at instants common to all variants. `ROWS_OF_FEW` applies to few bodies, whose
 /// paths are also written.
 const ROWS: f64 = 200.0;
 const ROWS_OF_FEW: f64 = 1000.0;

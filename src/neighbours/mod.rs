@@ -273,8 +273,8 @@ impl NeighbourList {
         self.note_first_pairs(particles.len());
     }
 
-    /// Removes all pairs, and particles with walls, that contain no chosen particle. `chosen` is true for each chosen
-    /// particle, by index.
+    /// Removes all candidates without a chosen particle. `chosen` has one entry for each particle, by index: true if it
+    /// is chosen.
     pub fn keep_of(&mut self, chosen: &[bool]) {
         let is_chosen = |place: u32| chosen[place as usize];
         self.pairs.retain(|pair| is_chosen(pair.i) || is_chosen(pair.j));

@@ -27,7 +27,7 @@ pub struct FreeRoom {
     /// [m] corners of the box from which positions are drawn. It is the part of the domain between flat walls, within
     /// vessels and within the region.
     corners: [Vector3<f64>; 2],
-    /// Indices of the walls whose inside is the region of the particles; empty if particles may be anywhere.
+    /// Indices of the walls inside which the particles start; empty if particles may start anywhere.
     inside: Vec<u32>,
     /// Remaining effort of the search, as a number of tried positions. A round over all particles also costs effort.
     effort: AtomicU64,

@@ -2,7 +2,8 @@
 //!
 //! Conventions (docs/rotation.md):
 //! * The normal n points from the other body to particle i.
-//! * The slip is s = u_t - (l_i ω_i + l_j ω_j) × n, with the relative velocity u_t of the centres and the lever arms l.
+//! * The slip is s = u_t - (l_i ω_i + l_j ω_j) × n, with the lever arms l and the tangential part
+//!   u_t of the relative velocity of the centres.
 //! * The tangential force on particle i is -F, and the torque on each particle is l n × F.
 //!
 //! This module has only parameters and formulas. The engines apply them.
@@ -73,7 +74,8 @@ pub fn tangential_mass(bodies: impl IntoIterator<Item = (f64, f64, f64)>) -> f64
 }
 
 /// [m/s] slip of particle i relative to the other body, along the surface: s = u_t - w × n. `velocity` is u_i - u_j
-/// [m/s], and its tangential part is u_t. `normal` n points to particle i. `surface` is w = l_i ω_i + l_j ω_j [m/s].
+/// [m/s], and u_t is its tangential part. `normal` n points to particle i. `surface` is w = l_i ω_i + l_j ω_j [m/s],
+/// with lever arms l [m] and spins ω [rad/s].
 #[inline(always)]
 pub fn slip(velocity: &Vector3<f64>, normal: &Vector3<f64>, surface: &Vector3<f64>) -> Vector3<f64> {
     velocity - normal * velocity.dot(normal) - surface.cross(normal)

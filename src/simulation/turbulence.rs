@@ -63,7 +63,7 @@ pub(super) fn mirror_at_walls(particles: &mut Particles, scene: &Scene, window: 
 
 /// Kick of drag in a turbulent gas.
 pub(super) struct TurbulentKick<'a> {
-    /// Mean velocity of the gas.
+    /// Profile of the mean velocity of the gas.
     pub profile: &'a Profile,
     /// Turbulence of the gas.
     pub turbulence: &'a Turbulence,

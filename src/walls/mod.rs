@@ -191,8 +191,8 @@ pub trait Geometry: std::fmt::Debug + Send + Sync {
         false
     }
 
-    /// [m³] volume inside a vessel, which contains all particles; `None` if the wall is not a vessel. `size` [m] is the
-    /// domain, which limits a vessel without ends.
+    /// [m³] volume inside a vessel, which contains all particles; `None` if the wall is not a vessel. `size` [m]
+    /// contains the edges of the domain, which limit the volume of a vessel without ends.
     fn vessel_volume(&self, size: &Vector3<f64>) -> Option<f64> {
         let _ = size;
         None
