@@ -14,8 +14,8 @@ pub struct Domain {
     pub size: Vector3<f64>,
     /// True for each axis along which the box is periodic.
     pub periodic: [bool; 3],
-    /// [m] half the edge length along periodic axes, infinite along other axes. If two coordinates differ by more,
-    /// another image is nearer.
+    /// [m] half the edge length along periodic axes, infinite along other axes. If the coordinates of two
+    /// particles differ by more, another image is nearer.
     #[serde(skip)]
     pub(crate) half: Vector3<f64>,
     /// [m²] square of the shortest half edge. For particles within this distance of each other, no other images are

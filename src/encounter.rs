@@ -96,7 +96,7 @@ impl FrameTime {
         Self { ahead: 0.0, sunk: time, fallen: time }
     }
 
-    /// Time `time` [s] after that of the particle store. The frame of positions and velocities begins to fall at the
+    /// Time that is `time` [s] later than the stored positions and velocities. Their frame begins to fall freely at the
     /// time of the store.
     pub fn ahead(time: f64) -> Self {
         Self { ahead: time, sunk: time, fallen: time }

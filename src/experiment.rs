@@ -337,7 +337,7 @@ pub struct RunSettings {
     pub seed: u64,
 }
 
-/// Settings of the files with all particles at several instants.
+/// Settings of the trajectory files, which contain all particles at regular instants.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Trajectories {
     /// [s] time between two instants, counted from the start.

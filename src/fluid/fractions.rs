@@ -13,8 +13,8 @@ use crate::particles::{CHUNK, Particles};
 use crate::work_sharing;
 use nalgebra::Vector3;
 
-/// Number of units in the volume of a cell. Sums of up to 128 cell volumes fit into 64 bits, and the volume of a
-/// particle of 1e-9 of a cell has seven digits.
+/// Number of integer units in the volume of a cell. Sums of up to 128 cell volumes fit into 64 bits. A particle with
+/// 1e-9 of the volume of a cell has 7e7 units, so its volume has seven digits.
 const UNIT: f64 = (1_u64 << 56) as f64;
 
 /// Volume fractions of particles in all cells of the box.

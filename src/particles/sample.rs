@@ -107,13 +107,13 @@ impl<'a> Sample<'a> {
         whole.map(|count| count as f64)
     }
 
-    /// [kg] total mass of the particles on all processes.
+    /// [kg] total mass of the particles in all processes.
     pub fn total_mass(&self) -> f64 {
         let [mass] = self.sums(|place| [self.particles.mass[place]]);
         mass
     }
 
-    /// [kg m/s] total momentum of the particles on all processes.
+    /// [kg m/s] total momentum of the particles in all processes.
     pub fn momentum(&self) -> Vector3<f64> {
         let [x, y, z] = self.sums(|place| (self.particles.velocity[place] * self.particles.mass[place]).into());
         Vector3::new(x, y, z)
@@ -136,7 +136,7 @@ impl<'a> Sample<'a> {
         sum.value()
     }
 
-    /// [J] total translational kinetic energy of the particles on all processes.
+    /// [J] total translational kinetic energy of the particles in all processes.
     pub fn kinetic_energy(&self) -> f64 {
         let mut sum = self.particles.kinetic_energies();
         self.total(&mut [&mut sum]);

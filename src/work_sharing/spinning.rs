@@ -1,4 +1,5 @@
 //! Keeps the threads of a run awake between the pieces of work that they share.
+//!
 //! The library rayon soon puts an idle thread to sleep, and waking it takes long on a virtual machine. In a dense gas,
 //! two threads were 1.4 times as fast as one, and 1.66 times as fast if idle threads searched for work instead of
 //! sleeping (docs/design/islands.md). Results do not depend on the search.
