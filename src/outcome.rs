@@ -66,7 +66,8 @@ pub struct Outcome {
     /// Collision rates and temperature averaged in blocks of time, with errors from replicas.
     #[serde(skip)]
     pub averaged: Averaged,
-    /// [J] difference in the energy balance of the whole run, with the size of its random fluctuations as error.
+    /// [J] part of the change of energy that the balance of the whole run does not explain; its error is the size of
+    /// random fluctuations.
     pub energy_residual: Estimate,
     /// [J] kinetic plus elastic energy at the start.
     pub energy_at_start: f64,

@@ -2,7 +2,8 @@
 //!
 //! A [`NeighbourList`] contains all pairs of particles, and of particles and walls, whose gap is below a length called
 //! skin. It is complete until a particle has moved by half the skin relative to a common frame. After each step, the
-//! engine adds the distance that its particles may have moved to the list, which then shows whether it must be rebuilt.
+//! engine passes to the list the distance that its particles may have moved. The list then shows whether it must be
+//! rebuilt.
 
 pub mod cells;
 mod lanes;

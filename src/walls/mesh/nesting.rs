@@ -27,7 +27,7 @@ pub struct Nested {
     /// Number of cavities whose triangles faced away from the cavity and were flipped.
     pub turned: usize,
     /// Number of outermost parts that were removed. They are the outer surfaces of thick walls, while the particles are
-    /// inside the walls.
+    /// inside the vessel.
     pub skins: usize,
     /// Number of solid bodies inside a vessel: parts whose triangles face the same way as those of the vessel.
     pub bodies: usize,
