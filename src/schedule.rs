@@ -393,7 +393,7 @@ pub fn longest_for_eddies(experiment: &Experiment) -> f64 {
     (12.0 * SPLITTING).sqrt() / rates.fold(0.0, f64::max)
 }
 
-/// [1/s] collision rate of each particle in an elastic granular gas without gravity and drag, whose agitation is
+/// [1/s] collision rate of each particle in an elastic granular gas without gravity and fluid, whose agitation is
 /// constant; 0 for all other scenes.
 fn steady_rate(experiment: &Experiment) -> f64 {
     let scene = &experiment.scene;
