@@ -1,10 +1,9 @@
-//! Fully developed turbulent channel flow by the k-epsilon model: computes the velocity profile for a given bulk
-//! velocity.
+//! Fully developed turbulent channel flow by the k-epsilon model: the velocity profile for a given bulk velocity.
 //!
-//! In a steady, fully developed channel of half width h the pressure gradient alone determines the total shear stress,
-//! (ν + ν_t) dU/dy = u_τ² (1 - y/h). So the momentum equation is integrated directly, and only k and ε are iterated.
-//! All equations are solved in wall units (lengths in ν/u_τ, velocities in u_τ), on a finite-volume grid of a half
-//! channel. The friction Reynolds number is adjusted until the flow has the required bulk velocity.
+//! In a steady, fully developed channel of half width h, the pressure gradient alone determines the total shear stress,
+//! (ν + ν_t) dU/dy = u_τ² (1 - y/h). The momentum equation is therefore integrated directly, and only k and ε are
+//! iterated. All equations are solved in wall units (lengths in ν/u_τ, velocities in u_τ), on a finite-volume grid of a
+//! half channel. The friction Reynolds number is adjusted until the flow has the required bulk velocity.
 
 use super::half_channel::HalfChannel;
 use super::table::VelocityTable;
@@ -24,16 +23,16 @@ pub(super) const SIGMA_EPSILON: f64 = 1.3;
 
 /// [-] bulk Reynolds number U_b 2h/ν below which a channel is not fully turbulent: lower end of Dean's data (1978).
 const TURBULENT: f64 = 6000.0;
-/// [-] relative accuracy of the bulk velocity, much better than the 1e-4 that is stated for the studies.
+/// [-] relative accuracy of the bulk velocity; the studies state an accuracy of 1e-4.
 const BULK_TOLERANCE: f64 = 1e-10;
-/// [-] largest relative change of k, ε and ν_t in a sweep at which the iteration ends.
+/// [-] largest relative change of k, ε and ν_t in a sweep, below which the iteration ends.
 const SWEEP_TOLERANCE: f64 = 1e-11;
-/// Largest number of sweeps over k and ε. Some hundreds are usually enough.
+/// Largest number of sweeps over k and ε. Some hundreds are usually sufficient.
 const SWEEPS: usize = 20_000;
-/// Largest number of corrections of the friction Reynolds number. About ten are usually enough.
+/// Largest number of corrections of the friction Reynolds number. About ten are usually sufficient.
 const CORRECTIONS: usize = 60;
-/// [-] exponent in Re_τ ~ Re^0.875 of Dean's correlation (1978), by which Re_τ is corrected until the bulk velocity is
-/// right.
+/// [-] exponent of Re_τ ~ Re^0.875 in Dean's correlation (1978), with which Re_τ is corrected for the required bulk
+/// velocity.
 const DEAN_EXPONENT: f64 = 0.875;
 
 /// Cross-section of the gas flow: channel or pipe.
@@ -51,8 +50,8 @@ pub enum Section {
 #[serde(rename_all = "snake_case")]
 pub enum TurbulenceModel {
     /// Standard k-ε model with equilibrium wall functions (Launder and Spalding 1974), which the paper uses. The first
-    /// node lies in the logarithmic layer, and the law of the wall replaces the flow below it. The model requires Re >=
-    /// 10 000.
+    /// node lies in the logarithmic layer, and the law of the wall replaces the equations below it. The model requires
+    /// Re >= 10 000.
     WallFunctions,
     /// Low-Reynolds-number k-ε model (Launder and Sharma 1974), resolved down to the wall. The model requires Re >=
     /// 6000.
@@ -68,7 +67,7 @@ impl TurbulenceModel {
         }
     }
 
-    /// [-] lowest bulk Reynolds number U_b L_y/ν for which the model is valid, with L_y the width of the channel.
+    /// [-] lowest bulk Reynolds number U_b L_y/ν of the model, where L_y is the width of the channel.
     pub fn lowest_reynolds(self) -> f64 {
         match self {
             Self::WallFunctions => wall_functions::LOWEST_REYNOLDS,
@@ -101,8 +100,8 @@ pub struct GridNode {
     pub nu_t: f64,
 }
 
-/// One half of a symmetric channel flow, from the wall to the centre plane; or a pipe flow, from the wall to the axis.
-/// For a pipe, the width of the channel stands for the diameter, and the half width h for the radius.
+/// One half of a symmetric channel flow, from the wall to the centre plane, or of a pipe flow, from the wall to the
+/// axis. For a pipe, the width of the channel means the diameter, and the half width h the radius.
 #[derive(Clone, Debug, Serialize)]
 pub struct ChannelFlow {
     /// Cross-section of the flow: channel or pipe.
@@ -113,7 +112,7 @@ pub struct ChannelFlow {
     pub height: f64,
     /// [m²/s] kinematic viscosity ν.
     pub kinematic_viscosity: f64,
-    /// [m/s] bulk velocity of the profile, including the law of the wall.
+    /// [m/s] bulk velocity of the profile, which includes the law of the wall.
     pub bulk_velocity: f64,
     /// [m/s] velocity on the centre plane, or on the axis of a pipe.
     pub centre_velocity: f64,
@@ -123,10 +122,11 @@ pub struct ChannelFlow {
     pub reynolds_tau: f64,
     /// State of the gas at the cell centres, from the wall to the centre plane.
     pub nodes: Vec<GridNode>,
-    /// Velocity profile U(y) from the wall (0, 0) to the centre plane, as (y [m], U [m/s]). It contains the nodes. With
-    /// wall functions it also contains the law of the wall below the first node, and interpolated points between nodes.
+    /// Velocity profile U(y) from the wall (0, 0) to the centre plane, as points (y [m], U [m/s]) that include the
+    /// nodes. With wall functions it also has points of the law of the wall below the first node, and interpolated
+    /// points between nodes.
     pub profile: Vec<(f64, f64)>,
-    /// Number of sweeps over k and ε, summed over all corrections of Re_τ.
+    /// Number of sweeps over k and ε for all corrections of Re_τ together.
     pub iterations: usize,
     /// [-] largest relative change of k, ε and ν_t in the last sweep.
     pub residual: f64,
@@ -142,7 +142,7 @@ pub struct KBudget {
     pub production: f64,
     /// [-] ∫ ε dy, with the full dissipation rate ε.
     pub dissipation: f64,
-    /// [-] ν dk/dy at the wall, which is the flux of k into the wall; 0 with wall functions.
+    /// [-] ν dk/dy at the wall, the flux of k into the wall; 0 with wall functions.
     pub wall_flux: f64,
 }
 
@@ -169,8 +169,8 @@ impl ChannelFlow {
         Self::solve_with_cells(bulk_velocity, height, kinematic_viscosity, model, cells)
     }
 
-    /// Solves the flow as [`ChannelFlow::solve`] with a given number of cells over the half channel, to measure the
-    /// error of the grid.
+    /// Solves the flow as [`ChannelFlow::solve`] does, with a given number of cells over the half channel. It is used
+    /// to measure the error of the grid.
     ///
     /// # Errors
     ///
@@ -186,8 +186,8 @@ impl ChannelFlow {
     }
 
     /// Solves the flow with `bulk_velocity` [m/s] through a pipe of `diameter` [m] with kinematic viscosity
-    /// `kinematic_viscosity` [m²/s]. It uses the low-Reynolds-number model of Launder and Sharma on `cells` cells
-    /// along the radius, by default as many as for a half channel.
+    /// `kinematic_viscosity` [m²/s]. The model is that of Launder and Sharma, on `cells` cells along the radius;
+    /// `None`: the default number of a half channel.
     ///
     /// # Errors
     ///
@@ -267,7 +267,7 @@ impl ChannelFlow {
     }
 }
 
-/// [-] bulk Reynolds number U_b L_y/ν, which is checked to be high enough for the model.
+/// [-] bulk Reynolds number U_b L_y/ν, if it is high enough for the model.
 ///
 /// # Errors
 /// A number that is not positive, or a Reynolds number that is too low for the model.
@@ -291,7 +291,7 @@ fn half_table(profile: &[(f64, f64)]) -> Result<VelocityTable, String> {
     VelocityTable::with_end_slopes(profile, [None, Some(0.0)])
 }
 
-/// Repeats sweeps over k and ε until these hardly change. Returns the last relative change [-].
+/// Repeats sweeps over k and ε until they hardly change the flow. Returns the last relative change [-].
 fn converge(channel: &mut HalfChannel, model: TurbulenceModel, iterations: &mut usize) -> Result<f64, String> {
     let mut change = f64::INFINITY;
     for _ in 0..SWEEPS {
@@ -310,8 +310,7 @@ fn converge(channel: &mut HalfChannel, model: TurbulenceModel, iterations: &mut 
     Err(format!("k-epsilon channel: {model:?} did not converge, the last relative change is {change:.3e}"))
 }
 
-/// [-] estimate of Re_τ from the bulk Reynolds number by C_f = 0.073 Re^(-1/4) (Dean 1978), with which the iteration
-/// starts.
+/// [-] first estimate of Re_τ from the bulk Reynolds number, by C_f = 0.073 Re^(-1/4) (Dean 1978).
 fn estimate(reynolds: f64) -> f64 {
     0.5 * reynolds * (0.5 * 0.073 * reynolds.powf(-0.25)).sqrt()
 }

@@ -10,12 +10,12 @@ const FIRST_NODE: f64 = 0.05;
 /// [-] weight of the newly computed k and ε in the next iterate; the previous values have the remaining weight.
 const RELAXATION: f64 = 0.7;
 
-/// Faces of cells, as fractions of h. The widths of the cells grow by a constant factor from the wall. A larger number
-/// of cells refines all cells equally.
+/// Faces of cells, as fractions of h. The widths of the cells grow by a constant factor from the wall. More cells
+/// refine the grid evenly.
 pub(super) fn faces(cells: usize, reynolds_tau: f64) -> Vec<f64> {
     let first = 2.0 * FIRST_NODE / reynolds_tau * CELLS as f64 / cells as f64;
     let sum = |growth: f64| (growth.powi(cells as i32) - 1.0) / (growth - 1.0);
-    // Bisection for the growth factor at which the widths add up to h; 2 is far above any factor in use.
+    // bisection for the growth factor at which the widths add up to h; 2 is far above any factor in use
     let (mut low, mut high) = (1.0 + 1e-9, 2.0);
     for _ in 0..200 {
         let middle = 0.5 * (low + high);
@@ -26,12 +26,13 @@ pub(super) fn faces(cells: usize, reynolds_tau: f64) -> Vec<f64> {
     faces
 }
 
-/// Production of k: ν_t (dU/dy)².
+/// [-] production of k, ν_t (dU/dy)², in wall units.
 pub(super) fn production(channel: &HalfChannel, cell: usize) -> f64 {
     channel.nu_t[cell] * channel.shear(cell).powi(2)
 }
 
-/// D = 2 ν (d√k/dy)², the difference between the dissipation rate ε and ε̃. It is defined so that ε̃ = 0 at the wall.
+/// [-] difference D = 2 ν (d√k/dy)² between the dissipation rate ε and ε̃, in wall units. With this difference ε̃ = 0
+/// at the wall.
 pub(super) fn wall_dissipation(channel: &HalfChannel, cell: usize) -> f64 {
     let slope = |face: usize| match face {
         0 => channel.k[0].sqrt() / channel.y[0],
@@ -41,7 +42,7 @@ pub(super) fn wall_dissipation(channel: &HalfChannel, cell: usize) -> f64 {
     slope(cell).powi(2) + slope(cell + 1).powi(2)
 }
 
-/// E = 2 ν ν_t (d²U/dy²)², the source of ε̃ in the buffer layer near the wall.
+/// [-] source E = 2 ν ν_t (d²U/dy²)² of ε̃ in the buffer layer near the wall, in wall units.
 fn buffer_source(channel: &HalfChannel, cell: usize) -> f64 {
     let shear = |face: usize| match face {
         0 => 1.0,
@@ -52,15 +53,16 @@ fn buffer_source(channel: &HalfChannel, cell: usize) -> f64 {
     2.0 * channel.nu_t[cell] * curvature * curvature
 }
 
-/// Turbulence Reynolds number Re_t = k²/(ν ε̃).
+/// [-] turbulence Reynolds number Re_t = k²/(ν ε̃).
 fn reynolds_t(channel: &HalfChannel, cell: usize) -> f64 {
     channel.k[cell].powi(2) / channel.epsilon[cell]
 }
 
-/// Updates U, k, ε̃ and ν_t once; returns the largest relative change [-].
+/// Updates U, k, ε̃ and ν_t once. Returns the largest relative change [-].
 pub(super) fn sweep(channel: &mut HalfChannel) -> f64 {
     let count = channel.k.len();
-    // No slip at the wall: the stress at the wall is the velocity of the first cell over its distance from the wall.
+    // no slip at the wall: in wall units the stress at the wall is 1, so the velocity of the first cell equals its
+    // distance from the wall
     channel.integrate_momentum(channel.y[0]);
 
     let p: Vec<f64> = (0..count).map(|i| production(channel, i)).collect();

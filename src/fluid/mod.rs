@@ -1,11 +1,11 @@
 //! The gas around the particles.
 //!
-//! The gas is frozen: the particles do not change it. Its mean velocity is streamwise (along z). In a channel the
-//! velocity depends only on the wall-normal distance y (the paper's section 2.1), in a pipe on the distance from the
+//! The gas is frozen: the particles do not change it. Its mean velocity is streamwise (along z). In a channel it
+//! depends only on the wall-normal coordinate y (the paper's section 2.1), in a pipe only on the distance from the
 //! axis.
 //!
-//! To add a profile, write one file with a function that returns a [`Profile`], and add an arm where a case is
-//! resolved.
+//! To add a profile, write one file with a function that returns a [`Profile`], and add an arm in the code that
+//! resolves a case.
 
 mod buoyancy;
 mod fractions;
@@ -43,15 +43,15 @@ pub struct Fluid {
     pub kinematic_viscosity: f64,
     /// Streamwise gas velocity as a function of y, or of the distance from the axis of a pipe.
     pub profile: Profile,
-    /// Drag law; `None` if the gas exerts no drag on the particles.
+    /// Drag law; `None`: no drag.
     pub drag: Option<Drag>,
-    /// Buoyancy of the particles; `None` if it is left out.
+    /// Buoyancy of the particles; `None`: no buoyancy.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub buoyancy: Option<Buoyancy>,
-    /// Turbulence that the particles see; `None` if they see the mean velocity alone.
+    /// Turbulence that particles see; `None`: particles see the mean velocity alone.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub turbulence: Option<Turbulence>,
-    /// Lift of the particles; `None` if it is left out.
+    /// Lift of the particles; `None`: no lift.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lift: Option<Lift>,
 }

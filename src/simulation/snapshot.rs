@@ -10,8 +10,8 @@ use crate::record::Record;
 use crate::stored::{StoreError, Stored};
 use serde::{Deserialize, Serialize};
 
-/// All data that a simulation stores from one window to the next, as one value. A simulation of an equal experiment
-/// continues from this value with identical bits. `docs/design/runs.md` lists the contents.
+/// All data that a simulation needs to continue after a window. A simulation of an equal experiment continues from a
+/// snapshot with identical bits. `docs/design/runs.md` lists the contents.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Snapshot {
     /// The particles, in the order of the store; empty if the state is divided into parts.
@@ -29,10 +29,10 @@ pub struct Snapshot {
     pub spent: SimulationTimes,
     /// Sums over all particles.
     totals: SimulationTotals,
-    /// True if the drag of the last window has been applied completely, so that velocities and positions belong to one
+    /// True if the drag of the last window has been applied completely. Velocities and positions then belong to one
     /// time.
     half_kicked: bool,
-    /// Limit of the growth of the energy by errors of the soft scheme; it depends on the start.
+    /// Limit of the growth of the energy by errors of the soft scheme. It depends on the initial state.
     bound: Option<Bound>,
     /// [J] elastic energy of the initial overlaps, until the engine has processed the start (soft).
     unseen: Option<f64>,
@@ -53,9 +53,9 @@ impl Snapshot {
 }
 
 impl Simulation {
-    /// Creates a snapshot from which a simulation of an equal experiment can continue. If several processes share the
-    /// run and each holds a part of the particles, the snapshot does not contain these parts. Then
-    /// [`give_parts`](Self::give_parts) must be called before.
+    /// Creates a snapshot from which a simulation of an equal experiment can continue. If each process has a part of
+    /// the particles, the snapshot does not contain the particles. Call [`give_parts`](Self::give_parts) before this
+    /// method then.
     ///
     /// # Errors
     /// An engine of the calling program cannot store its state.
@@ -85,8 +85,8 @@ impl Simulation {
         Self::new(experiment, snapshot.particles.clone()).resume(snapshot)
     }
 
-    /// Continues from a snapshot with the engine of this simulation, which may be one of the calling program. The scene
-    /// and the settings do not change; particles and records are taken from the snapshot.
+    /// Continues from a snapshot with the engine of this simulation, which the calling program may have supplied. The
+    /// scene and the settings do not change; particles and records are those of the snapshot.
     ///
     /// # Errors
     /// The snapshot was taken with another engine.
