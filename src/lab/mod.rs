@@ -5,6 +5,7 @@
 //!  browser --WebSocket--> server (one thread) --asks--> session (a thread per page) --> two panels --> Simulation
 //!          <--frames------------------------- <--tells--
 //! ```
+//!
 //! A scene is a case of `cases/` with changes in the form of `--set` arguments. If the page has not yet drawn two
 //! frames, no further frame is computed, so that a slow page receives fewer frames.
 //!

@@ -1,11 +1,11 @@
-//! Results of the comparison of files of any program, as plain data for the outputs.
+//! Results of the comparison of files that any program may have written, as plain data for the outputs.
 
 use super::csv::{CsvTable, number};
 use super::{Basis, OutputError, Provenance, Verdict};
 use crate::statistics::{Estimate, Steadiness};
 use serde::Serialize;
 
-/// Data of one side of a quantity.
+/// Summary of one side of a compared quantity.
 #[derive(Clone, Debug, Serialize)]
 pub struct SideSummary {
     /// Name of the column, or label of the point.
@@ -14,17 +14,17 @@ pub struct SideSummary {
     pub files: usize,
     /// Number of samples of all files.
     pub samples: usize,
-    /// Average from the start of averaging on; `None` if there is none.
+    /// Average from the start of averaging on; `None` if it cannot be computed.
     pub mean: Option<Estimate>,
-    /// [s] start of averaging, or in the unit of the times if that is not known; `None` for a point.
+    /// [s] start of averaging; in the unit of the times if this unit is unknown. `None` for a point.
     pub from: Option<f64>,
-    /// [s] integral correlation time, or in the unit of the times if that is not known; `None` if it is unknown.
+    /// [s] integral correlation time; in the unit of the times if this unit is unknown. `None` if the time is unknown.
     pub correlation_time: Option<f64>,
     /// Result of the test for a steady state; `None` for a point.
     pub steadiness: Option<Steadiness>,
 }
 
-/// Quantity that is compared between two sides.
+/// Quantity that is compared between the two sides.
 #[derive(Clone, Debug, Serialize)]
 pub struct FilesQuantity {
     /// Name in sentences.
@@ -39,7 +39,7 @@ pub struct FilesQuantity {
     pub sides: [SideSummary; 2],
 }
 
-/// All data of a comparison of files for its outputs.
+/// All results of a comparison of files.
 #[derive(Clone, Copy, Debug)]
 pub struct FilesStudy<'a> {
     /// Origin of the results: title, settings and command.
@@ -59,7 +59,7 @@ pub struct FilesStudy<'a> {
 }
 
 /// Contents of `judge.csv`: two rows for each quantity, one for each side. Means and errors are in the unit of the
-/// quantity, times in s or in the unit of the column of times.
+/// quantity. Times are in s, or in the unit of the column of times if this unit is unknown.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.

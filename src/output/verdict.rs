@@ -42,8 +42,7 @@ pub struct Verdict {
     pub further: Vec<String>,
 }
 
-/// Answer for several comparisons together: the worst, with "different" worse than "unresolved". `None` without
-/// comparisons.
+/// Worst answer of several comparisons; "different" is worse than "unresolved". `None` without comparisons.
 pub fn overall(verdicts: &[Verdict]) -> Option<Answer> {
     verdicts.iter().map(|verdict| verdict.answer).max()
 }
