@@ -103,6 +103,6 @@ pub struct Panel {
     pub log_x: bool,
     /// True if the vertical axis is logarithmic.
     pub log_y: bool,
-    /// [unit of the axis] lower end of a logarithmic vertical axis; `None`: six decades below the largest value.
+    /// [units of the axis] lower end of a logarithmic vertical axis; `None`: six decades below the largest value.
     pub floor: Option<f64>,
 }
