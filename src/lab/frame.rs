@@ -59,7 +59,7 @@ pub struct Live {
     pub missed: u64,
 }
 
-/// Comparison of the two panels, for scenes whose statistics are tested.
+/// Result of the comparison of both panels, for scenes whose statistics are tested.
 #[derive(Clone, Debug, Serialize)]
 pub struct PanelComparison {
     /// Answer of the test: equivalent, different or unresolved.

@@ -54,7 +54,7 @@ pub struct Session {
     pub asks: Receiver<Ask>,
     /// Channel of messages to the page.
     pub tells: Sender<PageMessage>,
-    /// Lock of the engine; the session computes only while it holds this lock.
+    /// Lock of the engine; the session computes only while it has locked it.
     pub turn: EngineLock,
 }
 
@@ -220,7 +220,7 @@ impl<'a> StageRun<'a> {
         self.stage.pace() * factor * passed.as_secs_f64()
     }
 
-    /// Advances both panels to the same simulated time: that of the panel that lags behind, plus `stretch` [s].
+    /// Advances both panels to the same simulated time: that of the slower panel, plus `stretch` [s].
     fn go_on(&mut self, stretch: f64) {
         let times = self.panels.iter().filter_map(LabPanel::running);
         let until = times.fold(f64::INFINITY, f64::min) + stretch;

@@ -141,7 +141,7 @@ impl RunLoop {
         self.cut.unwrap_or(self.done as f64 * self.schedule.window)
     }
 
-    /// Adds the half step of drag that the velocities of a run stopped between two samples lack. For callers that do
+    /// Adds the missing half step of drag to the velocities of a run stopped between two samples. For callers that do
     /// not continue the run.
     pub fn settle(&self, simulation: &mut Simulation) {
         simulation.settle(self.schedule.window * self.schedule.together(self.done) as f64);

@@ -31,7 +31,7 @@ pub struct FilesQuantity {
     pub name: String,
     /// SI unit; empty if the settings give none.
     pub unit: String,
-    /// [-] margin over the scale of the quantity.
+    /// [-] margin of equivalence, divided by the scale of the quantity.
     pub margin: f64,
     /// Kind of data by which the sides are compared.
     pub basis: Basis,
@@ -50,7 +50,7 @@ pub struct FilesStudy<'a> {
     pub paths: &'a [String; 2],
     /// Quantities in the order of the settings.
     pub quantities: &'a [FilesQuantity],
-    /// Answers in sentences; they are at the top of the page.
+    /// Answers in sentences. The page begins with these sentences.
     pub verdicts: &'a [String],
     /// Tests of the quantities, one entry for each margin and kind of data.
     pub comparisons: &'a [Verdict],

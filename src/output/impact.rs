@@ -109,7 +109,7 @@ pub struct ImpactStudy<'a> {
     pub diameter: f64,
     /// [m/s] normal speed of approach.
     pub impact_speed: f64,
-    /// Answers in sentences, the shortest first; they are at the top of the page.
+    /// Answers in sentences, the shortest first. The page begins with these sentences.
     pub verdicts: &'a [String],
     /// Remarks on how far the numbers are reliable, one sentence each.
     pub notes: &'a [String],

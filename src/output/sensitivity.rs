@@ -27,7 +27,8 @@ pub struct Shift {
     pub time: Option<f64>,
     /// [-] probability of a shift of at least this size between equal systems, for this observable alone.
     pub chance: Option<f64>,
-    /// [-] smallest margin, over the scale, within which the observable is equivalent. `None` without a standard error.
+    /// [-] smallest margin within which the observable is equivalent, divided by the scale. `None` without a standard
+    /// error.
     pub reached: Option<f64>,
     /// [-] ratio of the necessary to the actual duration of the run; with the necessary duration, equal systems are
     /// found equivalent in 80 % of cases.
@@ -38,12 +39,12 @@ pub struct Shift {
 }
 
 impl Shift {
-    /// [-] shift over the scale.
+    /// [-] shift divided by the scale.
     pub fn share(&self) -> f64 {
         self.difference / self.scale
     }
 
-    /// [-] one standard error of the shift, over the scale.
+    /// [-] one standard error of the shift, divided by the scale.
     pub fn share_error(&self) -> Option<f64> {
         self.error.map(|error| error / self.scale)
     }
@@ -117,7 +118,7 @@ pub struct SensitivityRun {
 pub struct SensitivityStudy<'a> {
     /// Origin of the results: title, case and command.
     pub provenance: &'a Provenance,
-    /// [-] margin of equivalence, over the scale of each observable.
+    /// [-] margin of equivalence, divided by the scale of the observable.
     pub margin: f64,
     /// Factors in order of importance; the most important is first.
     pub factors: &'a [Factor],

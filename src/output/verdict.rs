@@ -33,7 +33,7 @@ pub struct Verdict {
     pub sentence: String,
     /// Reason for this kind of comparison, in words.
     pub reason: String,
-    /// [-] requested margin of equivalence, over the scale of each observable.
+    /// [-] requested margin of equivalence, divided by the scale of the observable.
     pub margin: f64,
     /// Compared observables; `None` for a comparison of paths.
     pub comparison: Option<Comparison>,

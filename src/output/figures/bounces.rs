@@ -9,8 +9,8 @@ use crate::output::{Bounce, ObliqueStudy, PathPoint};
 pub fn overlap_in_time(bounces: &[Bounce]) -> String {
     let deepest = points(bounces).map(|point| -point.gap).filter(|overlap| overlap.is_finite()).fold(0.0, f64::max);
     let overlap = if deepest > 0.0 { Prefix::of(deepest) } else { Prefix::of(widest(bounces)) };
-    // the motion before and after the contact is cut off where the gap exceeds half the largest overlap, because there
-    // is nothing more to see
+    // the motion before and after the contact is cut off where the gap exceeds half the largest overlap, because the
+    // rest is uneventful
     let floor = if deepest > 0.0 { -0.5 * deepest } else { f64::NEG_INFINITY };
     let time = Prefix::of(span(bounces, floor));
     let series = series(bounces, |path| {
