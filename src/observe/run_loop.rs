@@ -141,8 +141,8 @@ impl RunLoop {
         self.cut.unwrap_or(self.done as f64 * self.schedule.window)
     }
 
-    /// Adds the missing half step of drag to the velocities of a run stopped between two samples. For callers that do
-    /// not continue the run.
+    /// Adds the missing half step of drag to the velocities of a run stopped between two samples. A caller that
+    /// does not continue the run must call this function.
     pub fn settle(&self, simulation: &mut Simulation) {
         simulation.settle(self.schedule.window * self.schedule.together(self.done) as f64);
     }

@@ -23,7 +23,7 @@ pub struct Shift {
     pub error: Option<f64>,
     /// [-] number of degrees of freedom of the estimate of the error.
     pub freedom: Option<f64>,
-    /// [s] time of the shift, for curves over time; `None` for a mean.
+    /// [s] time at which the shift of a curve is measured; `None` for the shift of a mean.
     pub time: Option<f64>,
     /// [-] probability of a shift of at least this size between equal systems, for this observable alone.
     pub chance: Option<f64>,
