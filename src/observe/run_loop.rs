@@ -15,8 +15,8 @@ pub struct RunLoop {
     schedule: Schedule,
     /// Number of completed windows, in units of the shortest windows of the schedule.
     done: u64,
-    /// [s] time at which the current window was interrupted for an observer; `None` if the run is at the end of a
-    /// window.
+    /// [s] instant requested by the case at which the current window was last interrupted; `None` if the run is at the end
+    /// of a window.
     cut: Option<f64>,
     /// [s] time at or after which each observer is called next; `None` if the observer is not called again.
     due: Vec<Option<f64>>,

@@ -61,7 +61,7 @@ struct RecordingFrame {
     drift: Vector3<f64>,
     /// Names of the species.
     names: Vec<String>,
-    /// Axes that point right and up, such as `zy`; `3d` for a perspective view.
+    /// Axes that point right and up, such as `zy`; `3d` for a view in three dimensions.
     view: &'static str,
     /// [-] factor by which gaps and overlaps are enlarged; `None` if they are drawn to scale.
     magnified: Option<f64>,
