@@ -6,8 +6,8 @@ use crate::observe::{FRICTION_COLUMNS, PathSample, SERIES_COLUMNS, SeriesColumn,
 use crate::outcome::Outcome;
 
 /// Contents of `series.csv`: averages over all particles, with one row per variant and instant. Impacts and losses are
-/// counted from the start. The columns of friction exist only where spheres rotate, and those of turbulence only where
-/// particles see it.
+/// counted from the start. Columns of friction exist only if spheres rotate, and those of turbulence only if the gas
+/// has a turbulence model.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
@@ -27,8 +27,8 @@ pub fn series(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
     table.bytes()
 }
 
-/// Contents of `paths.csv`: one row per variant, instant and particle. The table exists for up to 50 particles; `None`
-/// for more. The column of overlaps contains the largest overlap of the particle at the instant.
+/// Contents of `paths.csv`: one row per variant, instant and particle; `None` for more than 50 particles. The column of
+/// overlaps contains the largest overlap of the particle at the instant.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.

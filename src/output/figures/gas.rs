@@ -1,4 +1,4 @@
-//! Figures of the gas velocity: across the channel (the paper's Fig. 2), and in wall units with a direct numerical
+//! Figures of the gas velocity: across the channel (the paper's Fig. 2), and in wall units next to a direct numerical
 //! simulation.
 
 use super::chart;
@@ -24,18 +24,18 @@ pub const CHANNEL_DNS: [(f64, f64); 9] = [
 
 /// Number of points of a drawn curve.
 const POINTS: usize = 400;
-/// Number of points of each curve if there are several gases.
+/// Number of points of each curve in a picture of several gases.
 const GASES_POINTS: usize = 120;
 
-/// Figures of a gas profile between walls at y = 0 and y = `height` [m]. The second figure, in wall units, exists only
-/// for a k-epsilon channel.
+/// Figures of a gas profile between walls at y = 0 and y = `height` [m]. Only a k-epsilon channel has the second
+/// figure, in wall units.
 pub fn gas(profile: &Profile, height: f64) -> Vec<Figure> {
     let mut figures = vec![Figure::new(
         "velocity",
         "Mean streamwise velocity of the gas.",
         chart::single(&profiles::gas_velocity(profile, height)),
     )];
-    // the simulated flow is that of a channel, not of a pipe
+    // the direct numerical simulation is that of a channel, not of a pipe
     if let Some(flow) = profile.channel_flow().filter(|flow| flow.section == Section::Channel) {
         figures.push(Figure::new(
             "wall-units",
@@ -46,11 +46,11 @@ pub fn gas(profile: &Profile, height: f64) -> Vec<Figure> {
     figures
 }
 
-/// Profiles of several gases between walls at y = 0 and y = `height` [m]. The horizontal axis is the logarithm of the
-/// distance from the wall, up to the middle of the channel. `None` for fewer than two gases.
+/// Figure of the profiles of several gases between walls at y = 0 and y = `height` [m]. The horizontal axis is the
+/// distance from the wall on a logarithmic scale, up to the middle of the channel. `None` for fewer than two gases.
 pub fn gases(profiles: &[(String, Profile)], height: f64) -> Option<Figure> {
-    /// [-] distance from the wall, divided by the width of the channel, at which the curves begin: half the radius of the smallest sphere
-    /// of a channel.
+    /// [-] distance from the wall over the width of the channel at which the curves begin: half the radius of the
+    /// smallest sphere of a channel.
     const NEAREST: f64 = 2.5e-3;
     if profiles.len() < 2 {
         return None;
