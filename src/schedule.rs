@@ -110,7 +110,7 @@ impl Schedule {
             (least(&mut drag.iter().map(DragScales::longest_window)), response / SAMPLES_PER_RESPONSE)
         };
         let allowed = allowed.min(longest_with_kicks_of_buoyancy(&experiment.scene));
-        let allowed = allowed.min(longest_for_eddies(experiment));
+        let allowed = allowed.min(longest_for_eddies(experiment)).min(longest_for_coupling(experiment));
         let longest = experiment.run.window.unwrap_or(allowed).min(duration);
         // windows are shortened if samples are requested more often than windows end
         let interval = experiment.statistics.sample_interval.unwrap_or(often.max(longest)).min(duration);
@@ -389,6 +389,29 @@ pub fn longest_for_eddies(experiment: &Experiment) -> f64 {
         turbulence.largest_rate(&fluid.profile, scene.domain.size.y, drag.law().response_time(&sphere, slip))
     });
     (12.0 * SPLITTING).sqrt() / rates.fold(0.0, f64::max)
+}
+
+/// [-] largest share of the slip that a gas loses to the particles within a window. The gas stands still in a kick, so that
+/// an exchange is explicit: it is stable below 2, and of first order in this share.
+const EXCHANGED: f64 = 0.1;
+
+/// [s] longest window in which a gas feels the particles; infinite in a frozen gas. The slip of the gas decays at the rate
+/// Σ(m/τ)/(ρ_f V) with the volume V of the gas, and a window lasts a tenth of its inverse.
+pub fn longest_for_coupling(experiment: &Experiment) -> f64 {
+    let scene = &experiment.scene;
+    let Some(fluid) = scene.fluid.as_ref().filter(|fluid| fluid.coupling.is_some()) else { return f64::INFINITY };
+    let Some(drag) = &fluid.drag else { return f64::INFINITY };
+    let volume = match &fluid.profile {
+        Profile::Pipe(pipe) => PI * pipe.radius().powi(2) * scene.domain.size.z,
+        Profile::Uniform(_) | Profile::Tabulated(_) | Profile::Channel(_) | Profile::LogLaw(_) => scene.domain.volume(),
+    };
+    let kinds = scene.species.iter().zip(experiment.counts());
+    let exchange = kinds.map(|(species, count)| {
+        let sphere = fluid.sphere(species).among(experiment.fraction_for_drag());
+        let slip = terminal_slip(drag, &sphere, scene.gravity_of(species).norm());
+        count as f64 * species.mass() / drag.law().response_time(&sphere, slip)
+    });
+    EXCHANGED * fluid.density * volume / exchange.sum::<f64>()
 }
 
 /// [1/s] collision rate of each particle in an elastic gas without gravity and drag, whose agitation is constant; 0 for

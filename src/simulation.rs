@@ -5,6 +5,7 @@
 //! kick is the exact solution of the drag law for constant gas velocity, so two half-kicks equal one whole kick.
 
 mod contacts;
+mod coupling;
 mod engines;
 mod kick;
 mod lift;
@@ -27,6 +28,7 @@ use crate::drag::{Kick, Sphere};
 use crate::engine::distributed::Distributed;
 use crate::engine::{Counters, Engine, Failure, Window};
 use crate::experiment::{Experiment, Integrator};
+use crate::fluid::LoadedFlow;
 use crate::particles::{Particles, Sample};
 use crate::predict::energy::{Bound, broken_contract, too_long};
 use crate::record::{Ledger, Record};
@@ -85,6 +87,8 @@ pub struct Simulation {
     /// Seed of the random numbers of the run.
     seed: u64,
     spheres: Vec<Sphere>,
+    /// Gas that feels the particles; `None` if the gas of the scene is frozen.
+    loaded_flow: Option<Box<LoadedFlow>>,
     /// Kicks that were used last: for half a window and for a whole window.
     kicks: Vec<Kick>,
     /// Sums over all particles of all processes.
@@ -171,8 +175,10 @@ impl Simulation {
             Some(fluid) => scene.species.iter().map(|species| fluid.sphere(species)).collect(),
             None => Vec::new(),
         };
+        let loaded_flow = scene.fluid.as_ref().and_then(|fluid| coupling::flow_at_start(fluid, &scene.domain));
         Self {
             totals,
+            loaded_flow: loaded_flow.map(Box::new),
             by_walls: Vector3::zeros(),
             share: None,
             shown: None,
@@ -258,6 +264,9 @@ impl Simulation {
         }
         self.half_kicked = true;
         for k in 1..=windows {
+            if let Some(failure) = &self.refused {
+                return Err(failure.clone());
+            }
             self.advance(window)?;
             self.windows += 1;
             if k < windows && !go_on(self, k) {
@@ -337,7 +346,7 @@ impl Simulation {
     }
 
     fn advance(&mut self, window: f64) -> Result<(), Failure> {
-        self.order(&Order::Advance(self.time, window));
+        self.order(&Order::Advance(self.time, window, self.loaded_flow.clone()));
         self.lift(0.5 * window, LiftKick::BeforeWindow);
         self.add_differences_in_gravity(0.5 * window);
         let began = self.clock.now();
@@ -375,7 +384,7 @@ impl Simulation {
             let mut before = Particles::default();
             self.particles.keep_kicked(&mut before);
             before.eddies.clone_from(&self.particles.eddies);
-            (before, self.record.ledger.clone(), self.totals.momentum)
+            (before, self.record.ledger.clone(), self.totals.momentum, self.loaded_flow.clone())
         });
         let by_all = dragged && self.engine.is_cut();
         if by_all {
@@ -388,9 +397,10 @@ impl Simulation {
         if by_all {
             self.order(&Order::TakeBack);
         }
-        if let Some((mut before, ledger, momentum)) = kept {
+        if let Some((mut before, ledger, momentum, gas)) = kept {
             self.particles.take_back(&mut before);
             self.particles.eddies = before.eddies;
+            self.take_gas(gas);
             (self.record.ledger, self.totals.momentum) = (ledger, momentum);
         }
         answer
@@ -419,6 +429,7 @@ impl Simulation {
         });
         let fractions = law.law().cells().map(|cells| self.fractions(cells));
         let kick = &self.kicks[place];
+        let before = self.slice_sums(Some((kick, fractions.as_ref())));
         let sums = match &fluid.turbulence {
             None => kick_among(&mut self.particles, &fluid.profile, kick, fractions.as_ref()),
             Some(turbulence) => {
@@ -428,6 +439,7 @@ impl Simulation {
                 TurbulentKick { profile, turbulence, kick, fractions, seed_and_number }.apply(&mut self.particles)
             }
         };
+        self.advance_gas(before, duration);
         self.book_kick(sums, |drag_impulse, drag_work| Ledger { drag_impulse, drag_work, ..Ledger::default() });
         self.spent.drag += self.clock.now() - began;
     }
@@ -437,6 +449,9 @@ impl Simulation {
         // this order also checks the first part of a window, before all particles are moved at once
         self.order(&Order::Check);
         self.collect_records();
+        if let Some(failure) = self.refused.as_ref().filter(|_| !self.is_follower()) {
+            return Err(failure.clone());
+        }
         if let Some(bound) = &self.bound {
             // the energy is checked first, since too much energy may be the reason why particles left the domain
             let uniform = self.counters().uniform_steps > 0;

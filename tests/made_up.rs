@@ -115,6 +115,7 @@ pub fn outcome(name: &str, model: Model, seed: u64) -> Outcome {
         ..Ledger::default()
     };
     Outcome {
+        gas: None,
         stress: Stress::default(),
         pairs: record.pairs.clone(),
         walls: record.walls.clone(),

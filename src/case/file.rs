@@ -25,7 +25,9 @@ mod sizes;
 mod walls;
 
 pub use contact::{ContactFile, PairFile};
-pub use gas::{DragFile, FluidFile, LangevinFile, ProfileFile, SeenTurbulenceFile, TurbulenceFile};
+pub use gas::{
+    CouplingFile, DragFile, FluidFile, LangevinFile, ModulationFile, ProfileFile, SeenTurbulenceFile, TurbulenceFile,
+};
 pub use region::{BlockRegionFile, CylinderRegionFile, RegionFile};
 pub use rotation::{HistoryFile, ImpactRuleFile, RollingFile, TangentialFile, TwistingFile};
 pub use sizes::{ByFile, SizesFile};

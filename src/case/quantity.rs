@@ -50,6 +50,9 @@ pub type Stiffness = Quantity<0, 1, -2>;
 /// [Pa] pressure or elastic modulus.
 pub type Pressure = Quantity<-1, 1, -2>;
 
+/// [Pa/m] pressure drop per length.
+pub type PressureGradient = Quantity<-2, 1, -2>;
+
 /// Names of the common dimensions, each with its SI unit and an example.
 const DIMENSIONS: &[(Exponents, &str, &str, &str)] = &[
     ([0, 0, 0], "a plain number", "", "0.5"),
@@ -71,6 +74,7 @@ const DIMENSIONS: &[(Exponents, &str, &str, &str)] = &[
     ([1, 1, -2], "a force", "N", "\"1 mN\""),
     ([-1, 1, -2], "a pressure", "Pa", "\"101 kPa\""),
     ([2, 1, -2], "an energy", "J", "\"1 uJ\""),
+    ([-2, 1, -2], "a pressure gradient", "Pa/m", "\"12 Pa/m\""),
 ];
 
 /// Units that take no prefix: name, exponents of the dimension, power of ten, factor.

@@ -327,6 +327,14 @@ pub enum Failure {
         /// Coordinate z [m] of the particle.
         z: f64,
     },
+    /// The flow of a gas that feels the particles has no finite solution.
+    #[error("at t = {time} s the flow of the gas broke down ({why}): use a shorter `run.window`, or a larger pressure gradient", time = nine(time))]
+    Gas {
+        /// Time [s] of the failure.
+        time: f64,
+        /// Reason, in words.
+        why: String,
+    },
     /// A signal from outside stopped the run; no error occurred.
     #[error("at t = {time} s it was stopped from outside (Ctrl-C or a signal to end); this is a part of the run", time = nine(time))]
     Stopped {
@@ -370,6 +378,7 @@ impl Failure {
             Self::InelasticCollapse { .. } => "inelastic_collapse",
             Self::RestOnWall { .. } => "rest_on_wall",
             Self::Escaped { .. } => "escaped",
+            Self::Gas { .. } => "gas",
             Self::NotANumber { .. } => "not_a_number",
             Self::Stopped { .. } => "stopped",
             Self::Unwritten { .. } => "unwritten",
@@ -387,6 +396,7 @@ impl Failure {
             | Self::InelasticCollapse { time, .. }
             | Self::RestOnWall { time, .. }
             | Self::Escaped { time, .. }
+            | Self::Gas { time, .. }
             | Self::Stopped { time }
             | Self::Unwritten { time, .. }
             | Self::NotANumber { time, .. } => *time,

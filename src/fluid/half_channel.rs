@@ -3,6 +3,7 @@
 
 use super::k_epsilon::{C_MU, GridNode, KBudget, Section, TurbulenceModel};
 use super::{launder_sharma, wall_functions};
+use serde::{Deserialize, Serialize};
 
 /// Flow in one half of a channel, in wall units: lengths are in units of ν/u_τ, velocities in units of u_τ. The
 /// viscosity ν and the wall stress τ_w are then 1, and the half height h is Re_τ.
@@ -13,7 +14,7 @@ use super::{launder_sharma, wall_functions};
 ///
 /// Values are given at cell centres. Face number `i` is between cells `i - 1` and `i`. Face 0 is the wall. The last
 /// face is the centre plane, which has no flux.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct HalfChannel {
     /// Cross-section of the flow: channel or pipe.
     pub section: Section,
@@ -31,6 +32,19 @@ pub(super) struct HalfChannel {
     pub epsilon: Vec<f64>,
     /// [-] eddy viscosity ν_t over ν.
     pub nu_t: Vec<f64>,
+    /// [-] shear stress (1 + ν_t) dU/dy at the faces of a gas that particles brake or drive. `None` for a gas alone, whose
+    /// stress is 1 - y/h.
+    pub face_stress: Option<Vec<f64>>,
+}
+
+/// Rates of change of k and ε in one sweep of their equations.
+pub(super) struct SweepStep<'a> {
+    /// [-] weight of the newly computed values in the next iterate; the previous values have the remaining weight.
+    pub relaxation: f64,
+    /// Inverse of the time step, by the implicit Euler scheme; 0 for the steady equations.
+    pub rate: f64,
+    /// Rate at which particles damp k in each cell, and the factor of this rate in the equation of ε.
+    pub damping: (&'a [f64], f64),
 }
 
 /// Steady diffusion-reaction equation of one quantity φ: -(D φ')' + sink φ = source in every cell, with D = 1 + ν_t/σ.
@@ -69,6 +83,7 @@ impl HalfChannel {
             k: Vec::new(),
             epsilon: Vec::new(),
             nu_t: Vec::new(),
+            face_stress: None,
         };
         channel.stretch(reynolds_tau);
         // The iteration converges from any positive start. The start here has the right size: the mixing length of the
@@ -107,9 +122,19 @@ impl HalfChannel {
         (end - start) * self.area(0.5 * (start + end))
     }
 
-    /// [-] total shear stress 1 - y/h at the distance `y` from the wall, in units of the wall stress.
+    /// [-] total shear stress 1 - y/h of a gas alone at the distance `y` from the wall, in units of the wall stress.
     pub fn stress(&self, y: f64) -> f64 {
         1.0 - y / self.reynolds_tau
+    }
+
+    /// [-] shear stress at a face.
+    pub fn stress_at_face(&self, face: usize) -> f64 {
+        self.face_stress.as_ref().map_or_else(|| self.stress(self.face[face]), |stress| stress[face])
+    }
+
+    /// [-] shear stress at the wall; 1 in a gas alone.
+    pub fn wall_stress(&self) -> f64 {
+        self.face_stress.as_ref().map_or(1.0, |stress| stress[0])
     }
 
     /// [-] eddy viscosity over ν at an inner face, interpolated linearly between the two cell centres.
@@ -123,14 +148,18 @@ impl HalfChannel {
     pub fn integrate_momentum(&mut self, first: f64) {
         self.u[0] = first;
         for i in 1..self.u.len() {
-            let gradient = self.stress(self.face[i]) / (1.0 + self.face_nu_t(i));
+            let gradient = self.stress_at_face(i) / (1.0 + self.face_nu_t(i));
             self.u[i] = self.u[i - 1] + gradient * (self.y[i] - self.y[i - 1]);
         }
     }
 
-    /// [-] velocity gradient dU/dy in a cell, computed from the stress balance.
+    /// [-] velocity gradient dU/dy in a cell, computed from the shear stress at its centre.
     pub fn shear(&self, cell: usize) -> f64 {
-        self.stress(self.y[cell]) / (1.0 + self.nu_t[cell])
+        let stress = match &self.face_stress {
+            Some(stress) => 0.5 * (stress[cell] + stress[cell + 1]),
+            None => self.stress(self.y[cell]),
+        };
+        stress / (1.0 + self.nu_t[cell])
     }
 
     /// Solves one equation for all cells by Thomas' algorithm, and moves `phi` towards the solution by the share

@@ -5,10 +5,10 @@
 //! iterated. All equations are solved in wall units (lengths in ν/u_τ, velocities in u_τ), on a finite-volume grid of a
 //! half channel. The friction Reynolds number is adjusted until the flow has the required bulk velocity.
 
-use super::half_channel::HalfChannel;
+use super::half_channel::{HalfChannel, SweepStep};
 use super::table::VelocityTable;
 use super::{launder_sharma, wall_functions};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// [-] constant C_μ in ν_t = C_μ k²/ε: Launder and Spalding 1974.
 pub(super) const C_MU: f64 = 0.09;
@@ -36,7 +36,7 @@ const CORRECTIONS: usize = 60;
 const DEAN_EXPONENT: f64 = 0.875;
 
 /// Cross-section of the gas flow: channel or pipe.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Section {
     /// Gas between two parallel walls.
@@ -46,7 +46,7 @@ pub enum Section {
 }
 
 /// Turbulence model, which determines how the flow near the wall is computed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum TurbulenceModel {
     /// Standard k-ε model with equilibrium wall functions (Launder and Spalding 1974), which the paper uses. The first
@@ -59,6 +59,22 @@ pub enum TurbulenceModel {
 }
 
 impl TurbulenceModel {
+    /// Updates k, ε and ν_t of a flow by one step; returns the largest relative change [-].
+    pub(super) fn sweep_turbulence(self, channel: &mut HalfChannel, step: &SweepStep) -> f64 {
+        match self {
+            Self::WallFunctions => wall_functions::sweep_turbulence(channel, step),
+            Self::LaunderSharma => launder_sharma::sweep_turbulence(channel, step),
+        }
+    }
+
+    /// U/τ_w of the first cell, in wall units.
+    pub(super) fn first_velocity_per_stress(self, channel: &HalfChannel) -> f64 {
+        match self {
+            Self::WallFunctions => wall_functions::velocity_per_stress(channel, channel.y[0]),
+            Self::LaunderSharma => channel.y[0],
+        }
+    }
+
     /// True if the equations of k and ε are solved down to the wall, where k is 0.
     pub(super) fn reaches_the_wall(self) -> bool {
         match self {
@@ -86,7 +102,7 @@ impl std::fmt::Display for TurbulenceModel {
 }
 
 /// State of the gas at one distance from the nearer wall.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct GridNode {
     /// [m] distance y from the wall.
     pub y: f64,
@@ -132,6 +148,9 @@ pub struct ChannelFlow {
     pub residual: f64,
     /// [u_τ³] terms of the balance of turbulent kinetic energy k, integrated over the half channel.
     pub k_budget: KBudget,
+    /// Flow in wall units, on the grid of the solver.
+    #[serde(skip)]
+    half: HalfChannel,
 }
 
 /// Balance of turbulent kinetic energy k, integrated over the half channel, in units of u_τ³. Production equals
@@ -223,10 +242,7 @@ impl ChannelFlow {
         let mut iterations = 0;
         for _ in 0..CORRECTIONS {
             let residual = converge(&mut channel, model, &mut iterations)?;
-            let profile = match model {
-                TurbulenceModel::WallFunctions => wall_functions::profile(&channel)?,
-                TurbulenceModel::LaunderSharma => launder_sharma::profile(&channel),
-            };
+            let profile = profile(&channel, model)?;
             let table = half_table(&profile)?;
             let carried = match section {
                 Section::Channel => table.integral(), // U_b h/ν is the integral in wall units
@@ -234,27 +250,56 @@ impl ChannelFlow {
             };
             let excess = carried / target;
             if (excess - 1.0).abs() < BULK_TOLERANCE {
-                let friction_velocity = channel.reynolds_tau * kinematic_viscosity / (0.5 * height);
-                let wall_unit = kinematic_viscosity / friction_velocity;
-                return Ok(Self {
-                    section,
-                    model,
-                    height,
-                    kinematic_viscosity,
-                    bulk_velocity: carried * kinematic_viscosity / (0.5 * height),
-                    centre_velocity: channel.centre_velocity() * friction_velocity,
-                    friction_velocity,
-                    reynolds_tau: channel.reynolds_tau,
-                    nodes: channel.nodes(model, wall_unit, friction_velocity),
-                    profile: profile.into_iter().map(|(y, u)| (y * wall_unit, u * friction_velocity)).collect(),
-                    iterations,
-                    residual,
-                    k_budget: channel.k_budget(model),
-                });
+                let bulk_velocity = carried * kinematic_viscosity / (0.5 * height);
+                let flow = Self::of(&channel, model, [height, kinematic_viscosity, bulk_velocity])?;
+                return Ok(Self { iterations, residual, ..flow });
             }
             channel.stretch(channel.reynolds_tau * excess.powf(-DEAN_EXPONENT));
         }
         Err(format!("k-epsilon channel: no friction velocity for {bulk_velocity} m/s in {CORRECTIONS} corrections"))
+    }
+
+    /// Converts a flow from wall units to SI units, given the width of the channel [m], the kinematic viscosity [m²/s] and
+    /// the bulk velocity [m/s].
+    pub(super) fn of(
+        channel: &HalfChannel,
+        model: TurbulenceModel,
+        [height, kinematic_viscosity, bulk_velocity]: [f64; 3],
+    ) -> Result<Self, String> {
+        let unit_velocity = channel.reynolds_tau * kinematic_viscosity / (0.5 * height);
+        let wall_unit = kinematic_viscosity / unit_velocity;
+        let friction = channel.wall_stress().abs().sqrt();
+        let profile = profile(channel, model)?;
+        Ok(Self {
+            section: channel.section,
+            model,
+            height,
+            kinematic_viscosity,
+            bulk_velocity,
+            centre_velocity: channel.centre_velocity() * unit_velocity,
+            friction_velocity: friction * unit_velocity,
+            reynolds_tau: friction * channel.reynolds_tau,
+            nodes: channel.nodes(model, wall_unit, unit_velocity),
+            profile: profile.into_iter().map(|(y, u)| (y * wall_unit, u * unit_velocity)).collect(),
+            iterations: 0,
+            residual: 0.0,
+            k_budget: channel.k_budget(model),
+            half: channel.clone(),
+        })
+    }
+
+    /// Flow in wall units, on the grid of the solver.
+    pub(super) fn half_channel(&self) -> &HalfChannel {
+        &self.half
+    }
+
+    /// [Pa/m] pressure drop per length that keeps the gas alone steady, in a gas of this density [kg/m³].
+    pub fn pressure_gradient(&self, density: f64) -> f64 {
+        let walls_over_width = match self.section {
+            Section::Channel => 2.0,
+            Section::Pipe => 4.0,
+        };
+        walls_over_width * density * self.friction_velocity.powi(2) / self.height
     }
 
     /// Velocity U(y) for y from 0 to h, as a monotone cubic through the profile with zero slope on the centre plane.
@@ -285,6 +330,17 @@ fn bulk_reynolds(velocity: f64, height: f64, kinematic_viscosity: f64, model: Tu
         ));
     }
     Ok(reynolds)
+}
+
+/// Velocity profile U(y) as points in wall units.
+///
+/// # Errors
+/// Those of [`VelocityTable::new`]: none unless the solution is not finite.
+fn profile(channel: &HalfChannel, model: TurbulenceModel) -> Result<Vec<(f64, f64)>, String> {
+    match model {
+        TurbulenceModel::WallFunctions => wall_functions::profile(channel),
+        TurbulenceModel::LaunderSharma => Ok(launder_sharma::profile(channel)),
+    }
 }
 
 fn half_table(profile: &[(f64, f64)]) -> Result<VelocityTable, String> {

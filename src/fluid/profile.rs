@@ -91,6 +91,20 @@ impl Profile {
         Ok(Self::Pipe(Arc::new(Pipe::new(center, flow)?)))
     }
 
+    /// Makes the profile of another solution `flow` of the equations from which this channel or pipe profile was made.
+    /// Other profiles do not change.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`VelocityTable::new`]: a velocity that is not finite.
+    pub fn with_flow(&self, flow: ChannelFlow) -> Result<Self, String> {
+        Ok(match self {
+            Self::Channel(_) => Self::Channel(Arc::new(Channel { half: flow.half_table()?, flow })),
+            Self::Pipe(pipe) => Self::Pipe(Arc::new(Pipe::new(pipe.center(), flow)?)),
+            Self::Uniform(_) | Self::Tabulated(_) | Self::LogLaw(_) => self.clone(),
+        })
+    }
+
     /// [m/s] streamwise gas velocity at a position [m].
     #[inline]
     pub fn velocity_at(&self, place: &Vector3<f64>) -> f64 {

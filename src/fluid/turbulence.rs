@@ -247,7 +247,7 @@ fn lateness(ratio: f64) -> f64 {
 impl Langevin {
     /// [-] Lagrangian integral time over the turnover time, T_L ε/k.
     #[inline]
-    fn share_of_turnover(&self) -> f64 {
+    pub(super) fn share_of_turnover(&self) -> f64 {
         // Pope 1994, Annu. Rev. Fluid Mech. 26, 23: 1/2 + 3/4 C_0
         1.0 / (0.5 + 0.75 * self.kolmogorov_constant)
     }

@@ -1,6 +1,6 @@
 //! Standard k-epsilon model with equilibrium wall functions (Launder and Spalding 1974).
 
-use super::half_channel::{Equation, HalfChannel, WallCondition};
+use super::half_channel::{Equation, HalfChannel, SweepStep, WallCondition};
 use super::k_epsilon::{C_1, C_2, C_MU, SIGMA_EPSILON, SIGMA_K};
 use super::table::VelocityTable;
 
@@ -49,31 +49,39 @@ fn scale(channel: &HalfChannel) -> f64 {
 /// [-] production of k, ν_t (dU/dy)²; in the wall cell it is τ_w²/(κ u* y). In wall units.
 pub(super) fn production(channel: &HalfChannel, cell: usize) -> f64 {
     if cell == 0 {
-        1.0 / (KAPPA * scale(channel) * channel.y[0])
+        channel.wall_stress().powi(2) / (KAPPA * scale(channel) * channel.y[0])
     } else {
         channel.nu_t[cell] * channel.shear(cell).powi(2)
     }
 }
 
-/// Updates U, k, ε and ν_t once. Returns the largest relative change [-].
+/// Updates U, k, ε and ν_t of a gas alone once; returns the largest relative change [-].
 pub(super) fn sweep(channel: &mut HalfChannel) -> f64 {
-    let count = channel.k.len();
     channel.integrate_momentum(law(channel, channel.y[0]));
+    let none = vec![0.0; channel.k.len()];
+    sweep_turbulence(channel, &SweepStep { relaxation: RELAXATION, rate: 0.0, damping: (&none, 0.0) })
+}
 
-    let source: Vec<f64> = (0..count).map(|i| production(channel, i)).collect();
+/// Updates k, ε and ν_t once; returns the largest relative change [-].
+pub(super) fn sweep_turbulence(channel: &mut HalfChannel, step: &SweepStep) -> f64 {
+    let count = channel.k.len();
+    let (damping, factor) = step.damping;
+    let p: Vec<f64> = (0..count).map(|i| production(channel, i)).collect();
     let frequency: Vec<f64> = (0..count).map(|i| channel.epsilon[i] / channel.k[i]).collect();
+    let sink: Vec<f64> = (0..count).map(|i| frequency[i] + step.rate + damping[i]).collect();
+    let source: Vec<f64> = (0..count).map(|i| p[i] + step.rate * channel.k[i]).collect();
     let mut k = channel.k.clone();
-    let equation = Equation { prandtl: SIGMA_K, sink: &frequency, source: &source, wall: WallCondition::Insulated };
-    let mut change = channel.solve(&equation, RELAXATION, &mut k);
+    let equation = Equation { prandtl: SIGMA_K, sink: &sink, source: &source, wall: WallCondition::Insulated };
+    let mut change = channel.solve(&equation, step.relaxation, &mut k);
 
-    let sink: Vec<f64> = frequency.iter().map(|frequency| C_2 * frequency).collect();
-    let source: Vec<f64> = frequency.iter().zip(&source).map(|(frequency, p)| C_1 * frequency * p).collect();
+    let sink: Vec<f64> = (0..count).map(|i| C_2 * frequency[i] + step.rate + factor * damping[i]).collect();
+    let source: Vec<f64> = (0..count).map(|i| C_1 * frequency[i] * p[i] + step.rate * channel.epsilon[i]).collect();
     channel.k = k;
     // equilibrium of production and dissipation in the wall cell: ε = u*³/(κ y)
     let wall = WallCondition::FirstCell(scale(channel).powi(3) / (KAPPA * channel.y[0]));
     let mut epsilon = channel.epsilon.clone();
     let equation = Equation { prandtl: SIGMA_EPSILON, sink: &sink, source: &source, wall };
-    change = change.max(channel.solve(&equation, RELAXATION, &mut epsilon));
+    change = change.max(channel.solve(&equation, step.relaxation, &mut epsilon));
     channel.epsilon = epsilon;
 
     for i in 0..count {
@@ -85,6 +93,11 @@ pub(super) fn sweep(channel: &mut HalfChannel) -> f64 {
 /// [-] velocity U by the two-layer law of the wall, in wall units: τ_w y below the edge of the sublayer, and τ_w/(κ u*)
 /// ln(E u* y) above.
 fn law(channel: &HalfChannel, y: f64) -> f64 {
+    channel.wall_stress() * velocity_per_stress(channel, y)
+}
+
+/// U/τ_w at the distance `y` from the wall, by the two-layer law of the wall.
+pub(super) fn velocity_per_stress(channel: &HalfChannel, y: f64) -> f64 {
     let scale = scale(channel);
     if y * scale < SUBLAYER { y } else { (E * scale * y).ln() / (KAPPA * scale) }
 }
@@ -109,8 +122,9 @@ pub(super) fn profile(channel: &HalfChannel) -> Result<Vec<(f64, f64)>, String> 
     y.push(channel.reynolds_tau);
     let centre = channel.centre_velocity();
     let nodes: Vec<_> = y.iter().zip(channel.u.iter().chain([&centre])).map(|(y, u)| (y.ln(), *u)).collect();
-    // the slope dU/d(ln y) at the first node is that of the law of the wall, 1/(κ u*)
-    let table = VelocityTable::with_end_slopes(&nodes, [Some(1.0 / (KAPPA * scale(channel))), Some(0.0)])?;
+    // The slope dU/d(ln y) at the first node is that of the law of the wall, 1/(κ u*).
+    let slope = channel.wall_stress() / (KAPPA * scale(channel));
+    let table = VelocityTable::with_end_slopes(&nodes, [Some(slope), Some(0.0)])?;
     for (pair, nodes) in y.windows(2).zip(nodes.windows(2)) {
         profile.push((pair[0], nodes[0].1));
         profile.extend((1..PARTS).map(|part| {

@@ -8,6 +8,7 @@
 
 mod energy;
 mod frames;
+mod gas_flow;
 mod impacts;
 mod kinds;
 mod mixing;
@@ -23,6 +24,7 @@ mod stress;
 
 pub use energy::EnergyBooks;
 pub use frames::{Frame, Frames};
+pub use gas_flow::{GasFlow, GasFlows};
 pub use impacts::ImpactSeries;
 pub use kinds::{KindAverages, KindCurve, Kinds, MeetingAverages, SpeciesAverages};
 pub use mixing::Mixing;
@@ -32,8 +34,8 @@ pub use paths::{PathSample, Paths};
 pub use rings::{Ring, RingAverages, Rings};
 pub use run_loop::{Pause, RunLoop};
 pub use second_moments::{Budgets, MOMENTS, SecondMoments, Terms};
-pub use series::{RotationSums, Row, Series, TurbulenceMeans};
-pub use series_columns::{CurveScale, FRICTION_COLUMNS, SERIES_COLUMNS, SeriesColumn, TURBULENCE_COLUMNS};
+pub use series::{GasMeans, RotationSums, Row, Series, TurbulenceMeans};
+pub use series_columns::{CurveScale, FRICTION_COLUMNS, GAS_COLUMNS, SERIES_COLUMNS, SeriesColumn, TURBULENCE_COLUMNS};
 pub use stress::{Stress, Stresses};
 
 use crate::engine::Failure;

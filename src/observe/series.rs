@@ -41,6 +41,8 @@ pub struct Row {
     pub friction: Option<FrictionSums>,
     /// Turbulence along the paths of the particles; `None` if only the mean velocity of the gas acts on them.
     pub turbulence: Option<TurbulenceMeans>,
+    /// Gas that feels the particles; `None` in a frozen gas.
+    pub gas: Option<GasMeans>,
     /// [kg m/s] momentum of all particles.
     pub momentum: Vector3<f64>,
     /// Number of impacts between particles that have ended since the start.
@@ -141,6 +143,31 @@ impl TurbulenceMeans {
     }
 }
 
+/// Gas that feels the particles, at one instant.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct GasMeans {
+    /// [Pa/m] pressure drop per length in the last step of the gas, without the hydrostatic part.
+    pub pressure_gradient: f64,
+    /// [m/s] flow rate over the cross-section.
+    pub bulk_velocity: f64,
+    /// [m/s] friction velocity; negative where the gas flows backwards at the wall.
+    pub friction_velocity: f64,
+    /// [kg m/s] momentum of the gas along z.
+    pub momentum: f64,
+}
+
+impl GasMeans {
+    fn of(simulation: &Simulation) -> Option<Self> {
+        let flow = simulation.loaded_flow()?;
+        Some(Self {
+            pressure_gradient: flow.pressure_gradient(),
+            bulk_velocity: flow.bulk_velocity(),
+            friction_velocity: flow.friction_velocity(),
+            momentum: flow.balance.now,
+        })
+    }
+}
+
 impl Row {
     /// [J] sum of the kinetic, rotational and elastic energy.
     pub fn energy(&self) -> f64 {
@@ -159,6 +186,7 @@ impl Row {
             elastic_energy: simulation.elastic_energy(),
             friction: FrictionSums::of(simulation),
             turbulence: TurbulenceMeans::of(simulation),
+            gas: GasMeans::of(simulation),
             pair_impacts: simulation.record.pairs.count,
             wall_impacts: simulation.record.walls.count,
             coordination: touching.ends as f64 / simulation.count().max(1) as f64,
@@ -183,6 +211,7 @@ impl Row {
             rotation: RotationSums::of(sample, sums.mass),
             friction: None,
             turbulence: None,
+            gas: None,
             momentum: sums.momentum,
             pair_impacts: 0,
             wall_impacts: 0,

@@ -117,3 +117,15 @@ pub const TURBULENCE_COLUMNS: [SeriesColumn; 3] = [
         row.turbulence.map(|of| of.covariance)
     }),
 ];
+
+/// Further columns of scenes whose gas feels the particles.
+pub const GAS_COLUMNS: [SeriesColumn; 4] = [
+    mean("gas_pressure_gradient_Pa_m", "pressure drop of the gas", "Pa/m", |row| {
+        row.gas.map(|gas| gas.pressure_gradient)
+    }),
+    mean("gas_bulk_velocity_m_s", "flow rate of the gas", "m/s", |row| row.gas.map(|gas| gas.bulk_velocity)),
+    mean("gas_friction_velocity_m_s", "friction velocity of the gas", "m/s", |row| {
+        row.gas.map(|gas| gas.friction_velocity)
+    }),
+    sum("gas_momentum_z_kg_m_s", "momentum of the gas along z", "kg m/s", |row| row.gas.map(|gas| gas.momentum)),
+];

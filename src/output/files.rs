@@ -26,7 +26,7 @@ const REPORT: &str = "report.html";
 
 /// Names of tables that a run may write, apart from [`SUMMARY`]. When results are replaced, these files are removed, so
 /// that no file of an earlier run remains.
-const TABLES: [&str; 15] = [
+const TABLES: [&str; 16] = [
     "series.csv",
     "paths.csv",
     "profiles.csv",
@@ -38,6 +38,7 @@ const TABLES: [&str; 15] = [
     "oblique.csv",
     "chart.csv",
     "profile.csv",
+    "gas.csv",
     "sweep.csv",
     "sensitivity.csv",
     "validation.csv",

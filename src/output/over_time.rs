@@ -2,12 +2,12 @@
 
 use super::OutputError;
 use super::csv::{CsvTable, number};
-use crate::observe::{FRICTION_COLUMNS, PathSample, SERIES_COLUMNS, SeriesColumn, TURBULENCE_COLUMNS};
+use crate::observe::{FRICTION_COLUMNS, GAS_COLUMNS, PathSample, SERIES_COLUMNS, SeriesColumn, TURBULENCE_COLUMNS};
 use crate::outcome::Outcome;
 
 /// Contents of `series.csv`: averages over all particles, with one row per variant and instant. Impacts and losses are
-/// counted from the start. Columns of friction exist only if spheres rotate, and those of turbulence only if the gas
-/// has a turbulence model.
+/// counted from the start. The columns of friction exist only where spheres rotate, those of turbulence only where
+/// particles see it, and those of the gas only where it feels the particles.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
@@ -17,7 +17,10 @@ pub fn series(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
     let of_friction = if rotates { &FRICTION_COLUMNS[..] } else { &[] };
     let fluctuates = rows(outcomes, |outcome| &outcome.series.rows).any(|(_, row)| row.turbulence.is_some());
     let of_turbulence = if fluctuates { &TURBULENCE_COLUMNS[..] } else { &[] };
-    let columns: Vec<&SeriesColumn> = SERIES_COLUMNS.iter().chain(of_friction).chain(of_turbulence).collect();
+    let is_loaded = outcomes.iter().any(|outcome| outcome.gas.is_some());
+    let of_gas = if is_loaded { &GAS_COLUMNS[..] } else { &[] };
+    let columns: Vec<&SeriesColumn> =
+        SERIES_COLUMNS.iter().chain(of_friction).chain(of_turbulence).chain(of_gas).collect();
     let names: String = columns.iter().map(|column| format!(",{}", column.key)).collect();
     table.head(&format!("variant,t_s{names}"))?;
     for (outcome, row) in rows(outcomes, |outcome| &outcome.series.rows) {

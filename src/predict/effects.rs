@@ -136,7 +136,7 @@ fn in_gas(scene: &Scene, plan: &RunPrediction, contact: Option<f64>) -> Vec<Effe
             number: Some(plan.flow.iter().map(|flow| flow.mass_loading).sum()),
             threshold: TWO_WAY,
             source: "a rule of thumb: a tenth of the mass has a tenth of the momentum",
-            modelled: false,
+            modelled: scene.fluid.as_ref().is_some_and(|fluid| fluid.coupling.is_some()),
         },
         against_target(
             "collisions",

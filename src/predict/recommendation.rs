@@ -160,13 +160,14 @@ pub fn recommend(
     let time_step = shortest(contacts, law).map(|time| time / steps_per_contact);
     let doubts = doubts(plan);
     let loading: f64 = plan.flow.iter().map(|flow| flow.mass_loading).sum();
+    let coupled = experiment.scene.fluid.as_ref().is_some_and(|fluid| fluid.coupling.is_some());
     Recommendation {
         engine,
         law,
         steps_per_contact,
         time_step,
         window: plan.window,
-        adequate: engine.is_some() && loading <= FROZEN,
+        adequate: engine.is_some() && (loading <= FROZEN || coupled),
         reasons,
         refused: named(&hard, &soft),
         doubts,

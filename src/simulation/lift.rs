@@ -27,7 +27,9 @@ impl Simulation {
             return;
         };
         let began = self.clock.now();
+        let before = self.slice_sums(None);
         let sums = apply(&mut self.particles, (fluid, lift), duration, kick);
+        self.owe_lift(before);
         self.book_kick(sums, |drag_impulse, drag_work| Ledger { drag_impulse, drag_work, ..Ledger::default() });
         self.spent.drag += self.clock.now() - began;
     }

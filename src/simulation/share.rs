@@ -6,6 +6,7 @@ use crate::communicator::Communicator;
 use crate::engine::distributed::Distributed;
 use crate::exact::values;
 use crate::experiment::Experiment;
+use crate::fluid::LoadedFlow;
 use crate::particles::{Particles, Sample, fingerprint_of, for_each_slice};
 use crate::record::Record;
 use crate::stored::{StoreError, Stored};
@@ -36,7 +37,9 @@ pub enum Order {
     /// Apply drag alone for a duration [s], as the kick with a number.
     Kick(f64, u64),
     /// Advance the engine from a start time through a window [s].
-    Advance(f64, f64),
+    ///
+    /// A gas that feels the particles is sent too, since processes without particles have not followed it.
+    Advance(f64, f64, Option<Box<LoadedFlow>>),
     /// Store the velocities, before a half-kick for observers.
     Keep,
     /// Restore the stored velocities.
@@ -127,20 +130,23 @@ impl Simulation {
     /// at an index with the simulation. At its first call, the observer continues from the stored data of its copy in
     /// the lead.
     pub fn follow(mut self, see: &mut dyn FnMut(&Self, usize, Option<&Stored>)) {
-        let mut kept = Particles::default();
+        let (mut kept, mut kept_gas) = (Particles::default(), None);
         while let Some(share) = &self.share {
             match share.told() {
                 Order::Keep => {
                     self.particles.keep_kicked(&mut kept);
                     kept.eddies.clone_from(&self.particles.eddies);
+                    kept_gas.clone_from(&self.loaded_flow);
                 }
                 Order::TakeBack => {
                     self.particles.take_back(&mut kept);
                     self.particles.eddies = kept.eddies.take();
+                    self.take_gas(kept_gas.take());
                 }
                 Order::Kick(duration, number) => self.kick(duration, number),
-                Order::Advance(time, window) => {
+                Order::Advance(time, window, gas) => {
                     self.time = time;
+                    self.take_gas(gas);
                     // only the lead reports failures
                     let _ = self.advance(window);
                 }

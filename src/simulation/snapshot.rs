@@ -4,6 +4,7 @@ use super::totals::SimulationTotals;
 use super::{Simulation, SimulationTimes};
 use crate::communicator::Communicator;
 use crate::experiment::Experiment;
+use crate::fluid::LoadedFlow;
 use crate::particles::Particles;
 use crate::predict::energy::Bound;
 use crate::record::Record;
@@ -36,6 +37,8 @@ pub struct Snapshot {
     bound: Option<Bound>,
     /// [J] elastic energy of the initial overlaps, until the engine has processed the start (soft).
     unseen: Option<f64>,
+    /// Gas that feels the particles; `None` if the gas is frozen.
+    loaded_flow: Option<Box<LoadedFlow>>,
     /// State of the engine.
     engine: Stored,
 }
@@ -72,6 +75,7 @@ impl Simulation {
             half_kicked: self.half_kicked,
             bound: self.bound.clone(),
             unseen: self.unseen,
+            loaded_flow: self.loaded_flow.clone(),
             engine: self.engine.stored()?,
         })
     }
@@ -92,8 +96,9 @@ impl Simulation {
     /// The snapshot was taken with another engine.
     pub fn resume(mut self, snapshot: Snapshot) -> Result<Self, StoreError> {
         let Snapshot { particles, record, time, windows, spent, totals, .. } = snapshot;
-        let Snapshot { half_kicked, bound, unseen, engine, .. } = snapshot;
+        let Snapshot { half_kicked, bound, unseen, loaded_flow, engine, .. } = snapshot;
         self.engine.restore(&engine)?;
+        self.take_gas(loaded_flow);
         let by_walls = record.ledger.by_walls();
         let run = Self { particles, record, time, windows, spent, totals, by_walls, ..self };
         Ok(Self { half_kicked, bound, unseen, ..run })

@@ -1,7 +1,9 @@
 //! Keys of the gas, its flow and its drag.
 
 use crate::case::de::Located;
-use crate::case::quantity::{Density, DissipationRate, KinematicViscosity, Length, Ratio, SpecificEnergy, Speed};
+use crate::case::quantity::{
+    Density, DissipationRate, KinematicViscosity, Length, PressureGradient, Ratio, SpecificEnergy, Speed,
+};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
@@ -30,6 +32,9 @@ pub struct FluidFile {
     pub turbulence: Option<Located<SeenTurbulenceFile>>,
     /// Lift of the gas on the particles. Without this table there is no lift.
     pub lift: Option<Located<LiftFile>>,
+    /// Two-way coupling: the gas loses the momentum that it gives to the particles. Without this table the particles do
+    /// not change the gas.
+    pub coupling: Option<Located<CouplingFile>>,
     /// Velocity of the gas along z, usually as a function of y. Give exactly one of the tables below.
     #[schemars(extend("x-required" = "always"))]
     pub profile: Option<Located<ProfileFile>>,
@@ -74,6 +79,33 @@ pub struct LiftFile {
     /// must rotate.
     #[schemars(example = true, extend("default" = false))]
     pub spin: Option<Located<bool>>,
+}
+
+/// Table `[fluid.coupling]`: two-way coupling in a k-ε channel or pipe.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct CouplingFile {
+    /// Number of equal slices from the wall to the centre plane, or to the axis of a pipe, in which the force on the
+    /// particles is summed.
+    #[schemars(example = 20, extend("default" = 20, "x-range" = "1 ..= 1000"))]
+    pub slices: Option<Located<i64>>,
+    /// Pressure drop of the gas per length, which is kept constant. It is positive if it drives the gas along +z, and
+    /// contains no hydrostatic part. Without this key the flow rate is kept constant.
+    #[schemars(example = &"40 Pa/m", extend("x-range" = "-1e6 ..= 1e6 Pa/m"))]
+    pub pressure_gradient: Option<Located<PressureGradient>>,
+    /// Effect of the particles on the turbulence of the gas, beyond that of the mean velocity.
+    #[schemars(example = &"none", extend("default" = "simonin"))]
+    pub modulation: Option<Located<ModulationFile>>,
+}
+
+/// Name of a model of turbulence modulation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum ModulationFile {
+    /// No further effect.
+    None,
+    /// Damping of k and ε by the slip of the fluctuations, after Simonin (1996).
+    Simonin,
 }
 
 /// Tables `[drag.*]`: choice of a drag law.

@@ -1,5 +1,6 @@
 //! Turns a typed case into an experiment: checks all values, converts names, units and amounts, and reports errors.
 
+mod coupling;
 mod foreign;
 mod gas;
 mod length;
@@ -112,6 +113,7 @@ pub fn resolve(
     resolver.check_length(file, &experiment)?;
     resolver.check_drag(file, &experiment);
     resolver.check_eddies(file, &experiment);
+    resolver.check_coupling(file, &experiment)?;
     resolver.check_trajectories(file, &experiment)?;
     Ok((experiment, resolver.warnings))
 }

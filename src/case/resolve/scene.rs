@@ -176,6 +176,7 @@ impl Resolver {
         let (profile, table) = self.profile(fluid, domain, nu, species)?;
         let turbulence = self.turbulence(file, &profile, &table, nu)?;
         let lift = self.lift(fluid, file)?;
+        let coupling = self.coupling(file, &fluid.value, &profile)?;
         let drag = match &file.drag {
             Some(drag) => Some(self.drag(&drag.value, domain, species)?),
             None => {
@@ -187,7 +188,7 @@ impl Resolver {
                 None
             }
         };
-        Ok(Some(Fluid { density: rho, kinematic_viscosity: nu, profile, drag, buoyancy: None, turbulence, lift }))
+        Ok(Some(Fluid { turbulence, lift, coupling, ..Fluid::new(rho, nu, profile, drag) }))
     }
 
     fn drag(&self, drag: &DragFile, domain: &Domain, species: &[Species]) -> Result<Drag, Diagnostic> {

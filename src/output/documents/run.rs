@@ -1,6 +1,6 @@
 //! Document of a run or a comparison.
 
-use super::{hybrid, kinds, overview, stress, trust, verdict, work};
+use super::{gas_flow, hybrid, kinds, overview, stress, trust, verdict, work};
 use crate::outcome::Outcome;
 use crate::output::document::{Block, Document, Table, TextRow, known, status};
 use crate::output::figures::ROUNDING;
@@ -69,6 +69,7 @@ fn document<'a>(study: &Study<'a>) -> Result<Document<'a>, OutputError> {
     if outcomes.iter().any(|outcome| outcome.experiment.model().has_contacts()) {
         tables.push(("overlaps.csv".to_owned(), csv::overlaps(outcomes)?));
     }
+    tables.extend(gas_flow::csv(outcomes)?.map(|table| ("gas.csv".to_owned(), table)));
     tables.extend(over_time::paths(outcomes)?.map(|table| ("paths.csv".to_owned(), table)));
     let reproduction = [
         ("seed", distinct(outcomes.iter().map(|o| o.experiment.run.seed.to_string()))),
@@ -125,6 +126,8 @@ fn body(study: &Study, over_time: usize, figures: &[Figure]) -> Vec<Block> {
     body.extend(kinds::blocks(outcomes));
     body.extend(hybrid::blocks(outcomes));
     body.extend(stress::blocks(outcomes));
+    body.extend(gas_flow::blocks(outcomes));
+    body.extend(pictures(figures, &["gas"]));
     body.push(Block::heading("Energy ledger"));
     body.extend(energy(outcomes));
     if !outcomes.iter().all(|outcome| outcome.balance.is_idle()) {
@@ -422,6 +425,7 @@ fn variant(outcome: &Outcome, parameters: Option<&Value>) -> Value {
         "energy": energies(outcome),
         "granular_temperature": measured(outcome.temperature),
         "stress": stress::json(outcome),
+        "gas": gas_flow::json(outcome),
         "restitution": {
             "requested_pairs": experiment.scene.restitution_of_pairs(),
             "requested_walls": experiment.scene.walls.iter().map(|wall| wall.surface.restitution).collect::<Vec<_>>(),

@@ -3,7 +3,9 @@
 
 use super::chart;
 use super::profiles;
-use crate::fluid::{ChannelFlow, Profile, Section, TurbulenceModel};
+use crate::fluid::{ChannelFlow, GridNode, Profile, Section, TurbulenceModel};
+use crate::observe::GasFlow;
+use crate::outcome::Outcome;
 use crate::output::numbers::Prefix;
 use crate::output::panel::Figure;
 use crate::output::panel::{Panel, PanelSeries, SeriesPoint, SeriesStyle};
@@ -73,6 +75,33 @@ pub fn gases(profiles: &[(String, Profile)], height: f64) -> Option<Figure> {
         ..Panel::default()
     };
     Some(Figure::new("gases", "Mean streamwise velocity of the gases of all variants.", chart::single(&panel)))
+}
+
+/// Picture of the gas that feels the particles, beside the gas alone: velocity and turbulent kinetic energy from the wall
+/// to the middle. `None` if the gas is frozen in all variants.
+pub fn loaded(outcomes: &[Outcome]) -> Option<Figure> {
+    let flows: Vec<(&str, &GasFlow)> =
+        outcomes.iter().filter_map(|outcome| Some((outcome.experiment.name.as_str(), outcome.gas.as_ref()?))).collect();
+    let (_, first) = flows.first()?;
+    let prefix = Prefix::of(first.alone.last()?.y);
+    let panel = |label: &str, of: fn(&GridNode) -> f64| {
+        let points = |nodes: &[GridNode]| -> Vec<SeriesPoint> {
+            nodes.iter().map(|node| SeriesPoint::at(node.y * prefix.factor, of(node))).collect()
+        };
+        let alone = PanelSeries::new("gas alone", SeriesStyle::Reference, points(&first.alone));
+        let among = flows.iter().enumerate().map(|(style, (name, flow))| {
+            PanelSeries::new(format!("among the particles of {name}"), SeriesStyle::Line(style), points(&flow.mean))
+        });
+        Panel {
+            x_label: format!("distance from the wall  [{}m]", prefix.symbol),
+            y_label: label.into(),
+            series: std::iter::once(alone).chain(among).collect(),
+            ..Panel::default()
+        }
+    };
+    let panels = [panel("U  [m/s]", |node| node.u), panel("k  [m²/s²]", |node| node.k)];
+    let caption = "Mean velocity and turbulent kinetic energy of the gas, alone and averaged among the particles.";
+    Some(Figure::new("gas", caption, chart::grid(&panels)))
 }
 
 fn wall_units(profile: &Profile, flow: &ChannelFlow) -> Panel {

@@ -71,6 +71,7 @@ pub fn study(outcomes: &[Outcome]) -> Vec<Figure> {
             svg,
         )
     }));
+    figures.extend(gas::loaded(outcomes));
     let caption = "Second moments of the velocity fluctuations: u streamwise, v wall-normal, w spanwise.";
     figures.extend(of_groups("second-moments", caption, second_moments(outcomes)));
     let caption =

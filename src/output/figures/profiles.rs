@@ -3,6 +3,7 @@
 
 use super::chart;
 use crate::fluid::Profile;
+use crate::observe::GasFlow;
 use crate::outcome::Outcome;
 use crate::output::groups::{PanelGroup, TOLD_APART, groups, references};
 use crate::output::numbers::Prefix;
@@ -92,10 +93,23 @@ fn draw(panels: &[Panel]) -> String {
 }
 
 fn gas(group: &PanelGroup, height: &Height) -> Option<PanelSeries> {
-    let fluid = group.members.iter().find_map(|(_, outcome)| outcome.experiment.scene.fluid.as_ref())?;
+    let (outcome, fluid) =
+        group.members.iter().find_map(|(_, outcome)| Some((outcome, outcome.experiment.scene.fluid.as_ref()?)))?;
     // slices of a pipe also contain particles outside the plane through its axis
     let label = if matches!(fluid.profile, Profile::Pipe(_)) { "gas, in the plane through the axis" } else { "gas" };
-    Some(PanelSeries { label: label.into(), look: SeriesStyle::Reference, points: gas_points(&fluid.profile, height) })
+    let points = match &outcome.gas {
+        Some(gas) => loaded_points(gas, &fluid.profile, height),
+        None => gas_points(&fluid.profile, height),
+    };
+    Some(PanelSeries { label: label.into(), look: SeriesStyle::Reference, points })
+}
+
+/// Time averages of a gas that feels the particles, at the grid points of both halves of the flow.
+fn loaded_points(gas: &GasFlow, profile: &Profile, height: &Height) -> Vec<SeriesPoint> {
+    let [low, high] = profile.between(height.length);
+    let lower = gas.mean.iter().map(|node| (low + node.y, node.u));
+    let upper = gas.mean.iter().rev().map(|node| (high - node.y, node.u));
+    lower.chain(upper).map(|(y, u)| SeriesPoint::at(y * height.prefix.factor, u)).collect()
 }
 
 fn gas_points(profile: &Profile, height: &Height) -> Vec<SeriesPoint> {
