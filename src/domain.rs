@@ -40,11 +40,11 @@ pub struct Domain {
     /// Shear, by which images across y slide along z; `None` if images are at rest.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub shear: Option<Shear>,
-    /// [m] half the edge along periodic axes, infinity along others: beyond this distance another image of a particle
-    /// is nearer.
+    /// [m] half the edge length along periodic axes, infinity along others. If two particles are farther apart along an
+    /// axis, another periodic image is nearer.
     #[serde(skip)]
     pub(crate) half: Vector3<f64>,
-    /// [m²] square of the shortest half edge: if a particle is within this distance of another, none of its images is
+    /// [m²] square of the shortest half edge length. If two particles are nearer than this length, no periodic image is
     /// nearer.
     #[serde(skip)]
     direct: f64,
@@ -153,12 +153,12 @@ impl Domain {
         self.size.x * self.size.y * self.size.z
     }
 
-    /// [m] vector from `b` to the nearest image of `a`. Both positions must be within 1.5 periods of the box. This is
-    /// so between two calls of [`Domain::wrap`].
+    /// [m] vector from `b` to the nearest periodic image of `a`. Both positions must be within 1.5 periods of the box,
+    /// as all positions are between two calls of [`Domain::wrap`].
     #[inline(always)]
     pub fn separation(&self, a: &Vector3<f64>, b: &Vector3<f64>) -> Vector3<f64> {
         let mut d = a - b;
-        // most pairs are near, and for these one comparison replaces those of three axes
+        // most pairs are near: this comparison then replaces the comparisons along the three axes
         if d.norm_squared() < self.direct {
             return d;
         }
@@ -220,7 +220,7 @@ impl Domain {
         change
     }
 
-    /// [m] image of `position` that lies in the box along all periodic axes.
+    /// [m] periodic image of `position` that lies inside the box along all periodic axes.
     #[inline]
     pub fn wrap(&self, position: &Vector3<f64>) -> Vector3<f64> {
         self.wrap_by(position, self.sheared_periods(position))

@@ -89,7 +89,7 @@ fn surface(surface: &Surface) -> Value {
     json!({ "restitution": surface.restitution, "friction": surface.friction })
 }
 
-/// Adds rolling and twisting friction that differ from those of the law.
+/// Adds the coefficients of rolling and twisting friction that differ from those of the law.
 fn add_resistance(value: &mut Value, own: &ResistanceFriction) {
     for (key, friction) in [("rolling_friction", own.rolling), ("twisting_friction", own.twisting)] {
         if let Some(friction) = friction {

@@ -1,7 +1,7 @@
 //! Header lines of a saved state (`state.csv`), by which a changed file is recognized.
 //!
-//! The first line contains the number of particles and a checksum of the rest. A table that was cut short or changed is
-//! therefore not accepted as a saved state. The other lines describe the run.
+//! The first line contains the number of particles and a checksum of the rest. So a table that was cut short or changed
+//! is not accepted as a saved state. The other lines describe the run.
 
 use crate::domain::Domain;
 
@@ -34,8 +34,8 @@ pub fn verify(text: &str) -> Result<bool, String> {
     Ok(true)
 }
 
-/// Entries of the lines `# key: value` above the table of a saved state. Files of older versions and tables made by the
-/// user have no such lines.
+/// Pairs of key and value in the lines `# key: value` above the table of a saved state. Files of older versions and
+/// tables made by the user have no such lines.
 pub fn head(text: &str) -> impl Iterator<Item = (&str, &str)> {
     let lines = text.lines().skip(1).map_while(|line| line.strip_prefix("# "));
     lines.filter_map(|line| line.split_once(": ")).map(|(key, value)| (key, value.trim_end()))

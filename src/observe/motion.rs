@@ -8,7 +8,7 @@ use crate::statistics::{Batches, Estimate, Steadiness, SteadySeries, VelocitySpr
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Means over all particles at every sample, for the test for a steady state.
+/// Means over all particles at every sample; the test for a steady state uses them.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Motion {
     /// Number of slices in which the temperature is computed.
@@ -29,7 +29,7 @@ pub struct Motion {
     /// [Pa] kinetic part of the stress against the shear of a sheared box, and [Pa s] integral of its contact part since the
     /// start, at every sample; empty without shear.
     stress: Vec<[f64; 2]>,
-    /// True for each axis that is not periodic; along such an axis a mean position is defined.
+    /// True for each axis that is not periodic. Only along such an axis is a mean position defined.
     bounded: [bool; 3],
     /// [m] edge lengths of the domain.
     size: Vector3<f64>,
@@ -39,13 +39,13 @@ pub struct Motion {
     diameter: f64,
 }
 
-/// A quantity over time that is tested for being steady, in SI units.
+/// Quantity at every sample that is tested for being steady, in SI units.
 pub struct Followed {
     /// Value at every sample.
     pub values: Vec<f64>,
     /// Scale of the quantity, as in [`SteadySeries`].
     pub scale: f64,
-    /// Smallest drift of the quantity that counts, as in [`SteadySeries`].
+    /// Smallest drift of the quantity that counts as a drift, as in [`SteadySeries`].
     pub step: f64,
 }
 
@@ -55,7 +55,7 @@ impl Followed {
     }
 }
 
-/// [-] largest drift of a mean position that counts as rest, over the diameter. Likewise, speeds below a hundredth of
+/// [-] largest drift of a mean position that counts as rest, in diameters. In the same way, speeds below a hundredth of
 /// sqrt(g d) count as rest.
 const PLACE: f64 = 0.01;
 
@@ -79,9 +79,9 @@ impl Motion {
         }
     }
 
-    /// Start of averaging, as given or detected, and the result of the test for a steady state from this start on. The
-    /// test covers all quantities that are compared between steady runs: velocity, temperature, positions and impact
-    /// rates. `more` contains quantities that other observers measured at the same samples.
+    /// Given or detected start of averaging, and the result of the test for a steady state from this start on. The test
+    /// covers all quantities that are compared between steady runs: velocity, temperature, positions and impact rates.
+    /// `more` contains further quantities, measured by other observers at the same samples.
     pub fn steadiness(&self, asked: AverageFrom, more: Vec<Followed>) -> Steadiness {
         let from = match asked {
             AverageFrom::Time(from) => Some(from),
@@ -93,8 +93,8 @@ impl Motion {
 
     /// All tested quantities over time.
     fn series(&self) -> Vec<Followed> {
-        // if momentum is conserved, the mean velocity changes only by rounding, which is small compared with the
-        // agitation
+        // if momentum is conserved, the mean velocity changes only by rounding errors, which are small compared with
+        // the agitation
         let agitation = self.agitation.iter().copied().fold(0.0, f64::max);
         let (speed, diameter) = (self.rest_speed, self.diameter);
         let followed = |values, scale, step| Followed { values, scale, step };
@@ -109,7 +109,7 @@ impl Motion {
         let squares = || self.place.iter().map(|place| place[3]).collect();
         let square = self.size.y * self.size.y;
         all.extend(self.bounded[1].then(|| followed(squares(), square, PLACE * diameter * self.size.y)));
-        // impact rates are not tested for bodies at rest, that is, bodies slower than the rest speed
+        // particles at rest, slower on average than the rest speed, have no impact rates to be tested
         let rests = self.agitation.last().is_none_or(|last| *last < speed * speed);
         for which in 0..if rests { 0 } else { 2 } {
             let rates: Vec<f64> =
@@ -144,8 +144,8 @@ impl Motion {
         Batches::of_series(&totals, interval, *self.times.get(first)? + interval)
     }
 
-    /// Granular temperature averaged over blocks of time from sample `first` on; `None` if it is unknown at one of the
-    /// samples.
+    /// Granular temperature [m²/s²], averaged over blocks of time from sample `first` on; `None` if the temperature is
+    /// unknown at one of the samples.
     pub fn batches(&self, first: usize) -> Option<Batches> {
         let interval = self.times.get(1)? - self.times.first()?;
         Batches::of_series(&self.temperatures(first)?, interval, *self.times.get(first)?)

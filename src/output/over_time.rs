@@ -3,22 +3,23 @@
 use super::OutputError;
 use super::csv::{CsvTable, number};
 use crate::observe::{
-    FRICTION_COLUMNS, PathSample, Row, SERIES_COLUMNS, SHEAR_COLUMNS, SeriesColumn, TURBULENCE_COLUMNS,
+    FRICTION_COLUMNS, GAS_COLUMNS, PathSample, Row, SERIES_COLUMNS, SHEAR_COLUMNS, SeriesColumn, TURBULENCE_COLUMNS,
 };
 use crate::outcome::Outcome;
 
 /// Contents of `series.csv`: averages over all particles, with one row per variant and instant. Impacts and losses are
 /// counted from the start. The columns of friction exist only where spheres rotate, those of turbulence only where
-/// particles see it, and those of shear only for sheared boxes.
+/// particles see it, those of the gas only where it feels the particles, and those of shear only for sheared boxes.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
 pub fn series(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
     let mut table = CsvTable::new();
     let has = |part: fn(&Row) -> bool| rows(outcomes, |outcome| &outcome.series.rows).any(|(_, row)| part(row));
-    let further: [(&[SeriesColumn], bool); 3] = [
+    let further: [(&[SeriesColumn], bool); 4] = [
         (&FRICTION_COLUMNS, has(|row| row.friction.is_some())),
         (&TURBULENCE_COLUMNS, has(|row| row.turbulence.is_some())),
+        (&GAS_COLUMNS, outcomes.iter().any(|outcome| outcome.gas.is_some())),
         (&SHEAR_COLUMNS, has(|row| row.shear.is_some())),
     ];
     let further = further.into_iter().filter(|(_, has)| *has).flat_map(|(columns, _)| columns);
@@ -32,8 +33,8 @@ pub fn series(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
     table.bytes()
 }
 
-/// Contents of `paths.csv`: one row per variant, instant and particle. The table exists for up to 50 particles; `None`
-/// for more. The column of overlaps contains the largest overlap of the particle at the instant.
+/// Contents of `paths.csv`: one row per variant, instant and particle; `None` for more than 50 particles. The column of
+/// overlaps contains the largest overlap of the particle at the instant.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.

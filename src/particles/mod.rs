@@ -1,4 +1,4 @@
-//! The particle store: the only data of a scene that change during a run.
+//! Particle store: the only data of a scene that change during a run.
 
 mod columns;
 mod sample;
@@ -17,8 +17,8 @@ use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use values::{AsBytes, AsNumbers};
 
-/// Number of particles or pairs in a piece of parallel work; with fewer, a second thread does not pay. Pieces do not
-/// depend on the number of threads, so the results do not either.
+/// Number of particles or pairs in a piece of parallel work. For smaller numbers a second thread saves no time. The
+/// pieces do not depend on the number of threads, so neither do the results.
 pub const CHUNK: usize = 8192;
 
 columns! {
@@ -28,10 +28,9 @@ columns! {
     /// Mutable moving state of several consecutive particles of a store.
     pub struct MotionChunk;
 
-    /// Particle store: spheres as a struct of arrays. All arrays have equal lengths, one entry per sphere.
-    /// Engines may reorder the store for speed. `id` identifies a particle: ids are 0 to N - 1 in the order of the
+    /// Particle store: spheres as a struct of arrays. All arrays have the same length, with one entry per sphere.
+    /// Engines may reorder the store for speed. The `id` of a particle stays: ids are 0 to N - 1 in the order of the
     /// initial state.
-    /// state.
     ///
     /// ```
     /// use diptych::{Particles, Vector3};
@@ -43,8 +42,8 @@ columns! {
     /// ```
     #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
     pub struct Particles {
-        /// [m] positions of the centres. Since the last call of [`wrap`](crate::domain::Domain::wrap), a centre may
-        /// have left the box along a periodic axis.
+        /// [m] positions of the centres. After the last call of [`wrap`](crate::domain::Domain::wrap), centres may have
+        /// left the box along periodic axes.
         pub position: Vec<Vector3<f64>> => ["x", "y", "z"] as moving,
         /// [m/s] velocities of the centres.
         pub velocity: Vec<Vector3<f64>> => ["vx", "vy", "vz"] as moving by kicks,
@@ -102,8 +101,8 @@ impl Particles {
         self.position.is_empty()
     }
 
-    /// Appends a sphere, whose id is its index. Position and radius in m, velocity in m/s, mass in kg; `species` is an
-    /// index.
+    /// Appends a sphere with a position [m], a velocity [m/s], a radius [m] and a mass [kg]. `species` is an index in
+    /// the scene. The id of the sphere is its index.
     pub fn push(&mut self, position: Vector3<f64>, velocity: Vector3<f64>, radius: f64, mass: f64, species: u16) {
         let place = self.len();
         self.grow();
@@ -115,7 +114,7 @@ impl Particles {
         self.id[place] = place as u32;
     }
 
-    /// Appends all particles of another store; their ids become their new indices.
+    /// Appends all particles of another store, with their new indices as ids.
     pub fn append(&mut self, other: &Self) {
         let (first, count) = (self.len() as u32, other.len() as u32);
         self.copy_from(other, &(0..count).collect::<Vec<u32>>());
@@ -135,7 +134,7 @@ impl Particles {
         fingerprint_of(self, None)
     }
 
-    /// Replaces every position outside a periodic side by that of the image inside the box. Particles outside a sheared
+    /// Replaces every position outside a periodic side by the periodic image inside the box. Particles outside a sheared
     /// side also get the velocity of that image; the result sums these changes.
     pub fn wrap(&mut self, domain: &Domain) -> Crossings {
         if domain.shear.is_some() {
@@ -197,7 +196,7 @@ impl Particles {
     }
 
     /// Adds spins and moments of inertia to a store without them. The spins are 0, and the moments are I = q m r² [kg
-    /// m²]. `factors` contains the inertia factors q [-] in the order of
+    /// m²]. `factors` contains the inertia factor q [-] of each species, in the order of
     /// [`Scene::species`](crate::scene::Scene::species).
     pub fn let_rotate(&mut self, factors: &[f64]) {
         let count = self.len();

@@ -33,7 +33,7 @@ pub fn resume(args: &Resume, ranks: &Ranks) -> Result<(), StudyError> {
         ))
     })?;
     let origin = CommandOrigin::Resumed { folder, command, quiet: args.quiet };
-    // only these commands are stored
+    // only the following commands store their state
     if let Command::Run(mut run) = cli.command {
         adopt(args, &mut run.output, &mut run.effort);
         run_on(&run, origin, ranks)

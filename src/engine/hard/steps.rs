@@ -17,10 +17,10 @@ use std::f64::consts::PI;
 /// Hard spheres with time steps. Particles fly for a step Δt. Then every pair that overlaps and approaches receives the
 /// impulse of hard spheres; positions are not corrected.
 ///
-/// The step is Δt < θ d/u_r (section 3.4 of the paper), with u_r = sqrt(8 q²/(3π)) (Eq. 8 with its root). In each time
-/// window the step is computed from the agitation q² of all particles, relative to one another and to the walls. The
-/// method misses grazing collisions that begin and end within a step, acts up to Δt late, and leaves overlaps. It is
-/// included to show these errors. Missed collisions are counted, and impacts record the overlaps.
+/// The step is Δt < θ d/u_r (section 3.4 of the paper), with u_r = sqrt(8 q²/(3π)) (Eq. 8, with the square root). In
+/// each time window the step is computed from the agitation q² of all particles, relative to one another and to the
+/// walls. The method misses grazing collisions that begin and end within a step, acts up to Δt late, and leaves
+/// overlaps. It is included to show these errors. Missed collisions are counted, and impacts record the overlaps.
 pub struct SteppedHard {
     theta: f64,
     list: NeighbourList,
@@ -51,8 +51,8 @@ impl SteppedHard {
         theta * diameter / (8.0 * agitation / (3.0 * PI)).sqrt()
     }
 
-    /// Number of pairs that met within the last step of `dt` [s] and separate at its end, whether they overlap at that
-    /// time or not. These pairs receive no impulse.
+    /// Number of pairs that met within the last step of `dt` [s] and separate at its end, even if they still overlap.
+    /// These pairs receive no impulse.
     fn missed(&self, particles: &Particles, scene: &Scene, dt: f64) -> u64 {
         let passed = |pair: &&Pair| {
             let (i, j) = (pair.i as usize, pair.j as usize);

@@ -42,19 +42,19 @@ pub struct Member {
     /// The ball that contains the particle from the first touch in its island to the end of the part of the time
     /// window. Before that touch the particle flies straight.
     pub(in crate::engine) ball: BoundingSphere,
-    /// Distance [m] from the middle of the straight flight, within which both balls (`flight` and `ball`) lie.
+    /// Radius [m] of a ball about the middle of the straight flight that contains both `flight` and `ball`.
     around: f64,
     /// Radius [m] that the ball had when particles next to this member were last added to the crowd (large island moved
     /// by uniform steps); 0 if this has not been done.
     took_in: f64,
     /// Range of the velocity changes of this particle in the list of all changes. It is `None` before the island is
-    /// solved, and for engines that do not report velocity changes. With it, the ball contains the trajectory after the
-    /// first change.
+    /// solved, and for engines that do not report velocity changes. If it is known, `ball` contains the trajectory
+    /// after the first change.
     turns: Option<Range<usize>>,
 }
 
-/// A list that rarely has more than four entries. The first four need no separate memory, so most islands allocate
-/// none.
+/// A list that rarely has more than four entries. The first four are stored in place, so most islands need no memory on
+/// the heap.
 pub type Few = SmallVec<[u32; 4]>;
 
 /// An island (group of particles that may meet) while it is being found: its members, and bounds on their speeds.
@@ -84,7 +84,8 @@ pub struct Cluster {
     pub(in crate::engine) alive: bool,
     /// Location of the island's result; `None` before the island is solved.
     solved: Option<IslandResult>,
-    /// Number of changes of the island so far. A search of the surroundings of an earlier version is out of date.
+    /// Number of changes of the island so far. The result of a search of the surroundings is valid for one version
+    /// only.
     version: u32,
     /// Version of the island for which the reach of the members was last computed.
     settled: Option<u32>,
@@ -103,8 +104,8 @@ impl Cluster {
 pub struct Landing {
     /// Location of the result of each solved island.
     pub kept: Vec<IslandResult>,
-    /// For each member, its island and its place in the island. The first number is that of the island in `kept`, the
-    /// second that of the member in the island.
+    /// For each member, the number of its island in `kept`, and the number of the member in that island; `None` if its
+    /// island has no result.
     pub of_member: Vec<Option<(u32, u32)>>,
 }
 
@@ -330,9 +331,8 @@ impl<'a> Clusters<'a> {
         }
     }
 
-    /// Returns the locations of all results, in order. For each member, the function also returns the number of its
-    /// island, and the number of the member in that island. Labels are kept until the results are written into the
-    /// particle store.
+    /// Returns the locations of the results of all islands, in the order of the islands and by member. The labels of
+    /// members are kept until the results are written into the particle store.
     pub fn land(self) -> Landing {
         let mut of_member = vec![None; self.members.len()];
         let mut kept = Vec::with_capacity(self.list.len());

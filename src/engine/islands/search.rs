@@ -21,7 +21,7 @@ const ROWS: usize = 16;
 /// Number of pairs that are collected before the data of their particles are read from the particle store.
 const BATCH: usize = 64;
 
-/// A ball. It contains a particle throughout its straight flight, relative to the moving frame of the search. In a sheared
+/// Ball that contains a particle throughout its straight flight, relative to the moving frame of the search. In a sheared
 /// box, the frame of each particle also has the mean flow at the position of the particle when the part begins.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct BoundingSphere {
@@ -90,8 +90,8 @@ pub struct Search {
     /// Ball that contains the straight flight of each particle, by particle index.
     pub flights: Vec<BoundingSphere>,
     packed: PackedBalls,
-    /// Label of each hot particle (member of an island), by particle index. It is `None` for other particles, and for
-    /// all particles between time windows.
+    /// Label of each hot particle (member of an island), by particle index; `None` for other particles. Between time
+    /// windows all entries are `None`.
     pub label: Vec<Option<Label>>,
     /// Search structure for the walls near a point, from the last search.
     pub near_walls: NearWalls,
@@ -100,7 +100,7 @@ pub struct Search {
     beside_walls: Vec<Vec<u32>>,
 }
 
-/// Number of a hot particle among the members of all islands, stored as an optional label in four bytes.
+/// Label of a hot particle: its number among the members of all islands. An `Option` of it takes four bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Label(NonZeroU32);
 
@@ -123,7 +123,7 @@ pub fn cell_order(particles: &Particles, region: &Region) -> Vec<u32> {
 }
 
 /// Appends the touches of pairs within `part` [s], in the order of the pairs, and clears the list of pairs. All
-/// particles are read from the particle store before any pair is checked in detail: otherwise the processor would wait
+/// particles are read from the particle store before any pair is checked in detail, so that the processor need not wait
 /// for memory at every pair.
 fn touches_of(
     pairs: &mut Vec<(u32, u32)>,
@@ -270,8 +270,8 @@ impl Search {
     fn touch_of_wall(&self, particles: &Particles, scene: &Scene, span: &SearchInterval, i: usize) -> Option<f64> {
         let SearchInterval { elapsed, part, falls } = *span;
         let spot = &self.flights[i];
-        // this position is not wrapped into the box, as walls require; with flat walls only, it is not read from the
-        // store
+        // walls require the middle of the flight without wrapping into the box; the middle is computed only on demand,
+        // because flat walls do not need it
         let way = || particles.position[i] + particles.velocity[i] * (0.5 * part);
         let look = |(wall, shape): (usize, &Wall)| {
             // the frame moves along planes, so the ball of the flight has the right distance from planes; for other
@@ -310,8 +310,8 @@ pub struct SearchInterval {
     elapsed: f64,
     /// Length of the interval [s].
     part: f64,
-    /// Upper limit [m] of the distance by which gravity moves a particle away from its straight flight during the
-    /// interval. The limit is equal for all particles, so it is computed only once.
+    /// Upper limit [m] of the distance by which gravity moves any particle away from its straight flight in the
+    /// interval.
     falls: f64,
 }
 

@@ -1,5 +1,5 @@
-//! Exact sums of the powers and forces of contacts. They depend neither on the order of contacts nor on which process
-//! or thread adds them.
+//! Exact sums of the powers and forces of contacts. The sums do not depend on the order of contacts, nor on the process
+//! or thread that adds them.
 
 use super::contact::{ContactForce, Rates};
 use crate::encounter::Couple;
@@ -21,8 +21,8 @@ type SpringRow = [f64; 4];
 /// Power [W] of the shear on one contact, and three numbers 0, in the order of [`BY_SHEAR`].
 type ShearRow = [f64; 4];
 
-/// Rows of contacts, one for each: those of pairs and those of walls. Contacts whose springs lose energy have a second
-/// row, and so have contacts across a sheared side.
+/// Rows of powers and forces, one per contact, separate for pairs and for walls. Contacts whose springs lose energy
+/// have a second row, and so have contacts across a sheared side.
 #[derive(Default)]
 pub struct ContactRows {
     of_pairs: Vec<SumRow>,
@@ -32,13 +32,14 @@ pub struct ContactRows {
 }
 
 impl ContactRows {
-    /// Adds the row of a force, `remaining` [s] before the end of the window. Full batches are condensed into `few`.
+    /// Adds the row of a force that acts `remaining` [s] before the end of the window. Full batches are condensed into
+    /// `few`.
     #[inline(always)]
     pub fn add(&mut self, couple: &Couple, force: &ContactForce, at: (&Scene, f64), few: &mut Self) {
         self.add_row(couple, force, 0.0, at, few);
     }
 
-    /// Adds the rows of a contact between bodies that rotate, of which friction takes the `losses` [W].
+    /// Adds the rows of a contact between rotating bodies; `losses` [W] are the parts of its friction power.
     #[inline(always)]
     pub fn add_rotating(
         &mut self,
@@ -74,7 +75,7 @@ impl ContactRows {
             }
         }
         if couple.is_wall() {
-            // for the rest of the window gravity does work on the momentum that walls add
+            // until the end of the window, gravity does work on the momentum that walls add
             let late = scene.gravity.dot(&f) * remaining;
             let given =
                 [f.x, f.y, f.z, restitution_power, wall_power, normal, late, friction_power, damped, 0.0, 0.0, 0.0];
@@ -93,7 +94,7 @@ impl ContactRows {
         }
     }
 
-    /// Condenses all rows into a few rows with the same sums in `few`.
+    /// Condenses all rows into a few rows with the same sums, which are added to `few`.
     pub fn leave(&mut self, few: &mut Self) {
         condense(&mut self.of_pairs, &mut few.of_pairs);
         condense(&mut self.at_walls, &mut few.at_walls);
@@ -110,7 +111,7 @@ impl ContactRows {
     }
 }
 
-/// Adds rows with a weight [-] to exact sums.
+/// Adds rows, multiplied by a weight [-], to exact sums.
 fn add_weighted<const K: usize>(sums: &mut [ExactSum; K], rows: &[[f64; K]], weight: f64) {
     if rows.is_empty() || weight == 0.0 {
         return;
@@ -123,7 +124,7 @@ fn add_weighted<const K: usize>(sums: &mut [ExactSum; K], rows: &[[f64; K]], wei
     }
 }
 
-/// Exact sums of rows.
+/// Exact sums of the rows of contacts.
 pub struct ContactSums {
     of_pairs: [ExactSum; SOME],
     at_walls: [ExactSum; SOME],
@@ -148,7 +149,7 @@ impl ContactSums {
         add_weighted(&mut self.by_shear, &rows.by_shear, weight);
     }
 
-    /// Adds up the sums of all processes by `total`.
+    /// Replaces the sums by their totals over all processes, which `total` computes.
     pub fn gather(&mut self, total: impl Fn(&mut [&mut ExactSum])) {
         total(&mut self.of_pairs.each_mut());
         total(&mut self.at_walls.each_mut());
@@ -179,7 +180,7 @@ impl ContactSums {
         }
     }
 
-    /// Powers [W] of the parts of friction.
+    /// Parts [W] of the power that friction dissipates.
     pub fn friction_losses(&self) -> FrictionLosses {
         if self.is_empty {
             return FrictionLosses::default();
@@ -188,7 +189,7 @@ impl ContactSums {
         FrictionLosses::new(damped, values(&self.of_springs))
     }
 
-    /// Books the sums as acting for `time` [s].
+    /// Adds the sums, multiplied by the time `time` [s] for which they act, to the ledger.
     pub fn book(&self, time: f64, ledger: &mut Ledger) {
         if !self.is_empty {
             ledger.add_to(&OF_PAIRS, values(&self.of_pairs).map(|number| number * time));

@@ -1,4 +1,4 @@
-//! Second-order Runge-Kutta scheme, kept for comparison with the paper.
+//! Second-order Runge-Kutta scheme, included for comparison with the paper.
 
 use super::contacts::{EvaluationTime, StepRecord};
 use super::{SoftSolver, Window, instant};
@@ -11,7 +11,7 @@ use crate::scene::Scene;
 use nalgebra::Vector3;
 
 impl SoftSolver {
-    /// Heun's method: both stages use the overlaps and velocities of their own instant.
+    /// Moves all particles by Heun's method. Each of its two stages uses the overlaps and velocities of one instant.
     pub(super) fn heun(
         &mut self,
         particles: &mut Particles,
@@ -32,7 +32,7 @@ impl SoftSolver {
             if self.may_pass(scene, elapsed, dt) {
                 self.refuse_to_pass(particles, scene, window, elapsed, dt)?;
             }
-            // predictor: x + v dt, v + a dt; the list is renewed between steps only, so indices stay the same
+            // predictor: x + v dt, v + a dt; the list is rebuilt only between steps, so that indices stay valid
             drift(particles, dt, scene.gravity * (dt * (elapsed + 0.5 * dt)));
             let next = scene.at(window.start + (elapsed + dt));
             self.kick(particles, &next.domain, dt);

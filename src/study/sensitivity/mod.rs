@@ -140,7 +140,7 @@ impl SensitivityTable<'_> {
         let (factors, waiting) = weigh::factors(self.plan, &pooled, &self.outcomes, self.margin);
         let sentences = words::sentences(&factors, &waiting, self.margin);
         let over: Vec<Outcome> = pooled.into_iter().flatten().collect();
-        // run by run, because runs may have different starts on purpose
+        // notes run by run, because the runs may have different starts on purpose
         let notes: Vec<String> = over.iter().flat_map(|one| notes(std::slice::from_ref(one))).collect();
         let left_out: &[OmittedFactor] = &self.plan.left_out;
         let runs = self.runs();

@@ -25,8 +25,8 @@ const FEW: usize = 50;
 pub enum Compared {
     /// The second run minus the first one.
     Against(usize, usize),
-    /// The limit of runs of ever stiffer spheres minus the first run. Each run has a position on an axis to which the
-    /// effect of softness is proportional; the first is at 1.
+    /// Extrapolation to infinite stiffness minus the first run. The position of a run is its effect of softness over
+    /// that of the first run: the first run is at 1, infinite stiffness at 0.
     Extrapolated(Vec<(usize, f64)>),
 }
 
@@ -50,7 +50,7 @@ impl PlannedFactor {
         Self::new(Compared::Against(base, run), change.into(), why.into())
     }
 
-    /// A factor that compares the limit of several runs with the first one.
+    /// A factor that compares the extrapolation of several runs with the first one.
     pub fn extrapolated(runs: Vec<(usize, f64)>, change: String, why: String) -> Self {
         Self::new(Compared::Extrapolated(runs), change, why)
     }
@@ -59,7 +59,7 @@ impl PlannedFactor {
         Self { name: String::new(), title: String::new(), compared, change, why }
     }
 
-    /// Indices of the runs on the side of the change, and of those on the other side.
+    /// Indices of the changed runs, and of the runs with which they are compared.
     pub fn sides(&self) -> [Vec<usize>; 2] {
         match &self.compared {
             Compared::Against(base, run) => [vec![*run], vec![*base]],
@@ -72,9 +72,9 @@ impl PlannedFactor {
 
 /// A run of the study, and its changes of the case.
 pub struct PlannedRun {
-    /// Experiment with the first of its seeds.
+    /// Experiment of the run, with the first seed.
     pub experiment: Experiment,
-    /// Changes of the case as a user would type them.
+    /// Changes of the case, in the form in which a user types them.
     pub set: String,
     hash: String,
 }
@@ -199,7 +199,8 @@ impl<'a> SensitivityPlan<'a> {
         self.add("hard", &[], Some(Model::Hard), None)
     }
 
-    /// Experiment with these changes of the case. Its model is that of the unchanged case unless another one is given.
+    /// Experiment with the given changes of the case. Its model is that of the unchanged case unless another one is
+    /// given.
     ///
     /// # Errors
     /// The reason why the case refuses these changes, in words.
@@ -208,7 +209,7 @@ impl<'a> SensitivityPlan<'a> {
         changed.map(|(experiment, _)| experiment).map_err(|why| why.message)
     }
 
-    /// Index of a run with these changes of the case. The run is added unless an equal one exists.
+    /// Index of a run with the given changes of the case. The run is added unless an equal one exists.
     ///
     /// # Errors
     /// The reason why the case refuses these changes, in words.

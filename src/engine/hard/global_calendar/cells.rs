@@ -81,7 +81,7 @@ impl ShellGrid {
     }
 
     /// Numbers along the three axes of the cell that contains a point [m]. For a point beyond a side that is not
-    /// periodic, it is the nearest cell, so that neighbours remain in neighbouring cells.
+    /// periodic, the result is the nearest cell, so that neighbours remain in neighbouring cells.
     fn coordinates(&self, x: &Vector3<f64>) -> [usize; 3] {
         std::array::from_fn(|axis| ((x[axis] * self.per_length[axis]) as usize).min(self.count[axis] - 1))
     }
@@ -122,9 +122,9 @@ impl ShellGrid {
         self.put(place, new);
     }
 
-    /// Numbers along an axis of a cell and of its neighbours: up to three. Each is followed by the smallest distance
-    /// [m] of that cell from a point in the first cell. `from_side` [m] is the distance of that point from the lower
-    /// side of its cell.
+    /// Numbers, along one axis, of a cell and its neighbours, and how many there are (one to three). With each number
+    /// comes the smallest distance [m] of that cell from a point in the cell `at`. `from_side` [m] is the distance of
+    /// the point from the lower side of its cell.
     fn beside(&self, axis: usize, at: usize, from_side: f32) -> ([(usize, f32); 3], usize) {
         let n = self.count[axis];
         if n == 1 {
@@ -207,9 +207,9 @@ impl ShellGrid {
     }
 
     /// Appends to `found` the indices of the centres in a cell whose squared distance from `here` [m] is at most
-    /// `square` [m²]. Returns the number of centres in the cell. To avoid a branch, every index is written, and an
-    /// unwanted one is overwritten by the next. About half are wanted, so the processor would often mispredict a
-    /// branch.
+    /// `square` [m²]. Returns the number of centres in the cell. Every index is written, and the next one overwrites an
+    /// unwanted one. This avoids a branch, which the processor would often mispredict, since about half of the indices
+    /// are wanted.
     #[inline]
     fn within(&self, cell: usize, here: [f32; 3], square: f32, found: &mut Vec<u32>) -> u64 {
         let (mut end, mut checks, mut at) = (found.len(), 0, self.first[cell]);

@@ -17,12 +17,12 @@ use nalgebra::Vector3;
 use std::cmp::Ordering;
 use std::f64::consts::{PI, SQRT_2};
 
-/// Number of times that the fastest particle may cross the box within an epoch. After longer times the rounding of
-/// times would matter as much as that of positions.
+/// Number of times that the fastest particle may cross the box within an epoch. In a longer epoch the rounding of times
+/// would matter as much as that of positions.
 const CROSSINGS: f64 = 8.0;
 
-/// Number of new shells per particle after which the particles in the store are sorted again. By then
-/// particles have moved away from those that are near them in memory.
+/// Number of new shells per particle after which the particles in the store are sorted again. By then, particles near
+/// in memory are no longer near in space.
 const SORT_AFTER: u64 = 40;
 
 /// Type of change of the particle store since the calendar wrote its state to it.
@@ -105,7 +105,8 @@ impl GlobalCalendar {
         }
     }
 
-    /// Collision history of each particle, by id; empty if no history is stored.
+    /// Collision history of each particle, by id; empty if there is none. `recently` replaces the stored histories, if
+    /// given.
     fn history(&self, particles: &Particles, recently: Option<&[Recent]>) -> Vec<LastCollision> {
         let nothing = || vec![LastCollision::default(); particles.len()];
         match recently {

@@ -119,7 +119,7 @@ impl CalendarWindow {
 
 impl GlobalCalendar {
     /// Moves all particles through a window. `outdated` must be true if islands have moved particles since the last
-    /// call; their collision histories then contain only recent collisions.
+    /// call. The collision histories then contain only recent collisions.
     ///
     /// # Errors
     /// Inelastic collapse, or values that are not finite numbers; the store then contains the state at the time of the
@@ -254,7 +254,7 @@ impl GlobalCalendar {
         Encounter { normal, gap, velocity, normal_velocity: velocity.dot(&normal) }
     }
 
-    /// Motion of the wall's surface where a couple meets; `None` between particles.
+    /// Motion of the wall's surface at the point of contact; `None` for a pair of particles.
     fn wall_motion(&self, couple: &Couple, met: &Encounter, scene: &Scene) -> Option<WallMotion> {
         let Other::Wall(at) = couple.other else { return None };
         let (wall, body) = (&scene.walls[at.wall as usize], &self.bodies[couple.i as usize]);
@@ -339,8 +339,8 @@ impl GlobalCalendar {
         Ok(())
     }
 
-    /// Recent collisions, with the indices of the particles: those less than the contact time before simulated time
-    /// `time` [s]. Empty without a contact time.
+    /// Particles that collided less than the contact time before simulated time `time` [s], each with the time of its
+    /// last collision. Empty without a contact time.
     pub fn recent(&self, time: f64) -> impl Iterator<Item = Recent> {
         recent(self.met.iter(), self.contact_time, time)
     }

@@ -50,7 +50,7 @@ impl Events {
     }
 }
 
-/// Number of groups of four neighbours that are tested before the times of touch with these neighbours are computed.
+/// Number of groups of four neighbours that are tested before the times of touch with their members are computed.
 const AT_ONCE: usize = 4;
 
 /// [-] smallest resolvable rate of approach, divided by the distance and by the sum of both speeds. A slower approach
@@ -111,9 +111,9 @@ impl GlobalCalendar {
         (card.detail, card.detail_after) = details;
     }
 
-    /// The earliest two events of a particle. Considered are the exit from its shell (ball in which its neighbour list
-    /// is valid), the end of prediction (the horizon), and all touches. A second event is stored only if the first is a
-    /// touch.
+    /// The earliest two events of a particle. The candidates are the exit from its shell (ball in which its neighbour
+    /// list is valid), the end of prediction (the horizon), and all touches. A second event is stored only if the first
+    /// is a touch.
     #[inline]
     fn next_events(&self, place: u32, scene: &Scene) -> Events {
         let (body, shell) = (&self.bodies[place as usize], &self.next_events[place as usize].shell);
@@ -189,7 +189,7 @@ impl GlobalCalendar {
     }
 
     /// Adds to `events` all touches with neighbours, which are tested four at a time. The neighbours that touch soon
-    /// enough are selected first, without branches, because the processor would mispredict every second branch.
+    /// enough are selected first. This needs no branches, of which the processor would mispredict every second one.
     #[inline(always)]
     fn touches_by(
         &self,

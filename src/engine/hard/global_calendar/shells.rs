@@ -43,7 +43,6 @@ pub struct RadiusClass {
 
 /// Grid with the shells of particles whose sizes are within a factor of two. A single grid for all sizes would have
 /// very many small particles in each cell.
-/// small particles in each cell.
 #[derive(Clone, Debug)]
 struct ShellLevel {
     cells: ShellGrid,
@@ -78,8 +77,8 @@ pub struct Shells {
     smallest: f64,
     #[serde(skip)]
     found: Vec<u32>,
-    /// Mark of each particle, by which an update distinguishes old and new neighbours. The mark is twice the number of
-    /// the last update, modulo 2³², in which the particle was an old neighbour. One is added if the particle stays a
+    /// Mark of each particle, by which an update distinguishes old and new neighbours. The mark is twice the number
+    /// (modulo 2³¹) of the last update in which the particle was an old neighbour, plus one if the particle stays a
     /// neighbour.
     #[serde(skip)]
     marks: Vec<u32>,
@@ -88,7 +87,7 @@ pub struct Shells {
     free: ListPool,
 }
 
-/// Neighbour lists of several consecutive particles, before they are stored with the others.
+/// Neighbour lists of several consecutive particles, before the lists are stored with those of other particles.
 #[derive(Default)]
 struct Lists {
     /// Neighbours of all these particles, list after list.

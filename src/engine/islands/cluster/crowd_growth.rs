@@ -1,5 +1,5 @@
 //! Growth of a crowd, which is an island so large that it is moved by uniform steps. Particles next to the crowd are
-//! added to it before it pushes them.
+//! added to it, so that it need not be solved again when it pushes them.
 
 use super::Member;
 use super::bounded::BoundedIslands;

@@ -1,5 +1,5 @@
-//! Islands (groups of particles that may meet) that reach as far as their particles do fly. Islands of this type are
-//! used for engines that report velocity changes. After islands are solved, their trajectories show which of them meet.
+//! Islands (groups of particles that may meet) that are found by the trajectories of their members. They are used for
+//! engines that report velocity changes. After islands are solved, their trajectories show which of them meet.
 //!
 //! Each island is first solved as if it were alone. Its trajectories may then meet those of another island, or a
 //! particle that was expected to fly straight. In that case both form one island, which is solved again. In the end
@@ -21,8 +21,8 @@ use crate::neighbours::region::Region;
 use crate::work_sharing;
 use std::ops::{Deref, DerefMut, Range};
 
-/// [-] tolerance relative to the lengths of both paths. Trajectories that miss a touch by less count as touching,
-/// because of rounding.
+/// [-] tolerance relative to the lengths of both paths, because of rounding. Trajectories whose gap is smaller than
+/// this count as touching.
 const NEARLY: f64 = 1e-9;
 
 /// Balls, sorted into cells, that contain the paths of some hot particles (members of islands) after their first
@@ -57,14 +57,14 @@ impl DeflectedFlights {
     }
 }
 
-/// Islands that reach as far as their particles do fly. Meetings of islands are found from the trajectories of solved
-/// islands.
+/// Islands that are found by the trajectories of their members. The trajectories of solved islands show which islands
+/// meet.
 pub struct TracedIslands<'a> {
     clusters: Clusters<'a>,
     /// Velocity changes of all members; those of one member are consecutive and in the order of time.
     turns: Vec<VelocityChange>,
-    /// Balls in cells: the first entry contains those of all members, the second those of members whose islands were
-    /// solved again since.
+    /// Balls in cells. The first entry contains the balls of all members, the second those of members whose islands
+    /// have been solved again since the first round.
     deflected: [DeflectedFlights; 2],
 }
 
@@ -175,8 +175,8 @@ impl TracedIslands<'_> {
         let Some(begin) = turns.first().map(|turn| turn.origin + turn.velocity * turn.time) else {
             return PiecewiseTrajectory { turns: turned, ball: flight, around: flight.reach };
         };
-        // a ball about the middle between the first change and the end contains the path if it contains the position at
-        // every velocity change
+        // a ball about the middle between the first change and the end contains the path, if it contains the positions
+        // at all velocity changes and at the end
         let corner = |turn: &VelocityChange| turn.origin + turn.velocity * turn.time;
         let end = turns.last().map_or(begin, |turn| turn.origin + turn.velocity * self.part);
         let middle = (begin + end) * 0.5;
@@ -190,8 +190,8 @@ impl TracedIslands<'_> {
     }
 
     /// Unites islands whose trajectories meet, and adds the particles that they hit; these islands must be solved
-    /// again. Returns the number of solved islands whose results became invalid in this way. Only islands whose leading
-    /// particle satisfies `mine` are counted. Returns `None` if an island is too large.
+    /// again. Returns the number of solved islands whose results became invalid in this way. An island is counted if
+    /// its leader (member with the smallest id) satisfies `mine`. Returns `None` if an island is too large.
     fn unite_meeting(&mut self, mine: impl Fn(u32) -> bool) -> Option<u64> {
         let is_new = |which: &usize| {
             let cluster = &self.list[*which];
