@@ -172,6 +172,13 @@ fn stepping(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<PlannedFac
     ))
 }
 
+/// Tables of all surfaces: contacts between particles, walls, and listed pairs.
+pub fn surfaces(plan: &SensitivityPlan) -> Vec<String> {
+    let pairs = pairs(plan).unwrap_or_default().into_iter().map(|(table, _)| table);
+    let walls = walls(plan, |surface| surface.friction).unwrap_or_default().into_iter().map(|(table, _)| table);
+    pairs.chain(walls).collect()
+}
+
 /// Tables of the contacts between particles, each with its surface: `contact`, and the listed pairs of species.
 fn pairs(plan: &SensitivityPlan) -> Result<Vec<(String, Surface)>, String> {
     let reference = plan.reference();
