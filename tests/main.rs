@@ -64,6 +64,7 @@ mod parts; // starts and runs of which each process has a part from the beginnin
 mod pieces; // trajectories of a run over threads in place of processes, each of which writes its part
 mod plan; // predictions against short runs, recommendations, the plan command
 mod player; // recordings of particles: same bits, bounded, complete in the page
+mod restitution; // restitution by speed: every model, every soft law, gases, bits, messages
 mod resume; // runs that are killed or stopped go on with the same bits; damaged checkpoints; full disks
 mod rotation;
 mod schedule; // the windows that are chosen, against shorter ones

@@ -33,7 +33,7 @@ pub fn large() -> Species {
 
 /// A surface.
 pub fn surface(restitution: f64, friction: f64) -> Surface {
-    Surface { restitution, friction }
+    Surface::new(restitution, friction)
 }
 
 /// A box without gas, gravity or walls.

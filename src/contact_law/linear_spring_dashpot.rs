@@ -115,6 +115,7 @@ mod tests {
                 effective_mass,
                 effective_radius: 1.0,
                 restitution,
+                by_speed: None,
                 elasticity: [None; 2],
                 stiffness_ratio: 1.0,
             }),

@@ -364,7 +364,7 @@ impl ContactBlock {
     /// Contact that begins at a slot.
     fn open(&self, slot: u32, view: ContactSearch, law: &ContactLaw) -> Contact {
         let ContactSearch { list, at, .. } = view;
-        let touch = view.touching(list.couple(slot as usize), law);
+        let mut touch = view.touching(list.couple(slot as usize), law);
         let met = meet(&touch.couple, &touch.constants, view);
         // if a predicted state met the contact first, its force has acted already: the speed of approach is that of
         // this state
@@ -373,6 +373,7 @@ impl ContactBlock {
             Ok(k) if at.opens => self.foreseen[k].course.normal_speed,
             _ => -met.normal_velocity,
         };
+        touch.begin_at(normal_speed, (view.particles, view.scene), law);
         let began = at.start + at.elapsed;
         let begun = ContactState::beginning(began, normal_speed, &touch, view.scene, law);
         let surfaces = || SurfaceMotion::of(&touch.couple, touch.reach, &met, (view.particles, view.scene));
