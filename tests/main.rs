@@ -66,6 +66,7 @@ mod parts; // starts and runs in which each process has a part from the beginnin
 mod pieces; // trajectories in pieces, written by threads in place of processes
 mod plan; // predictions against short runs, recommendations, the command `plan`
 mod player; // recordings of particles: same bits, bounded, complete in the page
+mod restitution; // restitution by speed: every model, every soft law, gases, bits, messages
 mod resume; // killed or stopped runs continue with the same bits; damaged checkpoints; full disks
 mod rotation;
 mod schedule; // windows of the schedule against shorter windows
