@@ -78,7 +78,8 @@ pub struct Couple {
 pub struct FrameTime {
     /// Time [s] from the time of the particle store to the computed time; particles fly straight meanwhile.
     pub ahead: f64,
-    /// Time [s] of free fall whose displacement g t²/2 must be added to positions relative to a wall.
+    /// Time [s] of free fall whose displacement g t²/2 must be added to positions relative to a wall. Images in a sheared
+    /// box have slid for this time since the instant of the scene.
     pub sunk: f64,
     /// Time [s] of free fall whose velocity g t must be added to velocities relative to a wall.
     pub fallen: f64,
@@ -269,6 +270,19 @@ impl Couple {
         Some(WallMotion { velocity: wall.surface_velocity(&at_contact), spin: turning.spin })
     }
 
+    /// [m/s] velocity along z, relative to particle j itself, of the image of j that particle i meets. It is 0 unless a
+    /// sheared side is between the two. `velocity` [m/s] is that of i relative to the image.
+    #[inline]
+    pub fn image_velocity(&self, particles: &Particles, scene: &Scene, velocity: &Vector3<f64>) -> f64 {
+        match self.other {
+            Other::Particle(j) if scene.domain.shear.is_some() => {
+                let own = particles.velocity[self.i as usize].z - particles.velocity[j as usize].z;
+                scene.domain.whole_slides(own - velocity.z)
+            }
+            Other::Particle(_) | Other::Wall(_) => 0.0,
+        }
+    }
+
     /// Properties of the two bodies on which a contact law depends.
     pub fn bodies(&self, particles: &Particles, scene: &Scene) -> Bodies {
         match self.other {
@@ -449,6 +463,6 @@ pub fn relative(
     [i, j]: [usize; 2],
     moment: FrameTime,
 ) -> (Vector3<f64>, Vector3<f64>) {
-    let apart = scene.domain.separation(&moment.position(particles, i), &moment.position(particles, j));
-    (apart, particles.velocity[i] - particles.velocity[j])
+    let velocity = particles.velocity[i] - particles.velocity[j];
+    scene.domain.relative(&moment.position(particles, i), &moment.position(particles, j), velocity, moment.sunk)
 }

@@ -130,6 +130,8 @@ pub struct Averaged {
     pub wall_rate: Option<Batches>,
     /// [m²/s²] granular temperature.
     pub temperature: Option<Batches>,
+    /// [Pa] stress against the shear of a sheared box, kinetic plus contact part; `None` without shear.
+    pub shear_stress: Option<Batches>,
     /// Errors estimated from the scatter between replicas; `None` for a single run.
     pub replicas: Option<Replicas>,
 }

@@ -17,6 +17,7 @@ use crate::rotation::{ImpactKind, ResistanceFriction, Rotation, SOLID_SPHERE, ta
 use crate::walls::Wall;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 
 /// Properties of the contact between two kinds of bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -255,6 +256,14 @@ pub struct Scene {
 }
 
 impl Scene {
+    /// The scene with the images of a sheared box at the places of a time [s]. Without shear it is the scene itself.
+    pub fn at(&self, time: f64) -> Cow<'_, Self> {
+        match self.domain.at(time) {
+            Cow::Borrowed(_) => Cow::Borrowed(self),
+            Cow::Owned(domain) => Cow::Owned(Self { domain, ..self.clone() }),
+        }
+    }
+
     /// [m³] volume available to particles: the volume of the domain, or of the smallest vessel in it.
     pub fn room(&self) -> f64 {
         let vessels = self.walls.iter().filter_map(|wall| wall.geometry.law().vessel_volume(&self.domain.size));

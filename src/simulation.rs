@@ -38,6 +38,7 @@ use lift::LiftKick;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use share::{GatheredParticles, Order, SharedSimulation};
+use std::borrow::Cow;
 use std::time::Duration;
 use totals::SimulationTotals;
 use turbulence::TurbulentKick;
@@ -314,6 +315,12 @@ impl Simulation {
         if self.totals.mass > 0.0 { self.totals.momentum / self.totals.mass } else { Vector3::zeros() }
     }
 
+    /// Particles of this process with velocities relative to the mean flow of a sheared box; without shear, the particles
+    /// as they are.
+    pub fn relative_to_flow(&self) -> Cow<'_, Particles> {
+        self.particles.relative_to_flow(&self.scene.domain)
+    }
+
     /// [kg] mass of all particles in all processes.
     pub fn total_mass(&self) -> f64 {
         self.totals.mass
@@ -366,6 +373,7 @@ impl Simulation {
         if !self.is_follower() {
             self.book_gravity(by_walls, [window, reached]);
         }
+        self.slide_images();
         self.add_differences_in_gravity(0.5 * window);
         self.lift(0.5 * window, LiftKick::AfterWindow);
         turbulence::mirror_at_walls(&mut self.particles, &self.scene, window);
@@ -373,6 +381,17 @@ impl Simulation {
             self.clock.tell(self.time);
         }
         result
+    }
+
+    /// Moves the images of a sheared box to their places at the present time. The particles that have crossed a sheared
+    /// side come back at the other side.
+    fn slide_images(&mut self) {
+        if self.scene.domain.shear.is_none() {
+            return;
+        }
+        self.scene.domain = self.scene.domain.at(self.time).into_owned();
+        self.record.ledger += self.particles.wrap(&self.scene.domain);
+        self.totals.momentum = self.particles.momentum();
     }
 
     /// Calls `show` during a run with the missing half-kick of drag applied to the velocities. `kick` [s] is the

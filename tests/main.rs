@@ -74,6 +74,7 @@ mod schema; // the schema for editors: values that it refuses or accepts
 mod seams; // drag laws and wall shapes of the calling program, with the required methods alone
 mod sensitivity; // factors with a large effect, without effect, missing in a scene, or refused
 mod shapes; // walls of all kinds: closed forms, corners, the pressure of a gas on them (oracle D2)
+mod shear; // sheared boxes: across a side, translation, work of shear, engines, bits, kinetic theory
 mod size_and_power; // how often the verdict is wrong, on scenes of every kind and on known differences
 mod sizes; // the time for large inputs is proportional to their size
 mod snapshots; // state between windows, stored and restored with identical bits

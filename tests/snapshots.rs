@@ -59,6 +59,14 @@ fn blown() -> Experiment {
     blown
 }
 
+/// A crowd in a sheared box, whose images slide by a tenth of the box in a window.
+fn sheared() -> Experiment {
+    let mut sheared = crowd(200, 0.2, 0.5);
+    let domain = sheared.scene.domain;
+    sheared.scene.domain = domain.sheared(0.1 / WINDOW, 0.0);
+    sheared
+}
+
 fn scenes() -> Vec<(&'static str, Experiment)> {
     vec![
         ("dilute", crowd(200, 0.01, 0.5)),
@@ -67,6 +75,7 @@ fn scenes() -> Vec<(&'static str, Experiment)> {
         ("mixture", mixture()),
         ("falling", falling()),
         ("blown", blown()),
+        ("sheared", sheared()),
     ]
 }
 

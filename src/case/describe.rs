@@ -85,6 +85,15 @@ pub(crate) fn scene_in_words(experiment: &Experiment) -> String {
         length(size.y),
         length(size.z)
     );
+    if let Some(shear) = &scene.domain.shear {
+        let speed = scene.domain.sliding();
+        let _ = writeln!(
+            text,
+            "Shear: {} 1/s along z, growing along y; images across y slide at {} m/s.",
+            short(shear.rate, 4),
+            short(speed, 4)
+        );
+    }
     for (index, wall) in scene.walls.iter().enumerate() {
         let shape = match wall.geometry.plane() {
             Some(plane) => {

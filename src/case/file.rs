@@ -22,6 +22,7 @@ mod gas;
 mod region;
 mod restitution;
 mod rotation;
+mod shear;
 mod sizes;
 mod walls;
 
@@ -32,6 +33,7 @@ pub use gas::{
 pub use region::{BlockRegionFile, CylinderRegionFile, RegionFile};
 pub use restitution::{RestitutionFile, RestitutionLawFile};
 pub use rotation::{HistoryFile, ImpactRuleFile, RollingFile, TangentialFile, TwistingFile};
+pub use shear::ShearFile;
 pub use sizes::{ByFile, SizesFile};
 pub use walls::{BoxFile, ConeFile, CuboidFile, CylinderFile, MeshFile, PlaneFile, SphereFile, WallFile};
 
@@ -106,6 +108,8 @@ pub struct DomainFile {
     /// Axes along which the box is periodic.
     #[schemars(extend("examples" = [["x", "z"]], "default" = []))]
     pub periodic: Option<Vec<Located<Axis>>>,
+    /// Uniform shear, by which images across y slide along z.
+    pub shear: Option<Located<ShearFile>>,
 }
 
 /// Axis of space, given by its name.

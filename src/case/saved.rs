@@ -41,11 +41,13 @@ pub fn head(text: &str) -> impl Iterator<Item = (&str, &str)> {
     lines.filter_map(|line| line.split_once(": ")).map(|(key, value)| (key, value.trim_end()))
 }
 
-/// Entries about the box of a saved state: edges [m] and periodic axes, as text.
-pub fn box_lines(domain: &Domain) -> [(&'static str, String); 2] {
+/// Entries about the box of a saved state: edges [m] and periodic axes, as text. For a sheared box also the displacement
+/// [m] of the image one period above.
+pub fn box_lines(domain: &Domain) -> Vec<(&'static str, String)> {
     let axes = ["x", "y", "z"].into_iter().zip(domain.periodic).filter(|(_, periodic)| *periodic).map(|(axis, _)| axis);
     let edges: Vec<String> = domain.size.iter().map(|edge| format!("{edge:?}")).collect();
-    [("box_m", edges.join(" ")), ("periodic", axes.collect::<Vec<_>>().join(" "))]
+    let lines = [("box_m", edges.join(" ")), ("periodic", axes.collect::<Vec<_>>().join(" "))].into_iter();
+    lines.chain(domain.offset().map(|offset| ("image_offset_m", format!("{offset:?}")))).collect()
 }
 
 /// Checksum of the text of a case, by which different cases are distinguished.

@@ -37,6 +37,22 @@ pub struct Work<'a, C> {
     pub record: &'a mut Record,
 }
 
+impl<C> Work<'_, C> {
+    /// The same data with a scene of another instant.
+    pub fn in_scene<'b>(&'b mut self, scene: &'b Scene) -> Work<'b, C> {
+        let Self { particles, lasting, log, record, .. } = self;
+        Work { particles, scene, lasting, log, record }
+    }
+
+    /// Wraps the particles into the box, and books what crossing its sheared sides changes.
+    pub fn wrap(&mut self) {
+        let crossings = self.particles.wrap(&self.scene.domain);
+        if self.scene.domain.shear.is_some() {
+            self.record.ledger += crossings;
+        }
+    }
+}
+
 /// State that a solver of type `S` carries from one time window to the next, such as a contact.
 pub type Lasting<S> = <<S as Solver>::Islands as Solve>::Carried;
 
@@ -225,6 +241,11 @@ impl<S: DistributedSolver> Engine for Driver<S> {
         let result = done.and_then(|done| {
             self.everyone_last = done < window.duration;
             let rest = Window { start: window.start + done, duration: window.duration - done };
+            let scene = scene.at(rest.start);
+            let mut work = work.in_scene(&scene);
+            if scene.domain.shear.is_some() {
+                work.wrap();
+            }
             if self.everyone_last { self.by_all(&mut work, rest) } else { Ok(()) }
         });
         self.lasting = lasting;

@@ -29,9 +29,10 @@ impl ListSettings {
     /// Settings for the present velocities. The skin is that of lowest cost for a list that is used every
     /// `between_uses` [s]. At the present speeds the list lasts for at least one use.
     pub fn of(particles: &Particles, scene: &Scene, between_uses: f64) -> Self {
-        let frame = along_walls(scene, particles.mean_velocity());
+        let relative = particles.relative_to_flow(&scene.domain);
+        let frame = along_walls(scene, relative.mean_velocity());
         let sizes = (particles.len(), particles.mean_radii(1.0)[0]);
-        Self::new((frame, particles.largest_speed(frame)), sizes, scene, between_uses)
+        Self::new((frame, relative.largest_speed(frame)), sizes, scene, between_uses)
     }
 
     /// Settings as [`of`](Self::of) returns them, for a run that several processes share. `particles` are those of this
@@ -60,7 +61,9 @@ impl ListSettings {
 
     fn new((frame, largest_speed): (Vector3<f64>, f64), sizes: (usize, f64), scene: &Scene, between_uses: f64) -> Self {
         let fall = scene.gravity - along_walls(scene, scene.gravity);
-        let speed = largest_speed + fall.norm() * between_uses;
+        // the mean flow of a sheared box moves the particles of a pair, which are some diameters apart, towards each other
+        let strain = scene.domain.strain_rate() * 2.0 * sizes.1;
+        let speed = largest_speed + fall.norm() * between_uses + strain;
         let skin = cheapest_skin(sizes, &scene.domain, speed * between_uses);
         Self { frame, largest_speed, skin, uses: skin / (2.0 * speed * between_uses), everyone: None }
     }

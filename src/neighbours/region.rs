@@ -21,7 +21,7 @@ pub struct Region {
 impl From<&Domain> for Region {
     /// Makes a region that is the whole box.
     fn from(domain: &Domain) -> Self {
-        Self { low: Vector3::zeros(), size: domain.size, period: [None; 3], periodic: domain.periodic, is_all: true }
+        Self { low: Vector3::zeros(), size: domain.size, period: [None; 3], periodic: domain.joined(), is_all: true }
     }
 }
 

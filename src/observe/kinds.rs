@@ -381,8 +381,9 @@ impl Observer for Kinds {
             return;
         }
         self.times.push(simulation.time);
+        let relative = simulation.relative_to_flow();
         for of in &mut self.species {
-            let own = only(&simulation.particles, of.species);
+            let own = only(&relative, of.species);
             let own = simulation.sample().with(&own);
             of.profiles.sample(simulation.time, own);
             let height = simulation.scene().domain.size.y;

@@ -34,8 +34,10 @@ pub use paths::{PathSample, Paths};
 pub use rings::{Ring, RingAverages, Rings};
 pub use run_loop::{Pause, RunLoop};
 pub use second_moments::{Budgets, MOMENTS, SecondMoments, Terms};
-pub use series::{GasMeans, RotationSums, Row, Series, TurbulenceMeans};
-pub use series_columns::{CurveScale, FRICTION_COLUMNS, GAS_COLUMNS, SERIES_COLUMNS, SeriesColumn, TURBULENCE_COLUMNS};
+pub use series::{GasMeans, RotationSums, Row, Series, ShearStress, TurbulenceMeans};
+pub use series_columns::{
+    CurveScale, FRICTION_COLUMNS, GAS_COLUMNS, SERIES_COLUMNS, SHEAR_COLUMNS, SeriesColumn, TURBULENCE_COLUMNS,
+};
 pub use stress::{Stress, Stresses};
 
 use crate::engine::Failure;
@@ -142,14 +144,14 @@ impl<F: FnMut(&Simulation) + Send> Observer for F {
     }
 }
 
-/// Takes the data of slice averages at every sample.
+/// Takes the data of slice averages at every sample. In a sheared box velocities are relative to the mean flow.
 impl Observer for Accumulator {
     fn sight(&self) -> Needs {
         Needs::Sums
     }
 
     fn see(&mut self, simulation: &Simulation) {
-        self.sample(simulation.time, simulation.sample());
+        self.sample(simulation.time, simulation.sample().with(&simulation.relative_to_flow()));
     }
 
     plain_data!();

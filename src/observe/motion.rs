@@ -1,5 +1,6 @@
 //! Mean motion of all particles, and the test for a steady state.
 
+use super::series::ShearStress;
 use super::{Needs, Observer, plain_data};
 use crate::experiment::{AverageFrom, Experiment};
 use crate::simulation::Simulation;
@@ -25,6 +26,9 @@ pub struct Motion {
     place: Vec<[f64; 4]>,
     /// Number of impacts so far, of pairs and on walls, at every sample.
     impacts: Vec<[u64; 2]>,
+    /// [Pa] kinetic part of the stress against the shear of a sheared box, and [Pa s] integral of its contact part since the
+    /// start, at every sample; empty without shear.
+    stress: Vec<[f64; 2]>,
     /// True for each axis that is not periodic. Only along such an axis is a mean position defined.
     bounded: [bool; 3],
     /// [m] edge lengths of the domain.
@@ -67,6 +71,7 @@ impl Motion {
             temperature: Vec::new(),
             place: Vec::new(),
             impacts: Vec::new(),
+            stress: Vec::new(),
             bounded: domain.periodic.map(|periodic| !periodic),
             size: domain.size,
             rest_speed: experiment.scene.rest_speed(),
@@ -130,6 +135,15 @@ impl Motion {
         self.temperature.iter().skip(first).map(|parts| parts.map(|parts| parts.sum() / 3.0)).collect()
     }
 
+    /// Stress against the shear of a sheared box averaged over blocks of time from sample `first` on; `None` without shear.
+    /// The kinetic part of an interval is the mean of the values at its ends.
+    pub fn stress_batches(&self, first: usize) -> Option<Batches> {
+        let interval = self.times.get(1)? - self.times.first()?;
+        let total = |pair: &[[f64; 2]]| 0.5 * (pair[0][0] + pair[1][0]) + (pair[1][1] - pair[0][1]) / interval;
+        let totals: Vec<f64> = self.stress.get(first..)?.windows(2).map(total).collect();
+        Batches::of_series(&totals, interval, *self.times.get(first)? + interval)
+    }
+
     /// Granular temperature [m²/s²], averaged over blocks of time from sample `first` on; `None` if the temperature is
     /// unknown at one of the samples.
     pub fn batches(&self, first: usize) -> Option<Batches> {
@@ -145,8 +159,9 @@ impl Observer for Motion {
 
     fn see(&mut self, simulation: &Simulation) {
         let (mean, height) = (simulation.mean_velocity(), simulation.scene().domain.size.y);
-        let spread = VelocitySpread::about(mean, simulation.sample(), self.slices, height);
-        let sample = simulation.sample();
+        let relative = simulation.relative_to_flow();
+        let sample = simulation.sample().with(&relative);
+        let spread = VelocitySpread::about(mean, sample, self.slices, height);
         let [x, y, z, square] = sample.sums(|place| {
             let at = sample.particles.position[place];
             [at.x, at.y, at.z, at.y * at.y]
@@ -158,6 +173,11 @@ impl Observer for Motion {
         self.temperature.push(spread.components());
         self.place.push([x, y, z, square].map(|sum| sum / count));
         self.impacts.push([simulation.record.pairs.count, simulation.record.walls.count]);
+        let domain = &simulation.scene().domain;
+        if let (Some(shear), Some(stress)) = (domain.shear, ShearStress::of(simulation, None)) {
+            let against = -shear.rate.signum();
+            self.stress.push([against * stress.kinetic, against * stress.virial / domain.volume()]);
+        }
     }
 
     plain_data!();

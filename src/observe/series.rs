@@ -43,6 +43,8 @@ pub struct Row {
     pub turbulence: Option<TurbulenceMeans>,
     /// Gas that feels the particles; `None` in a frozen gas.
     pub gas: Option<GasMeans>,
+    /// Stress in a sheared box; `None` without shear.
+    pub shear: Option<ShearStress>,
     /// [kg m/s] momentum of all particles.
     pub momentum: Vector3<f64>,
     /// Number of impacts between particles that have ended since the start.
@@ -57,6 +59,38 @@ pub struct Row {
     /// [m] centre of mass along x, y and z. `None` without particles, and along a periodic axis, where no centre of
     /// mass is defined.
     pub centre: [Option<f64>; 3],
+}
+
+/// Component yz of the stress in a sheared box, which is negative for a positive rate: particles carry momentum along z
+/// down. The work of this stress is -rate times stress times volume.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ShearStress {
+    /// [J] work of shear on the particles in the box since the start.
+    pub work: f64,
+    /// [Pa] kinetic part: Σ m c_y c_z over the volume of the box, with velocities c relative to the mean flow.
+    pub kinetic: f64,
+    /// [Pa] contact part, as its mean since the row before; `None` in the first row.
+    pub contact: Option<f64>,
+    /// [J s] integral of Σ r_y f_z over pairs in contact since the start.
+    pub(super) virial: f64,
+}
+
+impl ShearStress {
+    /// Stress at the present instant; `before` is the row before.
+    pub(super) fn of(simulation: &Simulation, before: Option<&Row>) -> Option<Self> {
+        let domain = &simulation.scene().domain;
+        domain.shear?;
+        let (relative, ledger) = (simulation.relative_to_flow(), &simulation.record.ledger);
+        let sample = simulation.sample().with(&relative);
+        let [mass, y, z, yz] = sample.sums(|place| {
+            let (c, m) = (relative.velocity[place], relative.mass[place]);
+            [m, m * c.y, m * c.z, m * c.y * c.z]
+        });
+        let virial = ledger.pair_virial[(1, 2)];
+        let since = |row: &Row| Some((virial - row.shear?.virial) / (simulation.time - row.time) / domain.volume());
+        let kinetic = if mass > 0.0 { (yz - y * z / mass) / domain.volume() } else { 0.0 };
+        Some(Self { work: ledger.shear_work, kinetic, contact: before.and_then(since), virial })
+    }
 }
 
 /// Energy lost to friction since the start, and energy stored in the springs of contacts.
@@ -179,7 +213,8 @@ impl Row {
         self.rotation.map(|rotation| rotation.temperature.sum() / 3.0)
     }
 
-    fn of(simulation: &Simulation, slices: usize) -> Self {
+    /// Averages at the present instant; `before` is the row before.
+    fn of(simulation: &Simulation, slices: usize, before: Option<&Self>) -> Self {
         let (time, sample) = (simulation.time, simulation.sample());
         let touching = simulation.touching();
         Self {
@@ -187,6 +222,7 @@ impl Row {
             friction: FrictionSums::of(simulation),
             turbulence: TurbulenceMeans::of(simulation),
             gas: GasMeans::of(simulation),
+            shear: ShearStress::of(simulation, before),
             pair_impacts: simulation.record.pairs.count,
             wall_impacts: simulation.record.walls.count,
             coordination: touching.ends as f64 / simulation.count().max(1) as f64,
@@ -197,9 +233,10 @@ impl Row {
 
     /// Averages over particles at `time` [s], with 0 for contacts and impacts. The granular temperature is relative to
     /// the mean velocities of equal slices along y; `slices` is their number. `reference` [m/s] is a velocity near the
-    /// mean.
+    /// mean. In a sheared box, temperature and mean velocity are relative to the mean flow.
     pub fn of_sample(time: f64, sample: Sample, reference: Vector3<f64>, (domain, slices): (&Domain, usize)) -> Self {
-        let spread = VelocitySpread::about(reference, sample, slices, domain.size.y);
+        let relative = sample.particles.relative_to_flow(domain);
+        let spread = VelocitySpread::about(reference, sample.with(&relative), slices, domain.size.y);
         let sums = MassSums::of(sample);
         let centre = |axis: usize| (!domain.periodic[axis] && sums.mass > 0.0).then(|| sums.moment[axis] / sums.mass);
         Self {
@@ -212,6 +249,7 @@ impl Row {
             friction: None,
             turbulence: None,
             gas: None,
+            shear: None,
             momentum: sums.momentum,
             pair_impacts: 0,
             wall_impacts: 0,
@@ -305,7 +343,7 @@ impl Observer for Series {
     }
 
     fn see(&mut self, simulation: &Simulation) {
-        self.rows.push(Row::of(simulation, self.slices));
+        self.rows.push(Row::of(simulation, self.slices, self.rows.last()));
     }
 
     fn sight_of_end(&self, now: f64) -> Needs {

@@ -129,3 +129,10 @@ pub const GAS_COLUMNS: [SeriesColumn; 4] = [
     }),
     sum("gas_momentum_z_kg_m_s", "momentum of the gas along z", "kg m/s", |row| row.gas.map(|gas| gas.momentum)),
 ];
+
+/// Further columns of sheared boxes: the work of shear since the start and the stress yz.
+pub const SHEAR_COLUMNS: [SeriesColumn; 3] = [
+    sum("shear_work_J", "work of shear", "J", |row| row.shear.map(|of| of.work)),
+    mean("kinetic_stress_yz_Pa", "kinetic stress yz", "Pa", |row| row.shear.map(|of| of.kinetic)),
+    mean("contact_stress_yz_Pa", "contact stress yz", "Pa", |row| row.shear.and_then(|of| of.contact)),
+];

@@ -127,7 +127,9 @@ impl Observer for Stresses {
     }
 
     fn see(&mut self, simulation: &Simulation) {
-        let (kinetic, filled) = sums(simulation.sample(), &simulation.scene().domain, self.slices);
+        let relative = simulation.relative_to_flow();
+        let sample = simulation.sample().with(&relative);
+        let (kinetic, filled) = sums(sample, &simulation.scene().domain, self.slices);
         let contact = six(&simulation.record.ledger.pair_virial);
         let touched =
             if self.lasts { simulation.touching().ends as f64 / simulation.count().max(1) as f64 } else { 0.0 };

@@ -14,6 +14,7 @@ use crate::work_sharing;
 use columns::{Column, columns};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 use values::{AsBytes, AsNumbers};
 
 /// Number of particles or pairs in a piece of parallel work. For smaller numbers a second thread saves no time. The
@@ -64,6 +65,31 @@ columns! {
     }
 }
 
+/// Changes of momentum and energy of the particles that leave a sheared box through a side and come back at the other
+/// side with the velocity of their image there.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Crossings {
+    /// [kg m/s] change of the momentum along z.
+    pub impulse: f64,
+    /// [J] change of the kinetic energy.
+    pub work: f64,
+}
+
+impl Crossings {
+    /// Changes of one particle of `mass` [kg], whose velocity along z is `before` [m/s] and changes by `change` [m/s].
+    pub fn of(mass: f64, before: f64, change: f64) -> Self {
+        Self { impulse: mass * change, work: mass * change * (before + 0.5 * change) }
+    }
+}
+
+impl std::ops::Neg for Crossings {
+    type Output = Self;
+
+    fn neg(self) -> Self {
+        Self { impulse: -self.impulse, work: -self.work }
+    }
+}
+
 impl Particles {
     /// Number of particles in the store.
     pub fn len(&self) -> usize {
@@ -108,13 +134,44 @@ impl Particles {
         fingerprint_of(self, None)
     }
 
-    /// Replaces every position outside a periodic side by the periodic image inside the box.
-    pub fn wrap(&mut self, domain: &Domain) {
+    /// Replaces every position outside a periodic side by the periodic image inside the box. Particles outside a sheared
+    /// side also get the velocity of that image; the result sums these changes.
+    pub fn wrap(&mut self, domain: &Domain) -> Crossings {
+        if domain.shear.is_some() {
+            return self.cross(domain);
+        }
         work_sharing::for_each(self.position.chunks_mut(CHUNK), |chunk| {
             for x in chunk {
                 *x = domain.wrap(x);
             }
         });
+        Crossings::default()
+    }
+
+    /// Wraps all particles into a sheared box.
+    fn cross(&mut self, domain: &Domain) -> Crossings {
+        let (mut impulse, mut work) = (ExactSum::default(), ExactSum::default());
+        let motions = self.position.iter_mut().zip(&mut self.velocity);
+        for ((x, v), &mass) in motions.zip(&self.mass) {
+            let before = v.z;
+            let change = domain.wrap_motion(x, v);
+            if change != 0.0 {
+                let crossing = Crossings::of(mass, before, change);
+                impulse.add(crossing.impulse);
+                work.add(crossing.work);
+            }
+        }
+        Crossings { impulse: impulse.value(), work: work.value() }
+    }
+
+    /// The particles with velocities relative to the mean flow of a sheared box; without shear the particles themselves.
+    pub fn relative_to_flow(&self, domain: &Domain) -> Cow<'_, Self> {
+        if domain.shear.is_none() {
+            return Cow::Borrowed(self);
+        }
+        let relative = |(x, v): (&Vector3<f64>, &Vector3<f64>)| v - domain.mean_flow(x);
+        let velocity = self.position.iter().zip(&self.velocity).map(relative).collect();
+        Cow::Owned(Self { velocity, ..self.clone() })
     }
 
     /// [kg m/s] total momentum of all particles.
@@ -233,6 +290,17 @@ impl Particles {
         let mut sums = exact::none::<3>();
         four.iter().enumerate().for_each(|(k, sum)| sums[k / 4].merge(sum));
         sums
+    }
+
+    /// [m/s] largest speed as by [`largest_speed`](Self::largest_speed), of velocities less the mean flow of a sheared box.
+    pub fn largest_speed_in(&self, frame: Vector3<f64>, domain: &Domain) -> f64 {
+        if domain.shear.is_none() {
+            return self.largest_speed(frame);
+        }
+        let relative = |(x, v): (&Vector3<f64>, &Vector3<f64>)| (v - domain.mean_flow(x) - frame).norm_squared();
+        let squares = self.position.iter().zip(&self.velocity).map(relative);
+        // an infinite speed stands for one that is not a number
+        squares.fold(0.0f64, |most, square| if square.is_nan() { f64::INFINITY } else { most.max(square) }).sqrt()
     }
 
     /// [m/s] largest speed of any particle relative to `frame` [m/s]; infinite if a velocity is not a number.

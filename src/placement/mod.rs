@@ -127,8 +127,23 @@ pub fn initial_state_within(experiment: &Experiment, effort: u64) -> Result<Part
             work_sharing::keep_workers_spinning(|| separate(&mut particles, &is_free, fraction, room, &mut random))?;
         }
     }
+    add_mean_flow(experiment, &mut particles);
     experiment.scene.let_rotate(&mut particles);
     Ok(particles)
+}
+
+/// Adds the mean flow of a sheared box to the velocities of the particles at random positions, which are in the order of
+/// their ids.
+fn add_mean_flow(experiment: &Experiment, particles: &mut Particles) {
+    let mut first = 0;
+    for population in &experiment.start {
+        let end = first + population.amount.count();
+        if matches!(population.amount, Amount::Count(_)) {
+            let motions = particles.position[first..end].iter().zip(&mut particles.velocity[first..end]);
+            motions.for_each(|(x, v)| *v += experiment.scene.domain.mean_flow(x));
+        }
+        first = end;
+    }
 }
 
 /// [-] volume of all particles over the free volume of `room`, which must contain all particles.

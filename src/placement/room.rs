@@ -56,7 +56,8 @@ impl FreeRoom {
         let corners = corners(&walls, &inside, scene.domain.size);
         // gravity is left out, because neighbour lists would allow for a fall in each step of a relaxation
         let gravity = Vector3::zeros();
-        let scene = Scene { walls: Repeated::all(&walls, &scene.domain), gravity, ..scene.clone() };
+        let (walls, domain) = (Repeated::all(&walls, &scene.domain), scene.domain.at_rest());
+        let scene = Scene { walls, domain, gravity, ..scene.clone() };
         let near = NearWalls::of(&scene.walls);
         Self { scene, near, corners, inside, effort: AtomicU64::new(u64::MAX), volume: OnceLock::new() }
     }

@@ -1,12 +1,13 @@
 //! The ledger of a run: work, losses of energy, and impulses, summed since the start.
 
-use crate::exact::{ExactSum, add_rows, values};
+use crate::exact::{ExactSum, add_rows, none, values};
+use crate::particles::Crossings;
 use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::sync::OnceLock;
 
 /// Number of entries of a ledger: a multiple of four, for vector instructions.
-pub const ENTRIES: usize = 32;
+pub const ENTRIES: usize = 36;
 
 /// Number of ledger entries to which a contact adds.
 pub const SOME: usize = 12;
@@ -27,10 +28,14 @@ pub const OF_SPRINGS: [usize; 4] = [28, 29, 30, 31];
 /// Index of the first entry of the impulse that walls give to particles.
 const BY_WALLS: usize = 15;
 
+/// Entries of the work and the impulse of shear.
+pub const BY_SHEAR: [usize; 4] = [32, 33, 34, 35];
+
 /// Totals of energy and momentum of an island (a group of particles that may meet), a window (the time between two
 /// exchanges with the gas) or a run.
 ///
-/// Balance: kinetic plus elastic energy now = that at the start + drag_work + gravity_work + wall_work - dissipated.
+/// Balance: kinetic plus elastic energy now = that at the start + drag_work + gravity_work + wall_work + shear_work -
+/// dissipated.
 /// The left side minus the right side is the residual. For hard spheres the residual is a rounding error; for soft
 /// spheres it is the energy that the integrator creates (> 0) or loses (< 0).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -68,6 +73,26 @@ pub struct Ledger {
     pub pair_virial: Matrix3<f64>,
     /// Parts of the two losses by friction; 0 for spheres without rotation.
     pub friction: FrictionLosses,
+    /// [J] work of the shear of a sheared box on the particles in the box: where they cross a sheared side they get the
+    /// velocity of their image, and a contact across that side acts on the image.
+    pub shear_work: f64,
+    /// [kg m/s] momentum that particles get where they cross a sheared side.
+    pub shear_impulse: Vector3<f64>,
+}
+
+impl std::ops::AddAssign<Crossings> for Ledger {
+    fn add_assign(&mut self, Crossings { impulse, work }: Crossings) {
+        self.shear_work += work;
+        self.shear_impulse.z += impulse;
+    }
+}
+
+impl std::ops::AddAssign<Crossings> for Books {
+    fn add_assign(&mut self, crossings: Crossings) {
+        let mut ledger = Ledger::default();
+        ledger += crossings;
+        *self += ledger;
+    }
 }
 
 /// Parts of the energy that spheres with rotation lose by friction [J], or parts of the power of this loss [W]. The
@@ -135,15 +160,17 @@ impl Ledger {
         self.pair_restitution_loss + self.pair_friction_loss + self.wall_restitution_loss + self.wall_friction_loss
     }
 
-    /// [J] total energy turnover: sum of the magnitudes of the energy at the start [J], of drag work, of gravity work
-    /// and of wall work.
+    /// [J] total energy turnover: sum of the magnitudes of the energy at the start [J], of drag work, of gravity work,
+    /// of wall work and of the work of shear.
     pub fn through(&self, energy_at_start: f64) -> f64 {
-        energy_at_start.abs() + self.drag_work.abs() + self.gravity_work.abs() + self.wall_work.abs()
+        let works = [self.drag_work, self.gravity_work, self.wall_work, self.shear_work];
+        works.iter().fold(energy_at_start.abs(), |sum, work| sum + work.abs())
     }
 
     /// [J] residual of the balance, from kinetic plus elastic energy at the start and now [J].
     pub fn residual(&self, energy_at_start: f64, energy_now: f64) -> f64 {
-        energy_now - energy_at_start - self.drag_work - self.gravity_work - self.wall_work + self.dissipated()
+        let given = energy_now - energy_at_start - self.drag_work - self.gravity_work - self.wall_work;
+        given - self.shear_work + self.dissipated()
     }
 }
 
@@ -186,6 +213,10 @@ impl Ledger {
             rescaling,
             rolling,
             twisting,
+            self.shear_work,
+            self.shear_impulse.x,
+            self.shear_impulse.y,
+            self.shear_impulse.z,
         ]
     }
 
@@ -214,17 +245,25 @@ impl Ledger {
             wall_impulse: vector(BY_WALLS),
             pair_virial: Matrix3::from_column_slice(&all[18..27]),
             friction: FrictionLosses::new(all[27], OF_SPRINGS.map(|entry| all[entry])),
+            shear_work: all[BY_SHEAR[0]],
+            shear_impulse: vector(BY_SHEAR[1]),
         }
     }
 }
 
 /// Exact running sums of all entries of a ledger, so that the order in which amounts are added does not matter. A
 /// [`Books`] dereferences to a [`Ledger`] of the rounded totals.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Books {
     sums: [ExactSum; ENTRIES],
     /// Rounded totals, computed when they are first read.
     rounded: OnceLock<Ledger>,
+}
+
+impl Default for Books {
+    fn default() -> Self {
+        Self { sums: none(), rounded: OnceLock::new() }
+    }
 }
 
 impl PartialEq for Books {
@@ -236,7 +275,11 @@ impl PartialEq for Books {
 /// Stores the exact sums in binary formats, and the rounded ledger in formats that people read.
 impl Serialize for Books {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        if serializer.is_human_readable() { (**self).serialize(serializer) } else { self.sums.serialize(serializer) }
+        if serializer.is_human_readable() {
+            (**self).serialize(serializer)
+        } else {
+            self.sums[..].serialize(serializer)
+        }
     }
 }
 
@@ -247,7 +290,8 @@ impl<'de> Deserialize<'de> for Books {
             books += Ledger::deserialize(deserializer)?;
             return Ok(books);
         }
-        let sums = Deserialize::deserialize(deserializer)?;
+        let sums: Vec<ExactSum> = Deserialize::deserialize(deserializer)?;
+        let sums = sums.try_into().map_err(|_| serde::de::Error::custom("a ledger of another version"))?;
         Ok(Self { sums, rounded: OnceLock::new() })
     }
 }

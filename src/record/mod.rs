@@ -10,14 +10,14 @@ mod ledger;
 pub use histogram::Histogram;
 pub use impacts::{Impact, Impacts, InstantaneousContacts, LeftOut, SlipChange, Slips, Summary};
 pub use kinds::{Between, ByKinds, MeetingTotals, Meetings};
-pub use ledger::{AT_WALLS, Books, ENTRIES, FrictionLosses, Ledger, OF_PAIRS, OF_SPRINGS, SOME};
+pub use ledger::{AT_WALLS, BY_SHEAR, Books, ENTRIES, FrictionLosses, Ledger, OF_PAIRS, OF_SPRINGS, SOME};
 
 use crate::work_sharing;
 use serde::{Deserialize, Serialize};
 
 /// Impacts and ledger amounts from a part of an engine's work, not yet added to a [`Record`]. With separate logs an
 /// engine can discard a part of its work, and several threads can write.
-#[derive(Clone, Debug, Default, Serialize)]
+#[derive(Clone, Debug, Default)]
 pub struct Log {
     /// Impacts that have ended, with the kinds of the two bodies.
     pub impacts: Vec<(Between, Impact)>,

@@ -97,6 +97,7 @@ impl<'a> StandardObservers<'a> {
                 pair_rate: self.pairs.batches(first, steadiness.from),
                 wall_rate: self.walls.batches(first, steadiness.from),
                 temperature: self.motion.batches(first),
+                shear_stress: self.motion.stress_batches(first),
                 replicas: None,
             },
             places_kept: self.mixing.remembered(steadiness.from),

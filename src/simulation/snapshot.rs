@@ -100,7 +100,8 @@ impl Simulation {
         self.engine.restore(&engine)?;
         self.take_gas(loaded_flow);
         let by_walls = record.ledger.by_walls();
-        let run = Self { particles, record, time, windows, spent, totals, by_walls, ..self };
+        let mut run = Self { particles, record, time, windows, spent, totals, by_walls, ..self };
+        run.scene.domain = run.scene.domain.at(time).into_owned();
         Ok(Self { half_kicked, bound, unseen, ..run })
     }
 }

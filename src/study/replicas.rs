@@ -63,6 +63,7 @@ fn merge(first: &Outcome, others: &[Outcome]) -> Outcome {
         pair_rate: pooled(|averaged| &averaged.pair_rate),
         wall_rate: pooled(|averaged| &averaged.wall_rate),
         temperature: pooled(|averaged| &averaged.temperature),
+        shear_stress: pooled(|averaged| &averaged.shear_stress),
         replicas: Some(Replicas { count: all.len(), scatter_over_errors: scatter_over_errors(&all) }),
     };
     let profiles = ProfileTable::pool(&all.iter().map(|run| &run.profiles).collect::<Vec<_>>(), by_runs);

@@ -16,6 +16,7 @@ mod restitution;
 mod rotation;
 mod scene;
 mod settings;
+mod shear;
 mod sizes;
 mod start;
 mod table;
@@ -93,6 +94,7 @@ pub fn resolve(
     };
     let pairs = crate::scene::Pairs::default();
     let mut scene = crate::scene::Scene { domain, gravity, fluid, walls, contact, pairs, species, rotation: None };
+    resolver.check_shear(file, &scene)?;
     resolver.added_mass(file, &mut scene)?;
     resolver.buoyancy(file, &mut scene);
     // the start depends on whether spheres rotate; the laws of rotation replace this value below, when all surfaces are

@@ -34,7 +34,7 @@ impl Resolver {
             }
             periodic[index] = true;
         }
-        Ok(Domain::new(vector(size), periodic))
+        self.sheared(Domain::new(vector(size), periodic), domain)
     }
 
     /// [m/s²] acceleration by gravity; zero if the case gives none.

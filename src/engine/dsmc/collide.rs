@@ -156,7 +156,7 @@ fn by_chance(pair: &Particles, relative: Vector3<f64>, speed: f64, noise: &mut C
     let normal = aside * a + across * b - along * (1.0 - a * a - b * b).sqrt();
     let met = Encounter { normal, gap: 0.0, velocity: relative, normal_velocity: relative.dot(&normal) };
     let couple = Couple::pair(0, 1);
-    Collision { couple, met, elastic: false, kinds: couple.kinds(pair), wall: None }
+    Collision { couple, met, elastic: false, kinds: couple.kinds(pair), wall: None, image: 0.0 }
 }
 
 /// Two unit vectors that are perpendicular to a unit vector and to each other.

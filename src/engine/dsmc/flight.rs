@@ -104,6 +104,9 @@ pub fn fly(
         log.impacts.append(&mut some.impacts);
         log.islands.push(some.ledger.to_array());
     }
+    if scene.domain.shear.is_some() {
+        log.ledger += particles.wrap(&scene.domain.at(time.window.start + time.start + time.duration));
+    }
     failed.map_or(Ok(impacts), Err)
 }
 
@@ -120,7 +123,8 @@ fn fly_freely(particles: &mut Particles, scene: &Scene, walls: &FlightWalls, dur
             if walls.may_be_touched(scene, [x, &end], radii[k] + sag) {
                 near.push((part * PART + k) as u32);
             } else {
-                *x = scene.domain.wrap(&end);
+                // across a sheared side the velocity changes too
+                *x = if scene.domain.shear.is_none() { scene.domain.wrap(&end) } else { end };
                 *v += fall;
             }
         }
@@ -154,7 +158,7 @@ fn fly_among_walls(
         let here = FrameTime::default();
         let met = couple.strike(one, scene, here, touch.place);
         let wall = couple.wall_motion(&met, (one, scene), here);
-        let collision = Collision { couple, met, elastic: false, kinds: couple.kinds(one), wall };
+        let collision = Collision { couple, met, elastic: false, kinds: couple.kinds(one), wall, image: 0.0 };
         collision.resolve(one, scene, time.window.duration - now, log);
         if let Some(interval) = history.note(&collision, scene, time.window.start + now, None) {
             let [x, y, z] = scene.domain.wrap(&one.position[0]).into();

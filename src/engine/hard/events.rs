@@ -132,7 +132,8 @@ impl EventLoop {
             let met = couple.strike(particles, scene, moment, self.place(slot as usize));
             let wall = couple.wall_motion(&met, (particles, scene), moment);
             let elastic = self.in_contact(&couple, window.start + now);
-            let collision = Collision { couple, met, elastic, kinds: couple.kinds(particles), wall };
+            let image = couple.image_velocity(particles, scene, &met.velocity);
+            let collision = Collision { couple, met, elastic, kinds: couple.kinds(particles), wall, image };
             let (change_i, change_j) = match rests(&collision, scene, self.contact_time) {
                 Some(speed) => {
                     let mass = particles.mass[couple.i as usize];

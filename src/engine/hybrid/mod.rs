@@ -99,7 +99,8 @@ impl InstantaneousRule for Impulses {
         let ReachedTouch { touch, met, scene, moment, remaining } = meeting;
         let (couple, kinds) = (touch.couple, touch.couple.kinds(particles));
         let wall = couple.wall_motion(met, (particles, scene), *moment);
-        let collision = Collision { couple, met: *met, elastic: false, kinds, wall };
+        let image = couple.image_velocity(particles, scene, &met.velocity);
+        let collision = Collision { couple, met: *met, elastic: false, kinds, wall, image };
         collision.resolve(particles, scene, *remaining, log);
         let approach = -met.normal_velocity;
         let duration = self.law.contact_time(&touch.spring, approach);

@@ -93,6 +93,13 @@ pub const BOUNDED: PartCosts = PartCosts { search: 90.0, pair: 1.2, island: 1400
 /// 0.75 ms.
 pub const TRACED: PartCosts = PartCosts { search: 80.0, pair: 1.2, island: 1000.0, reach: 0.5, crowded: 0.15 };
 
+/// [-] largest shear of a sheared box in a part. The balls of particles are enlarged by about this fraction, so with a
+/// tenth they are little larger than needed.
+const STRAINED: f64 = 0.1;
+
+/// [-] factor for the length of a part in a sheared box, in which balls are enlarged by a fifth of the flights at most.
+const STRAINED_ROOM: f64 = 0.8;
+
 /// The part of a time window with the lowest cost per simulated time.
 #[derive(Clone, Copy)]
 pub struct Cheapest {
@@ -133,6 +140,7 @@ pub fn cheapest_part(
     // [s] longest part in which two particles can meet only as nearest images. Two particles half a period apart, which
     // approach each other at twice the largest speed, do not touch within this time.
     let room = (0.5 * period - diameter) / (2.0 * speeds.largest);
+    let room = if domain.shear.is_some() { STRAINED_ROOM * room.min(STRAINED / domain.strain_rate()) } else { room };
     if room <= 0.0 {
         return None;
     }

@@ -166,6 +166,13 @@ impl<'a> Clusters<'a> {
         }
     }
 
+    /// Velocity [m/s] of the frame of a particle, given by index: that of the search, and in a sheared box the mean flow
+    /// where the particle is when the part begins.
+    #[inline]
+    fn frame_of(&self, place: usize) -> Vector3<f64> {
+        self.frame + self.domain.mean_flow(&self.particles.position[place])
+    }
+
     /// Makes islands from all touches and from the carried state (such as contacts), whose energies [J] are given. If
     /// `many` is true, all carried state belongs to one crowd (large island moved by uniform steps).
     fn begin(&mut self, touches: &[FirstTouch], carried: &[[Option<u32>; 2]], energy: Vec<f64>, many: bool) {
@@ -211,7 +218,7 @@ impl<'a> Clusters<'a> {
         let is_new = self.search.label[place as usize].is_none();
         let which = self.named(place);
         if is_new {
-            let (energy, speed) = motion(self.particles, self.frame, place);
+            let (energy, speed) = motion(self.particles, self.frame_of(place as usize), place);
             let cluster = &mut self.list[which];
             (cluster.energies, cluster.speeds) = ([energy, 0.0], [speed, 0.0]);
         }

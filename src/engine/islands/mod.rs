@@ -180,7 +180,7 @@ impl<C: Copy + Send + Sync + Serialize + DeserializeOwned> Islands<C> {
 
     /// Summary of the velocities of all particles of the run.
     pub fn speeds(&self, work: &Work<C>, population: &PopulationSummary) -> SpeedSummary {
-        let mut sums = work.particles.velocity_sums();
+        let mut sums = work.particles.relative_to_flow(&work.scene.domain).velocity_sums();
         self.processes.total(&mut sums.each_mut());
         let mean = Vector3::from(exact::values(&sums)) / population.count.max(1) as f64;
         self.speeds_seen_from(along_walls(work.scene, mean), work, population)
@@ -188,7 +188,8 @@ impl<C: Copy + Send + Sync + Serialize + DeserializeOwned> Islands<C> {
 
     /// Summary of the velocities of all particles of the run, relative to a frame with the velocity `frame` [m/s].
     fn speeds_seen_from(&self, frame: Vector3<f64>, work: &Work<C>, population: &PopulationSummary) -> SpeedSummary {
-        let (mut squares, largest) = work.particles.square_speeds_and_largest(frame);
+        let relative = work.particles.relative_to_flow(&work.scene.domain);
+        let (mut squares, largest) = relative.square_speeds_and_largest(frame);
         let mut largest = [largest];
         self.processes.total(&mut [&mut squares]);
         self.processes.largest(&mut largest);
@@ -214,6 +215,8 @@ impl<C: Copy + Send + Sync + Serialize + DeserializeOwned> Islands<C> {
         let mut longest = f64::INFINITY;
         while done < window.duration {
             let left = window.duration - done;
+            let scene = work.scene.at(window.start + done);
+            let work = &mut work.in_scene(&scene);
             if done > 0.0 {
                 speeds = self.speeds_seen_from(self.frame, work, population);
             }
@@ -260,7 +263,7 @@ impl<C: Copy + Send + Sync + Serialize + DeserializeOwned> Islands<C> {
         if self.counters.neighbour_builds.is_multiple_of(WINDOWS_PER_SORT) {
             sort::<S>(work, &mut self.processes);
         }
-        work.particles.wrap(&work.scene.domain);
+        work.wrap();
         self.counters.neighbour_builds += 1;
         self.counters.foreseen += piece.foreseen;
         self.spent.neighbours += self.clock.now() - began;

@@ -270,6 +270,8 @@ pub struct ContactForce {
     pub friction_power: f64,
     /// [W] power supplied by a wall whose surface moves.
     pub wall_power: f64,
+    /// [W] power of the shear, if a sheared side is between the two particles.
+    pub shear_power: f64,
     /// [m] vector from the centre of the other particle (or from the wall) to the centre of particle i.
     pub arm: Vector3<f64>,
 }
@@ -278,7 +280,8 @@ impl ContactForce {
     /// Makes a zero force with a power [W] that friction dissipates.
     pub fn lost(friction_power: f64) -> Self {
         let none = Vector3::zeros();
-        Self { on_i: none, normal: 0.0, restitution_power: 0.0, friction_power, wall_power: 0.0, arm: none }
+        let (restitution_power, wall_power, shear_power) = (0.0, 0.0, 0.0);
+        Self { on_i: none, normal: 0.0, restitution_power, friction_power, wall_power, shear_power, arm: none }
     }
 }
 
@@ -295,6 +298,7 @@ pub struct Rates {
     pub wall_force_moment: Vector3<f64>,
     pub wall_normal_force: f64,
     pub pair_virial: Matrix3<f64>,
+    pub shear: f64,
 }
 
 /// Contact constants of any two particles, if all particles are alike. Their use avoids reading the data of two
@@ -417,8 +421,9 @@ impl ContactConstants {
         let restitution_power = -viscous * (met.normal_velocity + to_middle * normal / m);
         let wall = couple.wall_motion(met, (particles, scene), moment);
         let wall_power = wall.map_or(0.0, |wall| wall.power(&on_i, None));
+        let shear_power = on_i.z * couple.image_velocity(particles, scene, &met.velocity);
         let arm = met.normal * (self.reach + met.gap);
-        ContactForce { on_i, normal, restitution_power, friction_power, wall_power, arm }
+        ContactForce { on_i, normal, restitution_power, friction_power, wall_power, shear_power, arm }
     }
 }
 
@@ -433,6 +438,7 @@ impl std::ops::AddAssign for Rates {
         self.wall_force_moment += other.wall_force_moment;
         self.wall_normal_force += other.wall_normal_force;
         self.pair_virial += other.pair_virial;
+        self.shear += other.shear;
     }
 }
 
@@ -478,6 +484,7 @@ impl Rates {
             self.pair_restitution += weight * force.restitution_power;
             self.pair_friction += weight * force.friction_power;
             self.pair_virial += force.arm * (force.on_i * weight).transpose();
+            self.shear += weight * force.shear_power;
         }
     }
 
@@ -492,6 +499,7 @@ impl Rates {
         ledger.wall_friction_loss += self.wall_friction * time;
         ledger.wall_work += self.wall_work * time;
         ledger.pair_virial += self.pair_virial * time;
+        ledger.shear_work += self.shear * time;
         let impulse = self.wall_force * time;
         ledger.wall_impulse += impulse;
         ledger.wall_normal_impulse += self.wall_normal_force * time;

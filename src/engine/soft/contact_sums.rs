@@ -4,7 +4,7 @@
 use super::contact::{ContactForce, Rates};
 use crate::encounter::Couple;
 use crate::exact::{ExactSum, add_rows, condense, none, values};
-use crate::record::{AT_WALLS, FrictionLosses, Ledger, OF_PAIRS, OF_SPRINGS, SOME};
+use crate::record::{AT_WALLS, BY_SHEAR, FrictionLosses, Ledger, OF_PAIRS, OF_SPRINGS, SOME};
 use crate::scene::Scene;
 use nalgebra::{Matrix3, Vector3};
 
@@ -18,13 +18,17 @@ type SumRow = [f64; SOME];
 /// Powers [W] that the springs of one contact lose, in the order of [`OF_SPRINGS`].
 type SpringRow = [f64; 4];
 
+/// Power [W] of the shear on one contact, and three numbers 0, in the order of [`BY_SHEAR`].
+type ShearRow = [f64; 4];
+
 /// Rows of powers and forces, one per contact, separate for pairs and for walls. Contacts whose springs lose energy
-/// have a second row.
+/// have a second row, and so have contacts across a sheared side.
 #[derive(Default)]
 pub struct ContactRows {
     of_pairs: Vec<SumRow>,
     at_walls: Vec<SumRow>,
     of_springs: Vec<SpringRow>,
+    by_shear: Vec<ShearRow>,
 }
 
 impl ContactRows {
@@ -63,7 +67,13 @@ impl ContactRows {
         (scene, remaining): (&Scene, f64),
         few: &mut Self,
     ) {
-        let ContactForce { on_i: f, normal, restitution_power, friction_power, wall_power, arm } = *force;
+        let ContactForce { on_i: f, normal, restitution_power, friction_power, wall_power, shear_power, arm } = *force;
+        if shear_power != 0.0 {
+            self.by_shear.push([shear_power, 0.0, 0.0, 0.0]);
+            if self.by_shear.len() == BATCH {
+                condense(&mut self.by_shear, &mut few.by_shear);
+            }
+        }
         if couple.is_wall() {
             // until the end of the window, gravity does work on the momentum that walls add
             let late = scene.gravity.dot(&f) * remaining;
@@ -89,6 +99,7 @@ impl ContactRows {
         condense(&mut self.of_pairs, &mut few.of_pairs);
         condense(&mut self.at_walls, &mut few.at_walls);
         condense(&mut self.of_springs, &mut few.of_springs);
+        condense(&mut self.by_shear, &mut few.by_shear);
     }
 
     /// Removes all rows.
@@ -96,6 +107,7 @@ impl ContactRows {
         self.of_pairs.clear();
         self.at_walls.clear();
         self.of_springs.clear();
+        self.by_shear.clear();
     }
 }
 
@@ -117,12 +129,13 @@ pub struct ContactSums {
     of_pairs: [ExactSum; SOME],
     at_walls: [ExactSum; SOME],
     of_springs: [ExactSum; 4],
+    by_shear: [ExactSum; 4],
     is_empty: bool,
 }
 
 impl Default for ContactSums {
     fn default() -> Self {
-        Self { of_pairs: none(), at_walls: none(), of_springs: none(), is_empty: true }
+        Self { of_pairs: none(), at_walls: none(), of_springs: none(), by_shear: none(), is_empty: true }
     }
 }
 
@@ -133,6 +146,7 @@ impl ContactSums {
         add_weighted(&mut self.of_pairs, &rows.of_pairs, weight);
         add_weighted(&mut self.at_walls, &rows.at_walls, weight);
         add_weighted(&mut self.of_springs, &rows.of_springs, weight);
+        add_weighted(&mut self.by_shear, &rows.by_shear, weight);
     }
 
     /// Replaces the sums by their totals over all processes, which `total` computes.
@@ -140,6 +154,7 @@ impl ContactSums {
         total(&mut self.of_pairs.each_mut());
         total(&mut self.at_walls.each_mut());
         total(&mut self.of_springs.each_mut());
+        total(&mut self.by_shear.each_mut());
         self.is_empty = false;
     }
 
@@ -161,6 +176,7 @@ impl ContactSums {
             pair_virial: Matrix3::from_columns(
                 &[[p[0], p[1], p[2]], [p[4], p[5], p[6]], [p[8], p[9], p[10]]].map(Vector3::from),
             ),
+            shear: self.by_shear[0].value(),
         }
     }
 
@@ -179,6 +195,7 @@ impl ContactSums {
             ledger.add_to(&OF_PAIRS, values(&self.of_pairs).map(|number| number * time));
             ledger.add_to(&AT_WALLS, values(&self.at_walls).map(|number| number * time));
             ledger.add_to(&OF_SPRINGS, values(&self.of_springs).map(|number| number * time));
+            ledger.add_to(&BY_SHEAR, values(&self.by_shear).map(|number| number * time));
         }
     }
 }

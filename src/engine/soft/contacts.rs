@@ -5,6 +5,7 @@ use super::contact::{Alike, Contact, ContactState, Rates, TouchingPair};
 use super::contact_sums::ContactSums;
 use super::force_buffer::ForceBuffer;
 use crate::contact_law::ContactLaw;
+use crate::domain::Domain;
 use crate::encounter::{Couple, FrameTime};
 use crate::engine::Failure;
 use crate::engine::distributed::GhostExchange;
@@ -25,6 +26,13 @@ pub struct StepRecord<'a> {
 }
 
 impl StepRecord<'_> {
+    /// Wraps the particles of a sheared box, and books what crossing its sides changes.
+    pub fn cross(&mut self, particles: &mut Particles, domain: &Domain) {
+        if domain.shear.is_some() {
+            self.log.ledger += particles.wrap(domain);
+        }
+    }
+
     /// Moves all impacts from `impacts` to the record, or to the log if there is no record.
     fn take(&mut self, impacts: &mut Vec<(Between, Impact)>) {
         match &mut self.record {

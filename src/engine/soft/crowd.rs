@@ -77,6 +77,8 @@ pub fn solve(
     island.particles = particles;
     result?;
     let fastest = solver.speed.pushed + island.apart_from(&solver.list.frame());
+    // in a sheared box the list has the mean flow where particles are, the limits that where they were at the beginning
+    let fastest = fastest * (1.0 + scene.domain.strain_rate() * end);
     if fastest > island.least_limit() {
         island.fastest = fastest;
         island.also.insert(0, 0);

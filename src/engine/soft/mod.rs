@@ -25,6 +25,7 @@ use super::population::PopulationSummary;
 use super::{Counters, EngineTimes, Failure, Window};
 use crate::clock::Clock;
 use crate::contact_law::ContactLaw;
+use crate::domain::Domain;
 use crate::experiment::{Integrator, SoftStepping};
 use crate::neighbours::{NeighbourList, along_walls};
 use crate::particles::Particles;
@@ -167,7 +168,7 @@ impl SoftSolver {
         for pushes in &mut self.pushes {
             pushes.reorder(&place_of);
         }
-        self.speed.all = particles.largest_speed(self.list.frame());
+        self.speed.all = particles.largest_speed_in(self.list.frame(), &scene.domain);
     }
 
     /// Computes the forces at the present positions and velocities into `pushes`.
@@ -191,9 +192,17 @@ impl SoftSolver {
     }
 
     /// Applies the forces of the last evaluation: v += a dt.
-    fn kick(&mut self, particles: &mut Particles, dt: f64) {
+    fn kick(&mut self, particles: &mut Particles, domain: &Domain, dt: f64) {
         let mass = self.alike.as_ref().map(|alike| alike.mass);
-        self.speed.rise(kick_all(&self.pushes, (particles, mass), dt, self.list.frame()));
+        let pushed = kick_all(&self.pushes, (particles, mass), dt, self.list.frame());
+        // relative to the mean flow of a sheared box also particles that are not pushed change their speed
+        let in_flow = |_| particles.largest_speed_in(self.list.frame(), domain);
+        self.speed.rise(domain.shear.map_or(pushed, in_flow));
+    }
+
+    /// [m/s] speed at which two particles of the list may come nearer to each other, per particle.
+    fn closing_speed(&self, particles: &Particles, domain: &Domain) -> f64 {
+        self.speed.all + self.list.strain(particles, domain)
     }
 
     /// Applies the half-kick at the start of a window, whose steps have the length `dt` [s]. Its forces are those at
@@ -219,7 +228,7 @@ impl SoftSolver {
             self.contacts.count(at, ghosts);
             self.has_forces = true;
         }
-        self.kick(particles, 0.5 * dt);
+        self.kick(particles, &scene.domain, 0.5 * dt);
         ghosts.after_kick(self, particles, Ok(()))?;
         if ghosts.is_lead() {
             self.contacts.settle(0.5 * dt, window.duration, scene, book.log);
@@ -247,10 +256,13 @@ impl SoftSolver {
                 ghosts.agree(self.refuse_to_pass(particles, scene, window, elapsed, dt))?;
             }
             drift(particles, dt, scene.gravity * (dt * (elapsed + 0.5 * dt)));
-            self.list.travel((self.speed.all + fall.norm() * (elapsed + dt)) * dt);
+            let scene = &*scene.at(window.start + (elapsed + dt));
+            let closing = self.closing_speed(particles, &scene.domain);
+            self.list.travel((closing + fall.norm() * (elapsed + dt)) * dt);
             if !self.list.allows(0.0) {
                 // the forces in `pushes` have already been applied
                 self.pushes.clear();
+                book.cross(particles, &scene.domain);
                 ghosts.rebuild(self, particles, scene, [dt, 0.0]);
             }
             let last = step + 1 == steps;
@@ -265,7 +277,7 @@ impl SoftSolver {
             let forces = self.evaluate(particles, scene, at, book);
             ghosts.before_kick(particles);
             if forces.is_ok() {
-                self.kick(particles, at.weight * dt);
+                self.kick(particles, &scene.domain, at.weight * dt);
             }
             ghosts.after_kick(self, particles, forces)?;
             self.contacts.count(at, ghosts);
@@ -285,14 +297,14 @@ impl SoftSolver {
         let has_thin_walls = Self::has_thin_walls(scene);
         let radii: &[f64] = if has_thin_walls { &particles.radius } else { &[] };
         let smallest = radii.iter().fold(f64::INFINITY, |a: f64, &r| a.min(r));
-        let mut largest = [particles.largest_speed(self.list.frame()), -smallest];
+        let mut largest = [particles.largest_speed_in(self.list.frame(), &scene.domain), -smallest];
         ghosts.largest(&mut largest);
         self.speed.all = largest[0];
         self.smallest = has_thin_walls.then_some(-largest[1]);
         if !self.speed.all.is_finite() {
             return Err(ghosts.not_a_number(self, particles, window.start));
         }
-        if !self.list.allows(2.0 * self.speed.all * dt) {
+        if !self.list.allows(2.0 * self.closing_speed(particles, &scene.domain) * dt) {
             let due = if self.has_forces { 0.5 * dt } else { 0.0 };
             ghosts.rebuild(self, particles, scene, [2.0 * dt, due]);
         }

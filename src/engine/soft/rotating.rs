@@ -129,6 +129,7 @@ impl ContactConstants {
             wall_power: couple
                 .wall_motion(met, (particles, scene), FrameTime::fallen(at.fall))
                 .map_or(0.0, |wall| wall.power(&on_i, resisted.as_ref().map(|some| &some.couple))),
+            shear_power: on_i.z * couple.image_velocity(particles, scene, &met.velocity),
             arm: met.normal * (self.reach + met.gap),
         };
         let torque = ContactTorque {

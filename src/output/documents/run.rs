@@ -284,6 +284,8 @@ fn energy(outcomes: &[Outcome]) -> Vec<Block> {
         work("gravity", |o| o.record.ledger.gravity_work),
     ];
     rows.extend(driven.then(|| work("moving walls", |o| o.record.ledger.wall_work)));
+    let sheared = outcomes.iter().any(|o| o.experiment.scene.domain.shear.is_some());
+    rows.extend(sheared.then(|| work("shear", |o| o.record.ledger.shear_work)));
     rows.extend([
         loss("restitution between particles", |o| o.record.ledger.pair_restitution_loss),
         loss("friction between particles", |o| o.record.ledger.pair_friction_loss),
@@ -321,7 +323,7 @@ fn energy(outcomes: &[Outcome]) -> Vec<Block> {
         ))
     }));
     blocks.push(Block::note(
-        "Kinetic and elastic energy; in brackets the share of what went through the ledger (start + |drag| + |gravity| + |moving walls|). \
+        "Kinetic and elastic energy; in brackets the share of what went through the ledger (start + |drag| + |gravity| + |moving walls| + |shear|). \
          Unexplained: rounding for hard spheres, also the integrator’s own gain or loss for soft ones; marked above 0.1 %.",
     ));
     blocks
@@ -377,8 +379,8 @@ fn hashes(outcomes: &[Outcome]) -> Block {
     table("variant | hash of the initial state | hash of the final state", outcomes, cells)
 }
 
-/// [-] unexplained energy, over the sum of the initial energy and the magnitudes of the work of drag, gravity and
-/// moving walls. `None` if this sum is 0.
+/// [-] unexplained energy, over the sum of the initial energy and the magnitudes of the work of drag, gravity, moving
+/// walls and shear. `None` if this sum is 0.
 fn relative_residual(outcome: &Outcome) -> Option<f64> {
     let ledger = &outcome.record.ledger;
     let through = ledger.through(outcome.energy_at_start);
@@ -403,6 +405,11 @@ fn energies(outcome: &Outcome) -> Value {
         energies.remove("friction");
     } else {
         energies["friction"]["sliding"] = ledger.sliding_loss().into();
+    }
+    if let Value::Object(energies) = &mut energies
+        && outcome.experiment.scene.domain.shear.is_none()
+    {
+        energies.retain(|key, _| !key.starts_with("shear_"));
     }
     energies["dissipated"] = ledger.dissipated().into();
     energies["residual"] = ledger.residual(outcome.energy_at_start, outcome.energy_at_end).into();

@@ -170,13 +170,15 @@ impl TrajectoryFrame {
     /// File of the frame in the format extended XYZ, with units m, s and m/s.
     pub(super) fn xyz(&self, cast: &Cast) -> Vec<u8> {
         let own = &self.own;
-        let [x, y, z] = cast.domain.size.into();
+        let [x, y, z]: [f64; 3] = cast.domain.size.into();
+        // the image one period above may be displaced along z
+        let tilt = cast.domain.at(self.time).offset().map_or("0".to_string(), |offset| format!("{offset:?}"));
         let [px, py, pz] = cast.domain.periodic.map(|periodic| if periodic { 'T' } else { 'F' });
         let mut text = String::with_capacity(200 * (own.len() + 1));
         // writing to a string cannot fail
         let _ = writeln!(
             text,
-            "{}\nLattice=\"{x:?} 0 0 0 {y:?} 0 0 0 {z:?}\" \
+            "{}\nLattice=\"{x:?} 0 0 0 {y:?} {tilt} 0 0 {z:?}\" \
              Properties=pos:R:3:velo:R:3:radius:R:1:id:I:1:type:I:1:overlap:R:1:contacts:I:1:solver:I:1{} \
              Time={:?} pbc=\"{px} {py} {pz}\" units=\"m s\" source=\"diptych {}\"",
             own.len(),

@@ -25,7 +25,7 @@ const POINTS: usize = 20;
 ///
 /// V, W, uw and vw are left out: V vanishes since mass is conserved, the others by symmetry. U is left out if there is
 /// neither gas nor gravity along the stream, since momentum is then conserved. n and uv are left out if no wall makes
-/// one position different from another. If the spheres of both variants rotate, T_r and the mean spin that a sheared
+/// one position different from another; in a sheared box the profile of uv is kept. If the spheres of both variants rotate, T_r and the mean spin that a sheared
 /// stream causes are compared too. The other mean spins vanish by symmetry.
 pub fn observables(variant: &Outcome, reference: &Outcome) -> [Vec<Observable>; 2] {
     let scene = &reference.experiment.scene;
@@ -37,7 +37,7 @@ pub fn observables(variant: &Outcome, reference: &Outcome) -> [Vec<Observable>; 
     columns.extend((across && (walls || scene.gravity.norm() > 0.0)).then_some(NUMBER_DENSITY));
     columns.extend(driven.then_some(U));
     columns.extend([UU, VV, WW]);
-    columns.extend((across && driven && walls).then_some(UV));
+    columns.extend(((across && driven && walls) || scene.domain.shear.is_some()).then_some(UV));
     if [variant, reference].iter().all(|one| one.experiment.scene.rotation.is_some()) {
         columns.push(ROTATIONAL_TEMPERATURE);
         columns.extend((across && driven && walls).then_some(MEAN_SPIN_X));
@@ -77,7 +77,7 @@ fn profile(
     }
 }
 
-/// Granular temperature and impact rates, as far as they exist in the reference.
+/// Granular temperature, impact rates and shear stress, as far as they exist in the reference.
 fn numbers(outcome: &Outcome, reference: &Outcome, until: f64) -> Vec<Observable> {
     let of = |outcome: &Outcome| {
         let averaged = outcome.averaged.clone();
@@ -85,12 +85,13 @@ fn numbers(outcome: &Outcome, reference: &Outcome, until: f64) -> Vec<Observable
             ("granular temperature", "m²/s²", averaged.temperature),
             ("pair impacts per time", "1/s", averaged.pair_rate),
             ("wall impacts per time", "1/s", averaged.wall_rate),
+            ("shear stress yz", "Pa", averaged.shear_stress),
         ]
     };
     let both = of(outcome).into_iter().zip(of(reference));
     let numbers = both.filter_map(|((name, unit, own), (_, _, other))| {
         // rates are converted to the number of particles of the reference
-        let counts = (name != "granular temperature").then_some((reference.particles, outcome.particles));
+        let counts = (unit == "1/s").then_some((reference.particles, outcome.particles));
         // for particles at rest neither the temperature nor the impact rates are meaningful
         let rest = reference.experiment.scene.rest_speed().powi(2);
         reference.temperature.filter(|temperature| temperature.value > rest)?;

@@ -63,16 +63,16 @@ impl ShellGrid {
         let count = std::array::from_fn(|axis| {
             let fitting = (domain.size[axis] / longest).clamp(1.0, 4096.0) as usize;
             // with two cells along a periodic axis, each would be a neighbour of the other on both sides
-            if domain.periodic[axis] && fitting < 3 { 1 } else { fitting }
+            if domain.joined()[axis] && fitting < 3 { 1 } else { fitting }
         });
         Self {
             count,
-            periodic: domain.periodic,
+            periodic: domain.joined(),
             per_length: Vector3::from_fn(|axis, _| count[axis] as f64 / domain.size[axis]),
             edge: std::array::from_fn(|axis| (domain.size[axis] / count[axis] as f64) as f32),
             period: std::array::from_fn(|axis| domain.size[axis] as f32),
             half: std::array::from_fn(|axis| {
-                if domain.periodic[axis] { 0.5 * domain.size[axis] as f32 } else { f32::INFINITY }
+                if domain.joined()[axis] { 0.5 * domain.size[axis] as f32 } else { f32::INFINITY }
             }),
             rounding: (ROUNDING * domain.size.max()) as f32,
             first: vec![None; count[0] * count[1] * count[2]],

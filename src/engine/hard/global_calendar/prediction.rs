@@ -122,7 +122,7 @@ impl GlobalCalendar {
         let (wait, next) = if leave < look { (leave, EventKind::Leave) } else { (look, EventKind::Look) };
         let last = Event { wait, next, place: 0 };
         let mut events = Events { first: last, second: last };
-        if self.far_images == [false; 3] {
+        if self.far_images == [false; 3] && (shell.inside || scene.domain.shear.is_none()) {
             self.touches(body, shell, &scene.domain, &mut events);
         } else {
             self.all_images(body, self.shells.neighbours(shell), scene, &mut events);
@@ -245,14 +245,14 @@ impl GlobalCalendar {
         }
     }
 
-    /// Adds to `events` all touches with neighbours in a short box, in which images other than the nearest may touch.
+    /// Adds to `events` all touches with neighbours across sheared sides, or in a short box, in which images other than
+    /// the nearest may touch.
     fn all_images(&self, body: &FlightState, neighbours: &[u32], scene: &Scene, events: &mut Events) {
-        let size = &scene.domain.size;
+        let (size, domain) = (&scene.domain.size, self.domain(scene));
         for &j in neighbours {
             let other = &self.bodies[j as usize];
             let there = other.position + other.velocity * (self.now - other.time);
-            let apart = scene.domain.separation(&body.position, &there);
-            let velocity = body.velocity - other.velocity;
+            let (apart, velocity) = domain.relative(&body.position, &there, body.velocity - other.velocity, 0.0);
             let reach = self.shells.radius(body) + self.shells.radius(other);
             let speeds = body.velocity.norm() + other.velocity.norm();
             let images = (0..8usize).filter(|image| (0..3).all(|axis| image >> axis & 1 == 0 || self.far_images[axis]));

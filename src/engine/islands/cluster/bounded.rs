@@ -108,8 +108,10 @@ impl<'a> IslandFinder<'a> for BoundedIslands<'a> {
     }
 
     fn for_each_beside(&self, ball: &BoundingSphere, widest: f64, visit: &mut dyn FnMut(&Member)) {
-        self.grid.for_each_near(&ball.middle, ball.reach + widest, |range, _| {
-            self.sorted[range].iter().for_each(|&member| visit(&self.members[member as usize]));
+        self.domain.for_each_image(&ball.middle, ball.reach + widest, |middle| {
+            self.grid.for_each_near(&middle, ball.reach + widest, |range, _| {
+                self.sorted[range].iter().for_each(|&member| visit(&self.members[member as usize]));
+            });
         });
     }
 }
@@ -236,8 +238,10 @@ impl BoundedIslands<'_> {
                     met.push(member.cluster as usize);
                 }
             };
-            self.grid.for_each_near(&here.middle, here.reach + self.widest, |range, _| {
-                self.sorted[range].iter().for_each(|&other| meet(&self.members[other as usize]));
+            self.domain.for_each_image(&here.middle, here.reach + self.widest, |middle| {
+                self.grid.for_each_near(&middle, here.reach + self.widest, |range, _| {
+                    self.sorted[range].iter().for_each(|&other| meet(&self.members[other as usize]));
+                });
             });
             self.members[self.sorted.len()..].iter().for_each(meet);
             if let Some(&met) = met.last().filter(|_| !self.limits.crowds) {

@@ -60,13 +60,15 @@ impl BoundedIslands<'_> {
         }
         self.members[member as usize].took_in = ball.reach;
         let search = &*self.search;
-        search.levels.for_each_near(&ball.middle, ball.reach, |range, _| {
-            let near = search.levels.places(range).iter().copied();
-            beside.extend(near.filter(|&other| {
-                search.label[other as usize].is_none()
-                    && ball.meets(&search.flights[other as usize], self.domain)
-                    && self.is_beside(place, other)
-            }));
+        self.domain.for_each_image(&ball.middle, ball.reach + search.levels.largest_reach(), |middle| {
+            search.levels.for_each_near(&middle, ball.reach, |range, _| {
+                let near = search.levels.places(range).iter().copied();
+                beside.extend(near.filter(|&other| {
+                    search.label[other as usize].is_none()
+                        && ball.meets(&search.flights[other as usize], self.domain)
+                        && self.is_beside(place, other)
+                }));
+            });
         });
         beside
     }

@@ -121,7 +121,8 @@ impl Clusters<'_> {
         cluster.carried.sort_unstable();
         (cluster.energies, cluster.speeds) = ([0.0; 2], [0.0; 2]);
         for &member in &cluster.hot {
-            let (energy, speed) = motion(self.particles, self.frame, self.members[member as usize].place);
+            let place = self.members[member as usize].place;
+            let (energy, speed) = motion(self.particles, self.frame_of(place as usize), place);
             cluster.energies = two_largest(cluster.energies, [energy, 0.0]);
             cluster.speeds = two_largest(cluster.speeds, [speed, 0.0]);
         }
@@ -137,12 +138,13 @@ impl Clusters<'_> {
         member.flight = self.search.flights[i];
         member.turns = None;
         let first = cluster.first;
-        let velocity = self.particles.velocity[i] - self.frame;
+        let velocity = self.particles.velocity[i] - self.frame_of(i);
         let reach = self.particles.radius[i] + self.limit(cluster, member.place) * (self.part - first);
-        member.ball =
-            BoundingSphere { middle: self.domain.wrap(&(self.particles.position[i] + velocity * first)), reach };
-        let aside = velocity.norm() * (first - 0.5 * self.part).abs() * (1.0 + 1e-12);
-        member.around = member.flight.reach.max(reach + aside);
+        let ball = BoundingSphere { middle: self.domain.wrap(&(self.particles.position[i] + velocity * first)), reach };
+        let speed = velocity.norm();
+        member.ball = ball.strained(self.domain, self.part, reach + speed * first);
+        let aside = speed * (first - 0.5 * self.part).abs() * (1.0 + 1e-12);
+        member.around = member.flight.reach.max(member.ball.reach + aside);
         member.around
     }
 

@@ -9,6 +9,7 @@
 
 use super::trajectories::{MemberTrajectories, ParticleTrajectory, PiecewiseTrajectory, Segment, VelocityChange};
 use super::{BATCH, Clusters, IslandFinder, IslandLimits, Member};
+use crate::domain::Domain;
 use crate::engine::islands::batch::Retry;
 use crate::engine::islands::choice::{PartCosts, TRACED};
 use crate::engine::islands::island::Island;
@@ -44,12 +45,14 @@ impl DeflectedFlights {
     }
 
     /// Calls `visit` with the numbers of the members whose balls overlap `ball`, and of a few whose balls nearly do.
-    fn for_each_beside(&self, ball: &BoundingSphere, region: &Region, mut visit: impl FnMut(u32)) {
+    fn for_each_beside(&self, ball: &BoundingSphere, (domain, region): (&Domain, &Region), mut visit: impl FnMut(u32)) {
         if self.members.is_empty() {
             return;
         }
-        self.packed.for_each_beside((ball.middle, ball.reach), &self.levels, region, |numbers| {
-            numbers.iter().for_each(|&k| visit(self.members[k as usize]));
+        domain.for_each_image(&ball.middle, ball.reach + self.levels.largest_reach(), |middle| {
+            self.packed.for_each_beside((middle, ball.reach), &self.levels, region, |numbers| {
+                numbers.iter().for_each(|&k| visit(self.members[k as usize]));
+            });
         });
     }
 }
@@ -180,9 +183,10 @@ impl TracedIslands<'_> {
         let corners = turns.iter().map(corner).chain([end]);
         let half = corners.map(|corner| (corner - middle).norm()).fold(0.0, f64::max);
         let reach = self.particles.radius[place as usize] + half * (1.0 + NEARLY);
-        let ball = BoundingSphere { middle: self.domain.wrap(&middle), reach };
+        let way = (middle - self.particles.position[place as usize]).norm() + reach;
+        let ball = BoundingSphere { middle: self.domain.wrap(&middle), reach }.strained(self.domain, self.part, way);
         let apart = self.domain.separation(&ball.middle, &flight.middle).norm();
-        PiecewiseTrajectory { turns: turned, ball, around: flight.reach.max(reach + apart * (1.0 + NEARLY)) }
+        PiecewiseTrajectory { turns: turned, around: flight.reach.max(ball.reach + apart * (1.0 + NEARLY)), ball }
     }
 
     /// Unites islands whose trajectories meet, and adds the particles that they hit; these islands must be solved
@@ -245,7 +249,8 @@ impl TracedIslands<'_> {
     /// only nearly overlap `ball` are visited too.
     fn for_each_deflected_beside(&self, ball: &BoundingSphere, mut visit: impl FnMut(&Member)) {
         for turned in &self.deflected {
-            turned.for_each_beside(ball, &self.search.region, |member| visit(&self.members[member as usize]));
+            let space = (self.domain, &self.search.region);
+            turned.for_each_beside(ball, space, |member| visit(&self.members[member as usize]));
         }
     }
 
@@ -299,7 +304,10 @@ impl TracedIslands<'_> {
     fn leg(&self, place: u32, turns: &[VelocityChange], number: usize) -> Segment {
         let end = turns.get(number).map_or(self.part, |turn| turn.time);
         match number.checked_sub(1).and_then(|before| turns.get(before)) {
-            Some(turn) => Segment { span: [turn.time, end], origin: turn.origin, velocity: turn.velocity },
+            Some(turn) => {
+                let flow = self.domain.mean_flow(&self.particles.position[place as usize]);
+                Segment { span: [turn.time, end], origin: turn.origin, velocity: turn.velocity + flow }
+            }
             None => {
                 let place = place as usize;
                 let velocity = self.particles.velocity[place] - self.frame;
@@ -316,7 +324,7 @@ impl TracedIslands<'_> {
             return false;
         }
         let at = |leg: &Segment| leg.origin + leg.velocity * from;
-        let (apart, relative) = (self.domain.separation(&at(one), &at(other)), one.velocity - other.velocity);
+        let (apart, relative) = self.domain.relative(&at(one), &at(other), one.velocity - other.velocity, from);
         let nearest = -apart.dot(&relative) / relative.norm_squared();
         // at equal velocities the distance is constant, and the quotient is not finite
         let nearest = if nearest.is_finite() { nearest.clamp(0.0, to - from) } else { 0.0 };

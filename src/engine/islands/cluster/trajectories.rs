@@ -45,7 +45,7 @@ pub struct Segment {
     pub span: [f64; 2],
     /// Position [m] on the straight line of this piece, extended backwards to the start of the part of the time window.
     pub origin: Vector3<f64>,
-    /// Velocity [m/s] on this piece, relative to the moving frame in which speeds are measured.
+    /// Velocity [m/s] on this piece, relative to the moving frame of the search.
     pub velocity: Vector3<f64>,
 }
 

@@ -3,7 +3,7 @@
 
 use super::alone::{IsolatedContact, OrbitState};
 use super::{InstantaneousRule, IslandRun, ReachedTouch};
-use crate::encounter::{Couple, Encounter};
+use crate::encounter::{Couple, Encounter, relative};
 use crate::engine::Failure;
 use crate::engine::soft::contact::{ContactConstants, TouchingPair};
 use nalgebra::Vector3;
@@ -34,6 +34,11 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         clear.fold(left, |least, time| if time >= 0.0 { least.min(time) } else { 0.0 })
     }
 
+    /// Separation [m] of two particles, and velocity [m/s] of the first relative to the second.
+    fn relative(&self, i: usize, j: usize) -> (Vector3<f64>, Vector3<f64>) {
+        relative(self.particles, self.scene, [i, j], self.moment())
+    }
+
     /// Number of particles of a slot that also belong to `couple`.
     fn shared(&self, slot: usize, couple: &Couple) -> usize {
         let places = self.scratch.touches[slot].couple.places();
@@ -47,7 +52,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         let (gap, rate) = self.scratch.gaps[slot];
         let other = self.scratch.touches[slot].couple;
         let speed = match other.j() {
-            Some(j) => (velocity(other.i) - velocity(j)).norm(),
+            Some(j) => self.relative(other.i as usize, j as usize).1.norm(),
             None => {
                 let along = if other.is_flat(self.scene) { 0.0 } else { velocity(other.i).norm() };
                 rate.abs() + along + self.scene.gravity.norm() * end
@@ -155,25 +160,26 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
     fn part(&mut self, alone: &IsolatedContact, slip: Vector3<f64>, [begin, state]: [OrbitState; 2], time: f64) {
         let couple = alone.touch.couple;
         let (i, j) = (couple.i as usize, couple.j().map(|j| j as usize));
-        let (x, v) = (self.particles.position[i], self.particles.velocity[i]);
-        let other = j.map(|j| (self.particles.position[j], self.particles.velocity[j]));
+        let before = j.map(|j| self.relative(i, j));
+        let image = couple.image_velocity(self.particles, self.scene, &before.unwrap_or_default().1);
         self.fly(self.now + time);
-        match (j, other) {
-            (Some(j), Some((xj, vj))) => {
+        match (j, before) {
+            (Some(j), Some((apart, relative))) => {
                 let (mi, mj) = (self.particles.mass[i], self.particles.mass[j]);
                 let spin = slip.norm();
                 let along = if spin > 0.0 { slip / spin } else { Vector3::zeros() };
                 let (sin, cos) = state.angle.sin_cos();
                 let (normal, along) = (alone.normal * cos + along * sin, along * cos - alone.normal * sin);
                 // relative displacement and velocity change of the two, beyond those of a straight flight
-                let straight = self.scene.domain.separation(&x, &xj) + (v - vj) * time;
+                let straight = apart + relative * time;
                 let moved = normal * state.distance - straight;
-                let kicked = normal * state.rate + along * (alone.spin / state.distance) - (v - vj);
+                let kicked = normal * state.rate + along * (alone.spin / state.distance) - relative;
                 let (share, rest) = (mj / (mi + mj), mi / (mi + mj));
                 self.particles.position[i] += moved * share;
                 self.particles.position[j] -= moved * rest;
                 self.particles.velocity[i] += kicked * share;
                 self.particles.velocity[j] -= kicked * rest;
+                self.island.log.ledger.shear_work += mi * share * kicked.z * image;
             }
             _ => {
                 // relative to the wall, the frame falls

@@ -309,6 +309,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
                 .couple
                 .wall_motion(met, (self.particles, self.scene), moment)
                 .map_or(0.0, |wall| wall.power(&on_i, Some(&couple))),
+            shear_power: on_i.z * touch.couple.image_velocity(self.particles, self.scene, &met.velocity),
             arm: met.normal * (touch.reach + met.gap),
         }
     }
