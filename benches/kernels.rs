@@ -139,7 +139,7 @@ fn cube(count: usize, volume_fraction: f64) -> Scene {
         gravity: Vector3::zeros(),
         fluid: None,
         walls: Vec::new(),
-        contact: Surface { restitution: 1.0, friction: 0.0 },
+        contact: Surface::new(1.0, 0.0),
         pairs: Default::default(),
         rotation: None,
         species: vec![species],

@@ -10,7 +10,7 @@ fn scene() -> Scene {
         gravity: Vector3::zeros(),
         fluid: None,
         walls: Vec::new(),
-        contact: Surface { restitution: 0.9, friction: 0.0 },
+        contact: Surface::new(0.9, 0.0),
         pairs: Default::default(),
         rotation: None,
         species: vec![Species::new("glass", 2e-4, 2500.0)],

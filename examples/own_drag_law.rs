@@ -29,7 +29,7 @@ pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (profile, drag) = (Profile::Uniform(15.0), Some(Drag::Other(Arc::new(CliftGauvin))));
     let air = Fluid::new(1.205, 1.515e-5, profile, drag);
     let domain = Domain::new(Vector3::repeat(0.1), [true; 3]);
-    let (contact, walls) = (Surface { restitution: 1.0, friction: 0.0 }, Vec::new());
+    let (contact, walls) = (Surface::new(1.0, 0.0), Vec::new());
     let mut particles = Particles::default();
     particles.push(Vector3::repeat(0.05), Vector3::zeros(), 0.5 * sphere.diameter, sphere.mass(), 0);
     let scene = Scene {

@@ -27,8 +27,7 @@ pub fn main() -> Result<(), Box<dyn std::error::Error>> {
         let velocity = Vector3::new((7 * k % 11) as f64, (5 * k % 11) as f64, (3 * k % 11) as f64) * 0.02;
         particles.push(place, velocity, 0.5 * glass.diameter, glass.mass(), 0);
     }
-    let (domain, contact) =
-        (Domain::new(Vector3::repeat(2e-3), [true; 3]), Surface { restitution: 0.8, friction: 0.0 });
+    let (domain, contact) = (Domain::new(Vector3::repeat(2e-3), [true; 3]), Surface::new(0.8, 0.0));
     let scene = Scene {
         domain,
         gravity: Vector3::zeros(),

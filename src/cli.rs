@@ -59,6 +59,9 @@ pub enum Command {
     /// Shows in one chart how strongly each result shifts with the contact model, stiffness, restitution, gas and other
     /// inputs.
     Sensitivity(Sensitivity),
+    /// Finds the cheapest set of models (contacts, rotation, turbulence, two-way coupling, lift, ...) that gives the results
+    /// of the richest one.
+    Needs(Needs),
     /// Serves a page on this machine, on which both models run side by side: scenes to try out, sliders, questions.
     #[cfg(feature = "lab")]
     Lab(Lab),
@@ -424,6 +427,65 @@ pub struct Sensitivity {
     pub effort: Effort,
     #[command(flatten)]
     pub keep: Keep,
+}
+
+/// Arguments of `diptych needs`.
+#[derive(Clone, Debug, Args)]
+pub struct Needs {
+    /// The case file, or the name of a built-in case.
+    pub case: PathBuf,
+    /// Richest collision model [default: soft, or that of the case if it gives no contact law].
+    #[arg(long, value_parser = PossibleValuesParser::new(MODELS.map(Model::name)).try_map(model_of))]
+    pub model: Option<Model>,
+    /// Simulated time of each run; the same as --set run.duration=TIME.
+    #[arg(long, value_name = "TIME")]
+    pub duration: Option<String>,
+    /// Runs each variant with N seeds (that of the case and the next ones) [default: 1, or 8 for scenes without a
+    /// steady state, such as a cooling gas].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1000))]
+    pub replicas: Option<u16>,
+    /// Shifts smaller than this margin count as zero; given as 1% or 0.01 of the scale of each observable [-].
+    #[arg(long, value_name = "SHARE", default_value = "1%", value_parser = relative_error)]
+    pub margin: f64,
+    /// Prints the models, the number of runs and their approximate time, without doing the runs.
+    #[arg(long)]
+    pub plan: bool,
+    /// Also gives the answer by the exit code: 0 if no shift is beyond the margin, 3 if some shift is, 4 if some shift
+    /// is unresolved and none is beyond.
+    #[arg(long)]
+    pub exit_code: bool,
+    #[command(flatten)]
+    pub input: Input,
+    #[command(flatten)]
+    pub output: Output,
+    #[command(flatten)]
+    pub effort: Effort,
+    #[command(flatten)]
+    pub keep: Keep,
+}
+
+impl Needs {
+    /// Arguments of the sensitivity study by which the needs are found.
+    pub fn as_sensitivity(&self) -> Sensitivity {
+        let Self { case, model, duration, replicas, margin, plan, exit_code, input, output, effort, keep } =
+            self.clone();
+        let (factors, vary) = (Vec::new(), Vec::new());
+        Sensitivity {
+            case,
+            factors,
+            vary,
+            model,
+            duration,
+            replicas,
+            margin,
+            plan,
+            exit_code,
+            input,
+            output,
+            effort,
+            keep,
+        }
+    }
 }
 
 /// Arguments of `diptych lab`.

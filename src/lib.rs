@@ -37,6 +37,8 @@ pub mod kinetic_theory;
 pub mod rotation;
 
 pub mod particles;
+pub mod restitution;
+
 pub mod scene;
 
 pub mod contact_law;
@@ -92,7 +94,7 @@ pub mod lab;
 // Names that most programs using the library need.
 pub use nalgebra::Vector3;
 
-pub use contact_law::{ContactLaw, Hertz, LinearSpringDashpot};
+pub use contact_law::{ContactLaw, Hertz, KuwabaraKono, LinearSpringDashpot};
 pub use domain::Domain;
 pub use drag::{Drag, DragLaw, SchillerNaumann, Stokes};
 pub use engine::dsmc::Dsmc;
@@ -105,6 +107,7 @@ pub use fluid::{Fluid, Profile};
 pub use outcome::Outcome;
 pub use particles::Particles;
 pub use record::{Histogram, Impact, Impacts, Ledger, Record};
+pub use restitution::RestitutionBySpeed;
 pub use scene::{Elasticity, Scene, Species, Surface};
 pub use simulation::{Simulation, Snapshot};
 pub use stored::{StoreError, Stored};

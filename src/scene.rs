@@ -3,10 +3,12 @@
 mod buoyancy;
 mod sizes;
 mod start_region;
+mod surface;
 
 pub use buoyancy::ADDED_MASS;
 pub use sizes::{Fraction, SizeDistribution};
 pub use start_region::StartRegion;
+pub use surface::Surface;
 
 use crate::domain::Domain;
 use crate::fluid::Fluid;
@@ -16,15 +18,6 @@ use crate::walls::Wall;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
-
-/// Restitution and friction in an impact of two surfaces, used by all engines.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Surface {
-    /// [-] normal restitution e, 0 ..= 1: ratio of normal speeds after and before an isolated impact.
-    pub restitution: f64,
-    /// [-] Coulomb friction μ, >= 0.
-    pub friction: f64,
-}
 
 /// Properties of the contact between two kinds of bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -78,7 +71,7 @@ pub enum Kind {
 /// use diptych::Surface;
 ///
 /// let mut pairs = Pairs::default();
-/// pairs.set(1, Kind::Species(0), Surface { restitution: 0.8, friction: 0.2 }.into());
+/// pairs.set(1, Kind::Species(0), Surface::new(0.8, 0.2).into());
 /// // the order of the two does not matter
 /// assert_eq!(pairs.find(0, Kind::Species(1)).map(|meeting| meeting.surface.restitution), Some(0.8));
 /// assert!(pairs.find(0, Kind::Wall(1)).is_none());
@@ -225,7 +218,7 @@ impl Species {
 /// ```
 /// use diptych::{Domain, Plane, Scene, Species, Surface, Vector3, Wall, WallGeometry};
 ///
-/// let surface = Surface { restitution: 0.9, friction: 0.1 };
+/// let surface = Surface::new(0.9, 0.1);
 /// let floor = Plane { point: Vector3::zeros(), normal: Vector3::y() };
 /// let scene = Scene {
 ///     domain: Domain::new(Vector3::repeat(0.01), [true, false, true]), // m
@@ -282,6 +275,20 @@ impl Scene {
         if self.rotation.is_some() {
             particles.let_rotate(&self.species.iter().map(Species::factor_with_added_mass).collect::<Vec<_>>());
         }
+    }
+
+    /// True if the restitution of any impact depends on its speed.
+    pub fn depends_on_speed(&self) -> bool {
+        let walls = self.walls.iter().map(|wall| &wall.surface);
+        let pairs = self.pairs.iter().map(|(_, _, meeting)| &meeting.surface);
+        walls.chain(pairs).chain([&self.contact]).any(|surface| surface.by_speed.is_some())
+    }
+
+    /// Evaluates restitutions that depend on the speed at the normal speed `speed` [m/s], for predictions.
+    pub fn represent(&mut self, speed: f64) {
+        let walls = self.walls.iter_mut().map(|wall| &mut wall.surface);
+        let surfaces = walls.chain([&mut self.contact]).chain(self.pairs.surfaces_mut());
+        surfaces.for_each(|surface| surface.represent(speed));
     }
 
     /// All kinds of impacts in the scene, each listed once. If sizes differ, the kinds are those of spheres of the mean
@@ -404,20 +411,20 @@ impl Scene {
         0.01 * (self.gravity.norm() * self.smallest_diameter()).sqrt()
     }
 
-    /// [-] restitution between particles, if all pairs of species have equal restitution.
+    /// [-] restitution between particles, if all pairs of species have equal restitution, which depends on no speed.
     pub fn restitution_of_pairs(&self) -> Option<f64> {
         if self.pairs.is_empty() {
-            return Some(self.contact.restitution);
+            return constant([self.contact]);
         }
-        same(self.meetings().map(|(_, _, meeting)| meeting.surface.restitution))
+        constant(self.meetings().map(|(_, _, meeting)| meeting.surface))
     }
 
-    /// [-] restitution at walls, if it is equal for all species and walls; `None` without walls.
+    /// [-] restitution at walls, if it is equal for all species and walls and depends on no speed; `None` without walls.
     pub fn restitution_at_walls(&self) -> Option<f64> {
         if self.pairs.is_empty() {
-            return same(self.walls.iter().map(|wall| wall.surface.restitution));
+            return constant(self.walls.iter().map(|wall| wall.surface));
         }
-        same(self.meetings_at_walls().map(|(_, _, meeting)| meeting.surface.restitution))
+        constant(self.meetings_at_walls().map(|(_, _, meeting)| meeting.surface))
     }
 
     /// All surfaces of the scene: those at walls and, if `particles` > 1, those between particles. If the scene has no
@@ -433,8 +440,10 @@ impl Scene {
     }
 }
 
-/// The common value of all numbers; `None` if they differ, or if there are none.
-fn same(mut numbers: impl Iterator<Item = f64>) -> Option<f64> {
-    let first = numbers.next()?;
-    numbers.all(|number| number == first).then_some(first)
+/// Common constant restitution [-] of all surfaces; `None` if one differs or depends on the speed, or if there are none.
+fn constant(surfaces: impl IntoIterator<Item = Surface>) -> Option<f64> {
+    let own = |surface: Surface| surface.by_speed.is_none().then_some(surface.restitution);
+    let mut all = surfaces.into_iter().map(own);
+    let first = all.next()??;
+    all.all(|restitution| restitution == Some(first)).then_some(first)
 }

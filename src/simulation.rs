@@ -56,7 +56,7 @@ const TABULATE: usize = 1000;
 /// #     gravity: Vector3::zeros(),
 /// #     fluid: None,
 /// #     walls: Vec::new(),
-/// #     contact: Surface { restitution: 0.5, friction: 0.0 },
+/// #     contact: Surface::new(0.5, 0.0),
 /// #     pairs: Default::default(),
 /// #     rotation: None,
 /// #     species: vec![Species::new("sphere", 1.0, 1.0)],

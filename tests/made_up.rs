@@ -20,7 +20,7 @@ use rand_distr::StandardNormal;
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 fn scene() -> Scene {
-    let surface = Surface { restitution: 0.94, friction: 0.325 };
+    let surface = Surface::new(0.94, 0.325);
     let wall = |y: f64, up: f64| Wall {
         geometry: WallGeometry::Plane(Plane { point: Vector3::new(0.0, y, 0.0), normal: Vector3::new(0.0, up, 0.0) }),
         surface,
@@ -34,7 +34,7 @@ fn scene() -> Scene {
         gravity: Vector3::new(0.0, 0.0, -9.81),
         fluid: Some(Fluid::new(1.205, 1.515e-5, Profile::Uniform(15.9), None)),
         walls: vec![wall(0.0, 1.0), wall(0.04, -1.0)],
-        contact: Surface { restitution: 1.0, friction: 0.0 },
+        contact: Surface::new(1.0, 0.0),
         pairs: Default::default(),
         rotation: None,
         species: vec![Species::new("polystyrene, 406 um", 406e-6, 1038.0)],

@@ -54,6 +54,7 @@ mod limits; // kinds of failures, the TC model, and maps of failures against the
 mod maps; // the maps of `limits`, which show where each method fails, against theory
 mod meshes; // walls of triangles: seams, corners, vessels, damaged meshes
 mod mixtures; // pairs of kinds, spheres of very different sizes
+mod needs; // models that a scene needs, against closed forms
 mod numbers; // every number of the paper, and every claim with its words, in docs/paper.md
 mod observers; // measurements while a simulation runs, and their times
 mod order; // sums over particles: identical bits in any order of the store
@@ -65,6 +66,7 @@ mod parts; // starts and runs in which each process has a part from the beginnin
 mod pieces; // trajectories in pieces, written by threads in place of processes
 mod plan; // predictions against short runs, recommendations, the command `plan`
 mod player; // recordings of particles: same bits, bounded, complete in the page
+mod restitution; // restitution by speed: every model, every soft law, gases, bits, messages
 mod resume; // killed or stopped runs continue with the same bits; damaged checkpoints; full disks
 mod rotation;
 mod schedule; // windows of the schedule against shorter windows

@@ -33,7 +33,7 @@ pub fn large() -> Species {
 
 /// Surface with the given restitution and friction.
 pub fn surface(restitution: f64, friction: f64) -> Surface {
-    Surface { restitution, friction }
+    Surface::new(restitution, friction)
 }
 
 /// Box without gas, gravity or walls.

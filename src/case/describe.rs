@@ -5,6 +5,7 @@ use crate::experiment::{
     Amount, AverageFrom, DsmcSettings, Experiment, HardStepping, Integrator, Model, SoftStepping, TimeStep,
 };
 use crate::fluid::{Fluid, Langevin, LocalTurbulence, Turbulence};
+use crate::predict::contact::usual_impact;
 use crate::predict::flow::terminal_slip;
 use crate::scene::{Kind, Scene, Species, Surface};
 use crate::walls::Wall;
@@ -171,6 +172,13 @@ fn particles_in_words(text: &mut String, experiment: &Experiment, scene: &Scene)
         volume_fraction(experiment, scene),
         surface(&scene.contact)
     );
+    if scene.depends_on_speed() {
+        let speed = usual_impact(scene, &experiment.start);
+        let _ = writeln!(
+            text,
+            "Restitution depends on the normal speed u of the impact; a usual one has u = {speed:.3e} m/s."
+        );
+    }
     if let Some(rotation) = &scene.rotation {
         let _ = writeln!(text, "Particles rotate: {rotation}.");
     } else if rests_by_friction(scene) {
@@ -338,7 +346,11 @@ fn step_in_words(experiment: &Experiment) -> String {
 }
 
 fn surface(surface: &Surface) -> String {
-    format!("restitution {}, friction {}", surface.restitution, surface.friction)
+    let Surface { restitution, friction, by_speed } = surface;
+    match by_speed {
+        None => format!("restitution {restitution}, friction {friction}"),
+        Some(law) => format!("restitution {law} ({restitution:.4} in a usual impact), friction {friction}"),
+    }
 }
 
 /// Text of a length [m] with a suitable SI prefix.

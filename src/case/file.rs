@@ -20,6 +20,7 @@
 mod contact;
 mod gas;
 mod region;
+mod restitution;
 mod rotation;
 mod shear;
 mod sizes;
@@ -30,6 +31,7 @@ pub use gas::{
     CouplingFile, DragFile, FluidFile, LangevinFile, ModulationFile, ProfileFile, SeenTurbulenceFile, TurbulenceFile,
 };
 pub use region::{BlockRegionFile, CylinderRegionFile, RegionFile};
+pub use restitution::{RestitutionFile, RestitutionLawFile};
 pub use rotation::{HistoryFile, ImpactRuleFile, RollingFile, TangentialFile, TwistingFile};
 pub use shear::ShearFile;
 pub use sizes::{ByFile, SizesFile};
@@ -234,6 +236,10 @@ pub struct SoftFile {
     /// law.
     #[schemars(extend("x-one-of" = "contact law"))]
     pub hertz: Option<Located<ElasticityFile>>,
+    /// Contact law: Hertz's law with the damping of viscoelastic spheres by Kuwabara and Kono (1987). Every surface has the
+    /// restitution `{ viscoelastic = ... }` or 1.
+    #[schemars(extend("x-one-of" = "contact law"))]
+    pub kuwabara_kono: Option<Located<ElasticityFile>>,
     /// Time steps per shortest contact, N_c; or give `time_step`. Fewer than 5 are refused without `allow_large_step`.
     #[schemars(example = 50, extend("default" = 20, "x-range" = "greater than 0, up to 1e6", "x-one-of" = "step"))]
     pub steps_per_contact: Option<Located<Ratio>>,

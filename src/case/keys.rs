@@ -193,15 +193,20 @@ fn is_table(schema: &Value) -> bool {
 /// Adds the table that `schema` describes, and the tables within it, to `tables`. The schema `about` contains the
 /// description of the table.
 fn collect(schema: &Value, about: &Value, name: &str, is_list: bool, tables: &mut Vec<KeyTable>) {
-    let (inner, keys): (Vec<_>, Vec<_>) =
-        properties(schema).partition(|(_, value)| is_table(value) || value.get("items").is_some_and(is_table));
-    tables.push(KeyTable {
-        name: name.to_owned(),
-        is_list,
-        about: words(about, "description").unwrap_or_default(),
-        required: words(about, "x-required"),
-        keys: keys.into_iter().map(|(name, schema)| key(name, schema)).collect(),
-    });
+    let holds_table = |value: &Value| is_table(value) || value.get("items").is_some_and(is_table);
+    let inner = properties(schema).filter(|(_, value)| holds_table(value));
+    // a number that a table can replace is both a key and a table
+    let keys = properties(schema).filter(|(_, value)| !holds_table(value) || value.get(QUANTITY).is_some());
+    // a table that can take the place of a number is described with its key
+    if schema.get(QUANTITY).is_none() {
+        tables.push(KeyTable {
+            name: name.to_owned(),
+            is_list,
+            about: words(about, "description").unwrap_or_default(),
+            required: words(about, "x-required"),
+            keys: keys.map(|(name, schema)| key(name, schema)).collect(),
+        });
+    }
     for (key, value) in inner {
         let name = super::tree::child_place(name, key);
         // for a choice of a law, the description is that of the branch with the table of the law

@@ -86,7 +86,11 @@ fn three(vector: &Vector3<f64>) -> [f64; 3] {
 }
 
 fn surface(surface: &Surface) -> Value {
-    json!({ "restitution": surface.restitution, "friction": surface.friction })
+    let mut value = json!({ "restitution": surface.restitution, "friction": surface.friction });
+    if let Some(law) = &surface.by_speed {
+        value["restitution_by_speed"] = json!(law);
+    }
+    value
 }
 
 /// Adds the coefficients of rolling and twisting friction that differ from those of the law.

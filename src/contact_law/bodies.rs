@@ -1,6 +1,7 @@
 //! Properties of two touching bodies on which a contact law depends, and constants of the law between two bodies.
 
 use crate::particles::Particles;
+use crate::restitution::RestitutionBySpeed;
 use crate::scene::{Elasticity, Kind, Scene, Species, Surface};
 use serde::{Deserialize, Serialize};
 
@@ -13,6 +14,9 @@ pub struct Bodies {
     pub effective_radius: f64,
     /// [-] normal restitution e of an isolated impact, which the law must reproduce.
     pub restitution: f64,
+    /// Restitution as a function of the normal speed, of which `restitution` is one value; `None`: it is constant.
+    #[serde(skip)]
+    pub by_speed: Option<RestitutionBySpeed>,
     /// Elasticity of each body; `None` for a body with the elasticity of the contact law.
     #[serde(skip)]
     pub elasticity: [Option<Elasticity>; 2],
@@ -22,6 +26,16 @@ pub struct Bodies {
 }
 
 impl Bodies {
+    /// These bodies with the restitution of an impact at the normal speed `speed` [m/s].
+    pub fn at_speed(&self, speed: f64) -> Self {
+        Self { restitution: self.by_speed.map_or(self.restitution, |law| law.at(speed)), ..*self }
+    }
+
+    /// These bodies with elastic impacts.
+    pub fn elastic(&self) -> Self {
+        Self { restitution: 1.0, by_speed: None, ..*self }
+    }
+
     /// Properties of two particles, which are given by their indices `i` and `j` in the store.
     pub fn pair(scene: &Scene, particles: &Particles, i: usize, j: usize) -> Self {
         let species = [i, j].map(|index| particles.species[index]);
@@ -31,6 +45,7 @@ impl Bodies {
             effective_mass,
             effective_radius: 1.0 / (1.0 / particles.radius[i] + 1.0 / particles.radius[j]),
             restitution: meeting.surface.restitution,
+            by_speed: meeting.surface.by_speed,
             elasticity: species.map(|species| scene.species[usize::from(species)].elasticity),
             stiffness_ratio: meeting.stiffness_of(effective_mass),
         }
@@ -44,6 +59,7 @@ impl Bodies {
             effective_mass: particles.mass[i],
             effective_radius: particles.radius[i],
             restitution: meeting.surface.restitution,
+            by_speed: meeting.surface.by_speed,
             elasticity: [scene.species[usize::from(species)].elasticity, scene.walls[wall].elasticity],
             stiffness_ratio: meeting.stiffness_of(particles.mass[i]),
         }
@@ -55,6 +71,7 @@ impl Bodies {
             effective_mass: 1.0 / (1.0 / one.mass() + 1.0 / other.mass()),
             effective_radius: 1.0 / (2.0 / one.diameter + 2.0 / other.diameter),
             restitution: surface.restitution,
+            by_speed: surface.by_speed,
             elasticity: [one.elasticity, other.elasticity],
             stiffness_ratio: 1.0,
         }
@@ -83,6 +100,7 @@ impl Bodies {
             effective_mass: 0.5 * species.mass(),
             effective_radius: 0.25 * species.diameter,
             restitution: surface.restitution,
+            by_speed: surface.by_speed,
             elasticity: [species.elasticity; 2],
             stiffness_ratio: 1.0,
         }
@@ -95,6 +113,7 @@ impl Bodies {
             effective_mass: species.mass(),
             effective_radius: 0.5 * species.diameter,
             restitution: surface.restitution,
+            by_speed: surface.by_speed,
             elasticity: [species.elasticity, elasticity],
             stiffness_ratio: 1.0,
         }
@@ -110,6 +129,7 @@ pub struct Spring {
     pub restitution: f64,
     /// [N/m] stiffness of a linear spring; for Hertz's law, k_H [N/m^1.5] in the force k_H δ^(3/2) at the overlap δ.
     pub stiffness: f64,
-    /// [N s/m] constant of a linear dashpot; for Hertz's law, c [N s/m^1.25] in the force c δ^(1/4) u_n.
+    /// [N s/m] constant of a linear dashpot; for Hertz's law, c [N s/m^1.25] in the force c δ^(1/4) u_n;
+    /// for Kuwabara and Kono's law, c [N s/m^1.5] in the force c δ^(1/2) u_n.
     pub dashpot: f64,
 }

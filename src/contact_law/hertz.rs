@@ -185,6 +185,7 @@ mod tests {
             effective_mass: 5.2e-6,
             effective_radius: 0.5e-3,
             restitution,
+            by_speed: None,
             elasticity: [None; 2],
             stiffness_ratio: 1.0,
         };

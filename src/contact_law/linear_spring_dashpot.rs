@@ -116,6 +116,7 @@ mod tests {
                 effective_mass,
                 effective_radius: 1.0,
                 restitution,
+                by_speed: None,
                 elasticity: [None; 2],
                 stiffness_ratio: 1.0,
             }),

@@ -13,12 +13,14 @@ mod bodies;
 mod contract;
 pub mod friction;
 mod hertz;
+mod kuwabara_kono;
 mod linear_spring_dashpot;
 pub mod numerical;
 
 pub use bodies::{Bodies, Spring};
 pub use contract::BrokenContract;
 pub use hertz::Hertz;
+pub use kuwabara_kono::KuwabaraKono;
 pub use linear_spring_dashpot::LinearSpringDashpot;
 
 use crate::rotation::NormalSpring;
@@ -198,7 +200,7 @@ impl std::fmt::Display for Parameter {
 ///
 /// let glass = Species::new("glass", 1e-3, 2500.0);
 /// let law = ContactLaw::linear(1000.0); // N/m
-/// let spring = law.between(&Bodies::alike(&glass, &Surface { restitution: 1.0, friction: 0.0 }));
+/// let spring = law.between(&Bodies::alike(&glass, &Surface::new(1.0, 0.0)));
 /// // without damping a contact of two spheres lasts π sqrt(M/k_n), M half the mass of one
 /// let lasts = std::f64::consts::PI * (0.5 * glass.mass() / 1000.0).sqrt(); // s
 /// assert!((law.contact_time(&spring, 0.1) / lasts - 1.0).abs() < 1e-12);
@@ -209,6 +211,8 @@ pub enum ContactLaw {
     LinearSpringDashpot(LinearSpringDashpot),
     /// Hertz's law for elastic spheres, with a viscous force.
     Hertz(Hertz),
+    /// Hertz's law for viscoelastic spheres.
+    KuwabaraKono(KuwabaraKono),
     /// A law of the calling program, which a case cannot contain.
     Other(&'static dyn Law),
 }
@@ -219,6 +223,7 @@ macro_rules! with_law {
         match $chosen {
             $crate::contact_law::ContactLaw::LinearSpringDashpot($law) => $value,
             $crate::contact_law::ContactLaw::Hertz($law) => $value,
+            $crate::contact_law::ContactLaw::KuwabaraKono($law) => $value,
             $crate::contact_law::ContactLaw::Other($law) => {
                 let $law: &dyn $crate::contact_law::Law = *$law;
                 $value
@@ -264,6 +269,7 @@ impl ContactLaw {
         match self {
             Self::LinearSpringDashpot(law) => Self::LinearSpringDashpot(law.stiffened(factor)),
             Self::Hertz(law) => Self::Hertz(law.stiffened(factor)),
+            Self::KuwabaraKono(law) => Self::KuwabaraKono(law.stiffened(factor)),
             Self::Other(law) => Self::other(Stiffened { law: *law, factor }),
         }
     }
@@ -287,7 +293,8 @@ impl ContactLaw {
     /// elasticities. 0 for laws without elastic constants.
     pub fn shear_ratio(&self, elasticity: [Option<Elasticity>; 2]) -> f64 {
         let (effective_mass, effective_radius, restitution, stiffness_ratio) = (1.0, 1.0, 1.0, 1.0);
-        let bodies = Bodies { effective_mass, effective_radius, restitution, elasticity, stiffness_ratio };
+        let by_speed = None;
+        let bodies = Bodies { effective_mass, effective_radius, restitution, by_speed, elasticity, stiffness_ratio };
         self.shear_stiffness(&bodies) / self.between(&bodies).stiffness
     }
 
@@ -327,6 +334,7 @@ impl std::ops::Deref for ContactLaw {
         match self {
             Self::LinearSpringDashpot(law) => law,
             Self::Hertz(law) => law,
+            Self::KuwabaraKono(law) => law,
             Self::Other(law) => *law,
         }
     }

@@ -215,6 +215,7 @@ mod tests {
             effective_mass: 5.2e-6,
             effective_radius: 0.5e-3,
             restitution,
+            by_speed: None,
             elasticity: [None; 2],
             stiffness_ratio: 1.0,
         });
@@ -269,6 +270,7 @@ mod tests {
             effective_mass: 1.0,
             effective_radius: 1.0,
             restitution: 0.9,
+            by_speed: None,
             elasticity: [None; 2],
             stiffness_ratio: 1.0,
         };

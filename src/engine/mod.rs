@@ -47,7 +47,7 @@ pub struct Window {
 /// #     gravity: Vector3::new(0.0, -9.81, 0.0),
 /// #     fluid: None,
 /// #     walls: Vec::new(),
-/// #     contact: Surface { restitution: 1.0, friction: 0.0 },
+/// #     contact: Surface::new(1.0, 0.0),
 /// #     pairs: Default::default(),
 /// #     rotation: None,
 /// #     species: vec![Species::new("sphere", 1.0, 1.0)],

@@ -78,7 +78,7 @@ pub struct MeetingAverages {
     pub rate: Option<Estimate>,
     /// [m/s] mean normal speed of approach in these impacts.
     pub normal_speed: Option<f64>,
-    /// [-] restitution that the case prescribes for these impacts.
+    /// [-] restitution that the case prescribes for these impacts; that at their mean speed, if it depends on the speed.
     pub restitution_asked: f64,
     /// [-] realised restitution: square root of the ratio of the normal energies after and before the impacts, both
     /// summed over the impacts.
@@ -277,12 +277,14 @@ impl Kinds {
             [before, .., after] => after.since(before),
             _ => MeetingTotals::default(),
         };
+        let normal_speed = (all.count > 0).then(|| all.speed / all.count as f64);
+        let surface = scene.surface(between.species, between.other);
         MeetingAverages {
             between: names(scene, between),
             count: all.count,
             rate: estimate(&rates),
-            normal_speed: (all.count > 0).then(|| all.speed / all.count as f64),
-            restitution_asked: scene.surface(between.species, between.other).restitution,
+            normal_speed,
+            restitution_asked: normal_speed.map_or(surface.restitution, |speed| surface.restitution_at(speed)),
             restitution: (all.approach > 0.0).then(|| (all.rebound / all.approach).sqrt()),
         }
     }

@@ -233,7 +233,7 @@ impl Row {
 
     /// Averages over particles at `time` [s], with 0 for contacts and impacts. The granular temperature is relative to
     /// the mean velocities of equal slices along y; `slices` is their number. `reference` [m/s] is a velocity near the
-    /// mean. In a sheared box temperature and mean velocity are relative to the mean flow.
+    /// mean. In a sheared box, temperature and mean velocity are relative to the mean flow.
     pub fn of_sample(time: f64, sample: Sample, reference: Vector3<f64>, (domain, slices): (&Domain, usize)) -> Self {
         let relative = sample.particles.relative_to_flow(domain);
         let spread = VelocitySpread::about(reference, sample.with(&relative), slices, domain.size.y);

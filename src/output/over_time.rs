@@ -19,7 +19,7 @@ pub fn series(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
     let further: [(&[SeriesColumn], bool); 4] = [
         (&FRICTION_COLUMNS, has(|row| row.friction.is_some())),
         (&TURBULENCE_COLUMNS, has(|row| row.turbulence.is_some())),
-        (&GAS_COLUMNS, outcomes.iter().any(|outcome| outcome.gas.is_some())),
+        (&GAS_COLUMNS, has(|row| row.gas.is_some())),
         (&SHEAR_COLUMNS, has(|row| row.shear.is_some())),
     ];
     let further = further.into_iter().filter(|(_, has)| *has).flat_map(|(columns, _)| columns);

@@ -63,7 +63,7 @@ impl Start {
 
 /// True if processes can make a start together, so that no process stores all particles. All particles must be drawn at
 /// random in the whole box, and all particles of a species must have one size. The volume fraction must be so low that
-/// overlapping particles draw new positions, and the box must not be sheared.
+/// overlapping particles draw new positions. The box must not be sheared.
 pub fn comes_in_parts(experiment: &Experiment) -> bool {
     let drawn = experiment.start.iter().all(|population| matches!(population.amount, Amount::Count(_)));
     let anywhere = experiment.start.iter().all(|population| population.region.is_none());

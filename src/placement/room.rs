@@ -47,7 +47,7 @@ impl FreeRoom {
         let mut inside = Vec::new();
         match region {
             Some(StartRegion::Body(body)) => {
-                let smooth = Surface { restitution: 1.0, friction: 0.0 };
+                let smooth = Surface::new(1.0, 0.0);
                 walls.push(Wall::new(WallGeometry::Hollow(body.clone()), smooth));
             }
             Some(StartRegion::InsideWalls(of)) => inside.clone_from(of),

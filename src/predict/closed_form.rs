@@ -5,7 +5,7 @@
 use super::flow::terminal_slip;
 use super::gas::{AgitationSpread, Component, gas};
 use crate::fluid::Profile;
-use crate::scene::{Kind, Scene};
+use crate::scene::{Kind, Scene, Surface};
 use nalgebra::Vector3;
 
 /// Smallest number of particles for which a scene is treated as a gas.
@@ -26,7 +26,7 @@ pub struct Cooling {
 
 impl Cooling {
     /// Makes a cooling gas of `count` particles that start with the granular temperature `temperature` [m²/s²]. `None`
-    /// unless the scene is a periodic box of many equal spheres with restitution below 1, without friction, drag and
+    /// unless the scene is a periodic box of many equal spheres with constant restitution below 1, without friction, drag and
     /// walls.
     pub fn of(scene: &Scene, count: usize, temperature: f64) -> Option<Self> {
         let [species] = scene.species.as_slice() else { return None };
@@ -36,7 +36,7 @@ impl Cooling {
         let dragged = scene.fluid.as_ref().is_some_and(|fluid| fluid.drag.is_some());
         let alone = !dragged && scene.walls.is_empty() && scene.domain.periodic == [true; 3];
         let contact = scene.surface(0, Kind::Species(0));
-        let smooth = contact.friction == 0.0 && contact.restitution < 1.0;
+        let smooth = contact.friction == 0.0 && contact.by_speed.is_none() && contact.restitution < 1.0;
         if !(alone && smooth && count >= FEWEST && temperature > 0.0) {
             return None;
         }
@@ -109,14 +109,15 @@ impl Bouncing {
         let dragged = scene.fluid.as_ref().is_some_and(|fluid| fluid.drag.is_some());
         let ([species], false) = (scene.species.as_slice(), dragged || scene.has_sizes()) else { return None };
         let (up, gravity, radius) = (-scene.gravity.try_normalize(0.0)?, scene.gravity.norm(), 0.5 * species.diameter);
-        let (mut floor, mut ceiling) = ((f64::NEG_INFINITY, 1.0), (f64::INFINITY, 1.0));
+        let smooth = Surface::new(1.0, 0.0);
+        let (mut floor, mut ceiling) = ((f64::NEG_INFINITY, smooth), (f64::INFINITY, smooth));
         for wall in &scene.walls {
             let plane = wall.geometry.plane()?;
-            let (along, e) = (plane.normal.dot(&up), wall.surface.restitution);
+            let (along, surface) = (plane.normal.dot(&up), wall.surface);
             let touch = plane.point.dot(&up) + along * radius;
             match along {
-                along if along > 1.0 - 1e-9 && touch > floor.0 => floor = (touch, e),
-                along if along < 1e-9 - 1.0 && touch < ceiling.0 => ceiling = (touch, e),
+                along if along > 1.0 - 1e-9 && touch > floor.0 => floor = (touch, surface),
+                along if along < 1e-9 - 1.0 && touch < ceiling.0 => ceiling = (touch, surface),
                 along if along.abs() > 1.0 - 1e-9 => {}
                 _ => return None,
             }
@@ -126,7 +127,7 @@ impl Bouncing {
         while now.begin < duration {
             let BounceFlight { height, velocity, .. } = now;
             let reaches = velocity * velocity - 2.0 * gravity * (ceiling.0 - height);
-            let (time, (place, e)) = if velocity > 0.0 && reaches >= 0.0 {
+            let (time, (place, surface)) = if velocity > 0.0 && reaches >= 0.0 {
                 ((velocity - reaches.sqrt()) / gravity, ceiling)
             } else {
                 (
@@ -137,7 +138,9 @@ impl Bouncing {
             if !(time > SHORTEST * duration && time.is_finite()) {
                 break;
             }
-            now = BounceFlight { begin: now.begin + time, height: place, velocity: -e * (velocity - gravity * time) };
+            let impact = velocity - gravity * time;
+            let velocity = -surface.restitution_at(impact.abs()) * impact;
+            now = BounceFlight { begin: now.begin + time, height: place, velocity };
             flights.push(now);
         }
         Some(Self { gravity, up, flights })
@@ -185,7 +188,7 @@ impl Chain {
         let ([species], [_, _, ..]) = (scene.species.as_slice(), start) else { return None };
         let dragged = scene.fluid.as_ref().is_some_and(|fluid| fluid.drag.is_some());
         let alone = !dragged && scene.walls.is_empty() && scene.gravity.norm() == 0.0;
-        if !(alone && scene.surface(0, Kind::Species(0)).restitution == 1.0) {
+        if !(alone && scene.restitution_of_pairs() == Some(1.0)) {
             return None;
         }
         let along = (start[1][0] - start[0][0]).try_normalize(0.0)?;

@@ -162,7 +162,8 @@ pub struct ContactPrediction {
 
 /// Lists all possible kinds of contact of a scene. `pair` returns the distribution of speeds for two species, and
 /// `at_wall` that for a species at a wall. Walls with equal surfaces are one kind. A species with one particle has no
-/// contact with itself.
+/// contact with itself. A restitution that depends on the speed
+/// is taken at the mean speed of the impacts.
 pub fn contacts(
     scene: &Scene,
     counts: &[usize],
@@ -176,28 +177,31 @@ pub fn contacts(
             if !there(p, if p == q { 2 } else { 1 }) || !there(q, 1) {
                 continue;
             }
+            let speeds = pair(p, q);
             found.push(ContactKind {
                 name: if p == q { format!("{} pair", one.name) } else { format!("{} with {}", one.name, other.name) },
                 wall: false,
-                bodies: Bodies::between(scene, p as u16, q as u16),
+                bodies: Bodies::between(scene, p as u16, q as u16).at_speed(speeds.mean()),
                 diameter: one.diameter.min(other.diameter),
-                speeds: pair(p, q),
+                speeds,
             });
         }
         let mut meetings: FxHashSet<[u64; 4]> = FxHashSet::default();
         for wall in (0..scene.walls.len() as u32).filter(|_| there(p, 1)) {
             let Meeting { surface, stiffness_ratio, at_mass, .. } = scene.meeting(p as u16, Kind::Wall(wall));
             // -1 stands for an absent mass, since no mass is negative
-            let numbers = [surface.restitution, surface.friction, stiffness_ratio, at_mass.unwrap_or(-1.0)];
+            let speeds = at_wall(p);
+            let restitution = surface.restitution_at(speeds.mean());
+            let numbers = [restitution, surface.friction, stiffness_ratio, at_mass.unwrap_or(-1.0)];
             if !meetings.insert(numbers.map(f64::to_bits)) {
                 continue;
             }
             found.push(ContactKind {
                 name: format!("{} at a wall", one.name),
                 wall: true,
-                bodies: Bodies::beside(scene, p as u16, wall),
+                bodies: Bodies::beside(scene, p as u16, wall).at_speed(speeds.mean()),
                 diameter: one.diameter,
-                speeds: at_wall(p),
+                speeds,
             });
         }
     }
@@ -217,7 +221,7 @@ impl ContactKind {
 
     /// [-] overlap number κ_n of this kind of contact: largest overlap of an elastic impact at u_r, over the diameter.
     pub fn kappa(&self, law: &ContactLaw) -> f64 {
-        let elastic = law.between(&Bodies { restitution: 1.0, ..self.bodies });
+        let elastic = law.between(&self.bodies.elastic());
         law.greatest_overlap(&elastic, self.speeds.of_random_pairs()) / self.diameter
     }
 
@@ -283,7 +287,7 @@ impl ContactTimes {
         // contacts of the smallest possible spheres are the shortest
         let extremes = experiment.scene.at_extremes();
         let (scene, speed) = (&extremes[0], fastest_impact(experiment));
-        let time = |bodies: Bodies| law.contact_time(&law.between(&bodies), speed);
+        let time = |bodies: Bodies| law.contact_time(&law.between(&bodies.at_speed(speed)), speed);
         let pairs = scene.meetings().filter(|_| particles > 1);
         let pairs = pairs.map(|(one, other, _)| time(Bodies::between(scene, one, other)));
         let walls = scene.meetings_at_walls().filter(|_| particles > 0);
@@ -301,6 +305,9 @@ impl ContactTimes {
 /// was measured in the channel cases of this project (0.4 m/s at 17.7 m/s).
 pub const AGITATION: f64 = 0.025;
 
+/// [m/s] speed used for bodies that do not move at all: the speed after a fall from 1 µm.
+const AT_REST: f64 = 5e-3;
+
 /// [m/s] normal speed that hardly any impact of an experiment exceeds; always positive. It is estimated from the
 /// initial velocities, gravity and the gas.
 ///
@@ -310,31 +317,50 @@ pub fn fastest_impact(experiment: &Experiment) -> f64 {
     /// Ratio u/σ that one in a million collisions in a Maxwellian gas exceeds: exp(-u²/(4σ²)). Here u is the relative
     /// normal velocity, and σ the standard deviation of a velocity component of a particle.
     const FASTEST: f64 = 7.5;
-    /// [m/s] speed used for bodies that do not move at all: the speed after a fall from 1 µm.
-    const AT_REST: f64 = 5e-3;
     let scene = &experiment.scene;
-    let frame = along_walls(scene, mean_velocity(experiment));
+    let frame = along_walls(scene, mean_velocity(&experiment.start));
     let start = experiment.start.iter().map(|population| match &population.amount {
         Amount::Placed(placed) => 2.0 * placed.velocity.iter().map(|v| (v - frame).norm()).fold(0.0, f64::max),
         Amount::Count(_) => (population.velocity_mean - frame).norm() + FASTEST * population.velocity_fluctuation.max(),
     });
     let start = start.fold(AT_REST, f64::max);
-    let height: f64 = (0..3)
-        .filter(|axis| !scene.domain.periodic[*axis])
-        .map(|axis| scene.gravity[axis].abs() * scene.domain.size[axis])
-        .sum();
     let gas = scene.fluid.as_ref().map_or(0.0, |fluid| fluid.profile.velocity(0.5 * scene.domain.size.y).abs());
-    (start * start + 2.0 * height + (FASTEST * AGITATION * gas).powi(2)).sqrt()
+    (start * start + 2.0 * fall(scene) + (FASTEST * AGITATION * gas).powi(2)).sqrt()
+}
+
+/// [m/s] normal speed of a usual impact of an experiment, at which predictions evaluate a restitution that depends on the
+/// speed; always positive. It is the root of the sum of three squares:
+///
+/// * of the mean speed of impact in a gas with the velocity fluctuation σ of the start, sqrt(π) σ; of listed particles,
+///   the largest speed,
+/// * of the speed after a fall through half of the box,
+/// * of the mean speed of impact at the agitation that a channel flow maintains.
+pub fn usual_impact(scene: &Scene, start: &[Population]) -> f64 {
+    let frame = along_walls(scene, mean_velocity(start));
+    let drawn = start.iter().map(|population| match &population.amount {
+        Amount::Placed(placed) => placed.velocity.iter().map(|v| (v - frame).norm()).fold(0.0, f64::max),
+        Amount::Count(_) => (PI / 3.0).sqrt() * population.velocity_fluctuation.norm(),
+    });
+    let drawn = drawn.fold(AT_REST, f64::max);
+    let gas = scene.fluid.as_ref().map_or(0.0, |fluid| fluid.profile.velocity(0.5 * scene.domain.size.y).abs());
+    (drawn * drawn + fall(scene) + PI * (AGITATION * gas).powi(2)).sqrt()
+}
+
+/// [m²/s²] square of the speed after a fall from rest through half of the box, along the axes that are not periodic.
+fn fall(scene: &Scene) -> f64 {
+    let axes = (0..3).filter(|axis| !scene.domain.periodic[*axis]);
+    axes.map(|axis| scene.gravity[axis].abs() * scene.domain.size[axis]).sum()
 }
 
 /// [m/s] mean velocity of all particles at the start. It is subtracted from their velocities, because a common motion
 /// along walls causes no impacts.
-fn mean_velocity(experiment: &Experiment) -> Vector3<f64> {
+fn mean_velocity(start: &[Population]) -> Vector3<f64> {
     let sum = |population: &Population| match &population.amount {
         Amount::Placed(placed) => placed.velocity.iter().sum(),
         Amount::Count(count) => population.velocity_mean * *count as f64,
     };
-    experiment.start.iter().map(sum).sum::<Vector3<f64>>() / experiment.count().max(1) as f64
+    let count: usize = start.iter().map(|population| population.amount.count()).sum();
+    start.iter().map(sum).sum::<Vector3<f64>>() / count.max(1) as f64
 }
 
 /// One of the limits on the soft time step (the paper's section 3.4).
@@ -399,6 +425,7 @@ mod tests {
                 effective_mass: 0.5 * 3.6372577e-8,
                 effective_radius: 0.25 * 406e-6,
                 restitution: 1.0,
+                by_speed: None,
                 elasticity: [None; 2],
                 stiffness_ratio: 1.0,
             },

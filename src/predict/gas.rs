@@ -223,7 +223,7 @@ impl CentreVolume {
 /// on the collision rate depends on the density of the gas (docs/theory/softness.md).
 pub fn softness(law: &ContactLaw, species: &Species, temperature: f64) -> f64 {
     // the stored energy does not depend on the restitution
-    let surface = Surface { restitution: 1.0, friction: 0.0 };
+    let surface = Surface::new(1.0, 0.0);
     let spring = law.between(&Bodies::alike(species, &surface));
     law.thermal_overlap(&spring, species.mass() * temperature) / species.diameter
 }
@@ -271,7 +271,7 @@ mod tests {
     use nalgebra::Vector3;
 
     fn cube(edge: f64, walls: bool) -> Scene {
-        let smooth = Surface { restitution: 1.0, friction: 0.0 };
+        let smooth = Surface::new(1.0, 0.0);
         let plane = |y: f64, n: f64| Wall {
             geometry: WallGeometry::Plane(Plane {
                 point: Vector3::new(0.0, y, 0.0),

@@ -89,7 +89,7 @@ impl Obstacles {
 pub fn against_soft(experiment: &Experiment) -> Vec<String> {
     let scene = &experiment.scene;
     let mut list = Vec::new();
-    if scene.surfaces(experiment.count()).iter().any(|surface| surface.restitution <= 0.0) {
+    if scene.surfaces(experiment.count()).iter().any(|surface| !surface.always_rebounds()) {
         list.push("a restitution of 0 needs critical damping, with which a contact never ends".into());
     }
     list

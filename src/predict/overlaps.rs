@@ -80,6 +80,7 @@ mod tests {
                 effective_mass: 0.5 * mass,
                 effective_radius: 0.25 * d,
                 restitution: 1.0,
+                by_speed: None,
                 elasticity: [None; 2],
                 stiffness_ratio: 1.0,
             },

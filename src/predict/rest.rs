@@ -3,7 +3,7 @@
 use crate::encounter::{FrameTime, Other};
 use crate::neighbours::NeighbourList;
 use crate::particles::Particles;
-use crate::scene::{Kind, Scene};
+use crate::scene::{Kind, Scene, Surface};
 use nalgebra::Vector3;
 use serde::Serialize;
 
@@ -26,7 +26,7 @@ pub struct Rest {
     pub speed: f64,
     /// [s] time at which the bounces end; infinite if impacts lose no energy.
     pub time: f64,
-    /// [-] restitution with which the time is computed; 0 if impacts lose no energy.
+    /// [-] restitution at `speed` of the contact that loses least; 0 if impacts lose no energy.
     pub restitution: f64,
     /// [N] weight that one contact of a particle with the floor carries at rest.
     pub weight: f64,
@@ -37,7 +37,7 @@ pub struct Rest {
 /// terminal slip speed.
 ///
 /// The time until rest is that of a sphere dropped from the height h. Its bounces last (1+e)/(1-e) sqrt(2h/g) in total
-/// (a geometric series). A bed of N spheres needs less time.
+/// (a geometric series); where e depends on the speed, they are added one by one. A bed of N spheres needs less time.
 pub fn rest(scene: &Scene, particles: &Particles, lift: Option<f64>) -> Option<Rest> {
     if lift.is_some_and(|lift| lift > 0.0) || particles.is_empty() {
         return None;
@@ -63,11 +63,11 @@ pub fn rest(scene: &Scene, particles: &Particles, lift: Option<f64>) -> Option<R
     // the pair of bodies with the least energy loss bounces longest
     let pairs = scene.meetings().filter(|_| particles.len() > 1).map(|(_, _, meeting)| meeting);
     let at_floor = (0..scene.species.len() as u16).map(|species| scene.meeting(species, Kind::Wall(floor)));
-    let restitutions: Vec<f64> = pairs.chain(at_floor).map(|meeting| meeting.surface.restitution).collect();
-    let lossy = restitutions.iter().copied().filter(|e| *e < 1.0).fold(0.0, f64::max);
-    let loses = restitutions.iter().any(|e| *e < 1.0);
-    let fall = speed / gravity;
-    let time = if !loses { f64::INFINITY } else { (1.0 + lossy) / (1.0 - lossy) * fall };
+    let surfaces: Vec<Surface> = pairs.chain(at_floor).map(|meeting| meeting.surface).collect();
+    let at_speed = || surfaces.iter().map(|surface| (surface, surface.restitution_at(speed)));
+    let lossy = at_speed().filter(|(_, e)| *e < 1.0).map(|(_, e)| e).fold(0.0, f64::max);
+    let falls = at_speed().filter(|(_, e)| *e < 1.0).map(|(surface, _)| falls(surface, speed)).reduce(f64::max);
+    let time = falls.unwrap_or(f64::INFINITY) * (speed / gravity);
     // number of particles on the floor: those whose gap is less than their radius or, if there are none, those that fit
     // on it
     let near = places().filter(|((x, _), r)| gap(x, **r) < **r).count();
@@ -78,6 +78,28 @@ pub fn rest(scene: &Scene, particles: &Particles, lift: Option<f64>) -> Option<R
     let on_floor = on_floor.clamp(1.0, particles.len() as f64);
     let weight = particles.mass.iter().sum::<f64>() * gravity / on_floor;
     Some(Rest { gravity, height, speed, time, weight, restitution: lossy })
+}
+
+/// [-] time of all bounces on a surface that is first met at `speed` [m/s], over the time of the fall before: (1+e)/(1-e)
+/// for a constant restitution. Otherwise it is 1 + 2 Σ u_k/u_0 with the speeds u_k of the rebounds, until they are slow;
+/// infinite if they never are, since slow impacts are elastic.
+fn falls(surface: &Surface, speed: f64) -> f64 {
+    /// [-] speed of a rebound over the first speed, from which on bounces do not count.
+    const SLOW: f64 = 1e-6;
+    /// Largest number of bounces that are computed.
+    const MOST: u32 = 100_000;
+    if surface.by_speed.is_none() {
+        return (1.0 + surface.restitution) / (1.0 - surface.restitution);
+    }
+    let (mut now, mut sum) = (speed, 1.0);
+    for _ in 0..MOST {
+        now *= surface.restitution_at(now);
+        sum += 2.0 * now / speed;
+        if now <= SLOW * speed {
+            return sum;
+        }
+    }
+    f64::INFINITY
 }
 
 /// [m] part of the height of a sphere above the floor that other spheres below it occupy: the sum of their diameters.

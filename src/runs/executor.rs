@@ -112,6 +112,14 @@ impl<'a> Executor<'a> {
         }
     }
 
+    /// Adds a run that depends on the results of the others, and returns its index. It must be done
+    /// [alone](Self::alone), since helper processes do not have it in their lists.
+    pub fn add(&mut self, run: ResumableRun) -> usize {
+        self.progress.add(&run.experiment);
+        self.runs.push(run);
+        self.runs.len() - 1
+    }
+
     /// Does or resumes one run, with observers in addition to the standard ones. The trajectory of the run is written
     /// if it is requested; if it cannot be written, the run fails. Returns the outcome and the final state in the order
     /// of ids. With several processes the final state is returned only if `gives_end` is true.

@@ -65,6 +65,18 @@ struct RunProgress {
     stage: RunStage,
 }
 
+impl RunProgress {
+    /// Progress of a run that has not begun.
+    fn of(experiment: &Experiment) -> Self {
+        Self {
+            name: legible::message(&experiment.name).into_owned(),
+            model: experiment.model(),
+            duration: experiment.run.duration,
+            stage: RunStage::Waiting,
+        }
+    }
+}
+
 enum RunStage {
     Waiting,
     Running(Track),
@@ -125,13 +137,8 @@ impl Progress {
         } else {
             ProgressDisplay::Lines
         };
-        let of = |experiment: &Experiment| RunProgress {
-            name: legible::message(&experiment.name).into_owned(),
-            model: experiment.model(),
-            duration: experiment.run.duration,
-            stage: RunStage::Waiting,
-        };
-        let board = Board { runs: experiments.into_iter().map(of).collect(), display, said: Instant::now() };
+        let runs = experiments.into_iter().map(RunProgress::of).collect();
+        let board = Board { runs, display, said: Instant::now() };
         let silent = matches!(board.display, ProgressDisplay::Silent);
         let board = Arc::new(Mutex::new(board));
         let show = (!silent).then(|| {
@@ -154,6 +161,11 @@ impl Progress {
 }
 
 impl Progress {
+    /// Adds the run of an experiment.
+    pub fn add(&self, experiment: &Experiment) {
+        lock(&self.board).runs.push(RunProgress::of(experiment));
+    }
+
     /// Records that another process has begun the run at this index, or has reached `time` [s] in it.
     pub fn is_elsewhere(&self, run: usize, time: f64) {
         let stage = &mut lock(&self.board).runs[run].stage;

@@ -157,8 +157,17 @@ fn check_chance(experiment: &Experiment, meeting: &ImpactPair, case: &Path) -> R
     )))
 }
 
-/// The two bodies of the scene: two spheres, or one sphere and the nearest wall.
+/// The two bodies of the scene: two spheres, or one sphere and the nearest wall. A restitution that depends on the speed
+/// is that at their present speed of approach.
 pub(super) fn meeting(scene: &Scene, particles: &Particles, case: &Path) -> Result<ImpactPair, StudyError> {
+    let mut found = two_bodies(scene, particles, case)?;
+    let approach = -point(scene, particles, &found, 0.0).normal_velocity;
+    found.surface.represent(approach);
+    found.bodies = found.bodies.at_speed(approach);
+    Ok(found)
+}
+
+fn two_bodies(scene: &Scene, particles: &Particles, case: &Path) -> Result<ImpactPair, StudyError> {
     let wrong = |what: String| {
         Err(StudyError::Input(format!(
             "error: {}: {what}\nhelp: `impact` shows two spheres, or one sphere and a wall; `cases/impact.toml` is an example",

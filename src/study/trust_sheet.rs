@@ -89,7 +89,7 @@ fn restitutions(outcome: &Outcome) -> [TrustCheck; 2] {
         };
         let expected = asked.map_or(Expected::Anything, Expected::Equals);
         let remark = match (asked, found.error) {
-            (None, _) => "the case asks for different restitutions: the mean over all of these impacts",
+            (None, _) => "the case asks for several restitutions, or one by speed: the mean over all of these impacts",
             (Some(_), None) => "too few intervals between samples saw an impact: no standard error",
             (Some(_), Some(_)) => "suspect beyond 0.005 and 3 SE",
         };

@@ -1,5 +1,6 @@
 //! Contacts between particles, and pairs with contact properties of their own.
 
+use super::RestitutionFile;
 use crate::case::de::Located;
 use crate::case::quantity::{Length, Ratio, Speed, Stiffness, Time};
 use schemars::JsonSchema;
@@ -9,11 +10,11 @@ use serde::Deserialize;
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ContactFile {
-    /// Restitution e, the ratio of the normal speeds after and before an impact. 1: elastic; 0: no rebound (hard
-    /// spheres only).
+    /// Restitution e, the ratio of the normal speeds after and before an impact. 1: elastic; 0: no rebound (hard spheres
+    /// only). A table makes it depend on the normal speed of the impact.
     #[schemars(example = 0.97)]
     #[schemars(extend("x-required" = "where two particles can meet", "x-range" = "0 ..= 1"))]
-    pub restitution: Option<Located<Ratio>>,
+    pub restitution: Option<Located<RestitutionFile>>,
     /// Coefficient of sliding friction, μ.
     #[schemars(example = 0.1, extend("default" = 0, "x-range" = "0 ..= 100"))]
     pub friction: Option<Located<Ratio>>,
@@ -34,9 +35,9 @@ pub struct PairFile {
     /// `[[walls]]`. One name given twice means contacts within that kind of particles.
     #[schemars(extend("examples" = [["glass", "steel"]], "x-required" = "always"))]
     pub between: Option<Located<[Located<String>; 2]>>,
-    /// Restitution e, the ratio of the normal speeds after and before an impact.
+    /// Restitution e, the ratio of the normal speeds after and before an impact; a number or a law.
     #[schemars(example = 0.9, extend("x-default" = "that of `[contact]` or the wall", "x-range" = "0 ..= 1"))]
-    pub restitution: Option<Located<Ratio>>,
+    pub restitution: Option<Located<RestitutionFile>>,
     /// Coefficient of sliding friction, μ.
     #[schemars(example = 0.1, extend("x-default" = "that of `[contact]` or the wall", "x-range" = "0 ..= 100"))]
     pub friction: Option<Located<Ratio>>,

@@ -1,6 +1,6 @@
 //! Walls and their shapes.
 
-use super::{Axis, ElasticityFile, Three};
+use super::{Axis, ElasticityFile, RestitutionFile, Three};
 use crate::case::de::Located;
 use crate::case::quantity::{Length, Ratio, Speed, Spin};
 use schemars::JsonSchema;
@@ -36,10 +36,10 @@ pub struct WallFile {
     /// Name of the wall in `[[contact.pairs]]`; several walls of one material may share a name.
     #[schemars(example = &"steel wall")]
     pub name: Option<Located<String>>,
-    /// Restitution e, the ratio of the normal speeds after and before an impact. 1: elastic; 0: no rebound (hard
-    /// spheres only).
+    /// Restitution e, the ratio of the normal speeds after and before an impact. 1: elastic; 0: no rebound (hard spheres
+    /// only). A table makes it depend on the normal speed of the impact.
     #[schemars(example = 0.97, extend("x-required" = "always", "x-range" = "0 ..= 1"))]
-    pub restitution: Option<Located<Ratio>>,
+    pub restitution: Option<Located<RestitutionFile>>,
     /// Coefficient of sliding friction, μ.
     #[schemars(example = 0.1, extend("default" = 0, "x-range" = "0 ..= 100"))]
     pub friction: Option<Located<Ratio>>,

@@ -50,7 +50,8 @@ impl Resolver {
         if touches && steps > most {
             let typed = soft.and_then(|soft| soft.time_step.as_ref()).map(|step| &step.origin);
             let spring = soft.and_then(|soft| soft.linear_spring_dashpot.as_ref()).map(|law| &law.origin);
-            let hertz = soft.and_then(|soft| soft.hertz.as_ref()).map(|law| &law.origin);
+            let hertz =
+                soft.and_then(|soft| soft.hertz.as_ref().or(soft.kuwabara_kono.as_ref())).map(|law| &law.origin);
             let origin = typed.or(spring).or(hertz).or(duration).unwrap_or(&run.origin);
             return Err(self.too_long(origin, steps, &format!("time steps of {step:.3e} s"), most));
         }

@@ -12,6 +12,7 @@ mod pairs;
 mod places;
 mod reference;
 mod region;
+mod restitution;
 mod rotation;
 mod scene;
 mod settings;
@@ -33,6 +34,7 @@ use super::source::{Origin, SourceKind, Sources};
 use super::tree::CaseNode;
 use crate::case::against::AgainstFile;
 use crate::experiment::{Experiment, Model, Trajectories};
+use crate::predict::contact::usual_impact;
 use crate::rotation::{ImpactRule, Rotation, TangentialLaw};
 use nalgebra::Vector3;
 use std::path::{Component, Path, PathBuf};
@@ -88,7 +90,7 @@ pub fn resolve(
     let contact = match &file.contact {
         Some(contact) => resolver.surface(&contact.value.restitution, &contact.value.friction)?,
         // a case without the table `[contact]` has passed the check above only if no two particles can touch
-        None => crate::scene::Surface { restitution: 1.0, friction: 0.0 },
+        None => crate::scene::Surface::new(1.0, 0.0),
     };
     let pairs = crate::scene::Pairs::default();
     let mut scene = crate::scene::Scene { domain, gravity, fluid, walls, contact, pairs, species, rotation: None };
@@ -100,7 +102,10 @@ pub fn resolve(
     scene.rotation = Resolver::rotates(file).then_some(Rotation::new(TangentialLaw::Coulomb, ImpactRule::COULOMB));
     let start = resolver.start(file, &scene)?;
     let soft = resolver.soft(file)?;
-    scene.pairs = resolver.pairs(file, &scene, &soft)?;
+    let usual = usual_impact(&scene, &start);
+    scene.represent(usual);
+    scene.pairs = resolver.pairs(file, &scene, &soft, usual)?;
+    resolver.check_restitution(file, &scene, &soft)?;
     scene.rotation = resolver.rotation(file, &scene, &soft)?;
     let hard = resolver.hard(file)?;
     let hybrid = resolver.hybrid(file)?;

@@ -23,8 +23,14 @@ struct Wanted<'a> {
 
 impl Resolver {
     /// Contact properties of all pairs listed in a case. The pairs of `scene` are still empty when this function is
-    /// called.
-    pub(super) fn pairs(&mut self, file: &CaseFile, scene: &Scene, soft: &SoftSettings) -> Result<Pairs, Diagnostic> {
+    /// called. A usual impact has the normal speed `usual` [m/s].
+    pub(super) fn pairs(
+        &mut self,
+        file: &CaseFile,
+        scene: &Scene,
+        soft: &SoftSettings,
+        usual: f64,
+    ) -> Result<Pairs, Diagnostic> {
         let mut pairs = Pairs::default();
         self.check_names(file, scene)?;
         let listed = file.contact.iter().flat_map(|contact| contact.value.pairs.iter().flatten());
@@ -34,7 +40,8 @@ impl Resolver {
                     let message = format!("`{}` names a pair that is listed before", pair.path);
                     return Err(self.sources.error(&pair.origin, message).help("one [[contact.pairs]] table each"));
                 }
-                let surface = self.pair_surface(&pair.value, *scene.surface(species, other))?;
+                let mut surface = self.pair_surface(&pair.value, *scene.surface(species, other))?;
+                surface.represent(usual);
                 let wanted = self.pair_stiffness(&pair.value, scene, (species, other), &surface)?;
                 let stiffness_ratio = wanted.as_ref().map_or(1.0, |wanted| self.ratio(wanted, soft));
                 let at_mass = wanted.and_then(|wanted| wanted.at_mass);
@@ -97,7 +104,7 @@ impl Resolver {
     fn pair_surface(&self, pair: &PairFile, usual: Surface) -> Result<Surface, Diagnostic> {
         let mut surface = usual;
         if pair.restitution.is_some() {
-            surface.restitution = self.surface(&pair.restitution, &None)?.restitution;
+            surface = Surface { friction: usual.friction, ..self.surface(&pair.restitution, &None)? };
         }
         if pair.friction.is_some() {
             surface.friction = self.friction(&pair.friction)?;

@@ -8,7 +8,7 @@ use crate::case::file::{
 };
 use crate::case::quantity::{Ratio, Spin};
 use crate::contact_law::ContactLaw;
-use crate::experiment::{Integrator, SoftSettings};
+use crate::experiment::{Integrator, Model, SoftSettings};
 use crate::rotation::{
     ImpactKind, ImpactRule, LinearTangential, ResistanceFriction, RollingLaw, Rotation, SOLID_SPHERE, SpringHistory,
     TangentialLaw, TwistingLaw,
@@ -137,7 +137,8 @@ impl Resolver {
     /// β_0 of this rule or, if no such spring exists, friction without memory.
     fn tangential_law(&mut self, file: &CaseFile, soft: &SoftSettings) -> Result<TangentialLaw, Diagnostic> {
         let is_linear = soft.law.is_none_or(|law| law.is_linear());
-        let is_hertz = soft.law.is_none_or(|law| matches!(law, ContactLaw::Hertz(_)));
+        let is_viscoelastic = matches!(soft.law, Some(ContactLaw::KuwabaraKono(_)));
+        let is_hertz = is_viscoelastic || soft.law.is_none_or(|law| matches!(law, ContactLaw::Hertz(_)));
         let typed = file.soft.as_ref().and_then(|soft| soft.value.tangential.as_ref());
         match typed.map(|typed| (&typed.origin, &typed.value)) {
             None => Ok(match self.walton(file)?.filter(|beta| *beta > 0.0 && is_linear) {
@@ -154,6 +155,10 @@ impl Resolver {
                 let message = "`soft.tangential.mindlin` needs Hertz's normal law, whose elastic constants it shares";
                 let help = "use `soft.hertz`, or `soft.tangential.linear`";
                 Err(self.sources.error(origin, message).help(help))
+            }
+            Some((_, TangentialFile::Mindlin { dashpot_ratio: Some(typed), .. })) if is_viscoelastic => {
+                let why = "is a share of a normal dashpot of Hertz's law, which `soft.kuwabara_kono` does not have";
+                Err(self.refuse(typed, why).help("leave it out, or use [soft.hertz]"))
             }
             Some((_, TangentialFile::Mindlin { history, dashpot_ratio })) => {
                 let history = match history.as_ref().map(|typed| typed.value) {
@@ -243,6 +248,23 @@ impl Resolver {
         Ok(Some(TwistingLaw { damping }))
     }
 
+    /// Rule of impacts whose restitution depends on the speed; `None` if no restitution does. The rule of a spring needs
+    /// one restitution. So models with instantaneous impacts refuse it; soft spheres do not use the rule.
+    fn rule_by_speed(&self, file: &CaseFile, scene: &Scene) -> Result<Option<ImpactRule>, Diagnostic> {
+        let depends = scene.depends_on_speed();
+        let typed = file.hard.as_ref().and_then(|hard| hard.value.friction.as_ref()).map(|rule| &rule.origin);
+        let typed = typed.or(file.soft.as_ref().map(|soft| &soft.origin));
+        match typed.filter(|_| depends && self.model != Model::Soft) {
+            Some(origin) => {
+                let message = "the rule of a tangential spring holds for one restitution, and a restitution of this case depends \
+                               on the speed of impact";
+                let help = "add [hard.friction.walton], or use the soft model";
+                Err(self.sources.error(origin, message).help(help))
+            }
+            None => Ok(depends.then_some(ImpactRule::COULOMB)),
+        }
+    }
+
     /// Impact rule that a case gives. If the case gives none, the rule is that of the tangential spring; without such a
     /// spring it is Coulomb's rule.
     fn impact_rule(
@@ -264,6 +286,9 @@ impl Resolver {
         }
         if !tangential.has_memory() || (typed.is_some() && wants_spring.is_none()) {
             return Ok(ImpactRule::COULOMB);
+        }
+        if let Some(rule) = self.rule_by_speed(file, scene)? {
+            return Ok(rule);
         }
         let impacts = scene.impact_kinds(|elasticity| soft.law.map_or(0.0, |law| law.shear_ratio(elasticity)));
         let two_rules = |one: &ImpactKind| impacts.iter().any(|other| one.has_table_of(other) && !one.is_like(other));

@@ -9,7 +9,7 @@ use crate::domain::Domain;
 use crate::drag::{Drag, SchillerNaumann, Stokes, SuspensionDrag, SuspensionLaw};
 use crate::fluid::TurbulenceModel;
 use crate::fluid::{Fluid, Lift, Profile};
-use crate::scene::{ADDED_MASS, Scene, Species, Surface};
+use crate::scene::{ADDED_MASS, Scene, Species};
 use nalgebra::Vector3;
 
 /// [-] ratio of a force of the displaced gas to the weight, below which no warning is given if the case leaves out the
@@ -126,23 +126,6 @@ impl Resolver {
                 self.warn(&typed.origin, message, "leave out `fluid.buoyancy`, which is true by default");
             }
         }
-    }
-
-    /// Restitution and friction of a surface.
-    pub(super) fn surface(
-        &self,
-        restitution: &Option<Located<Ratio>>,
-        friction: &Option<Located<Ratio>>,
-    ) -> Result<Surface, Diagnostic> {
-        let restitution = self.need(restitution, "restitution")?;
-        let help = "restitution is the ratio of normal speeds after and before an impact: 1 elastic, 0 without rebound";
-        let e = self.in_range(restitution, help)?;
-        if e == 0.0 && self.model.has_contacts() {
-            let why = "cannot be had from a linear spring-dashpot: its damping ratio -ln e / sqrt(π² + ln² e) needs ln 0; \
-                       allowed: 0 < e <= 1";
-            return Err(self.refuse(restitution, why).help("use 0.01, or the hard model, which takes 0"));
-        }
-        Ok(Surface { restitution: e, friction: self.friction(friction)? })
     }
 
     /// [-] coefficient of friction; 0 if the case gives none.

@@ -5,7 +5,7 @@ use crate::case::de::Located;
 use crate::case::diagnostic::Diagnostic;
 use crate::case::file::{CaseFile, DsmcFile, ElasticityFile, HardFile, HardSteppingFile, SoftFile};
 use crate::case::time_or_word::{AverageFromFile, WindowFile};
-use crate::contact_law::{ContactLaw, Hertz};
+use crate::contact_law::{ContactLaw, Hertz, KuwabaraKono};
 use crate::experiment::{
     AverageFrom, DsmcSettings, Experiment, HardSettings, HardStepping, HybridSettings, Integrator, Model, Population,
     RunSettings, SoftSettings, SoftStepping, Spheres, StatisticsSettings, TimeStep,
@@ -83,6 +83,9 @@ impl Resolver {
         if let Some(hertz) = &soft.hertz {
             return Ok(Some(ContactLaw::Hertz(Hertz { elasticity: self.elasticity(hertz)? })));
         }
+        if let Some(kuwabara_kono) = &soft.kuwabara_kono {
+            return Ok(Some(ContactLaw::KuwabaraKono(KuwabaraKono { elasticity: self.elasticity(kuwabara_kono)? })));
+        }
         let Some(stiffness) = spring.and_then(|law| law.value.stiffness.as_ref()) else { return Ok(None) };
         let help = "the paper uses 3000 N/m and 5000 N/m";
         Ok(Some(ContactLaw::linear(self.in_range(stiffness, help)?)))
@@ -112,9 +115,12 @@ impl Resolver {
         typed: &Option<Located<ElasticityFile>>,
     ) -> Result<Option<Elasticity>, Diagnostic> {
         let Some(typed) = typed else { return Ok(None) };
-        if file.soft.as_ref().is_none_or(|soft| soft.value.hertz.is_none()) {
-            let message =
-                format!("`{}` is not used: only `soft.hertz` derives its stiffness from materials", typed.path);
+        let is_elastic = |soft: &SoftFile| soft.hertz.is_some() || soft.kuwabara_kono.is_some();
+        if !file.soft.as_ref().is_some_and(|soft| is_elastic(&soft.value)) {
+            let message = format!(
+                "`{}` is not used: only `soft.hertz` and `soft.kuwabara_kono` derive their stiffness from materials",
+                typed.path
+            );
             self.warn(&typed.origin, message, "add [soft.hertz], or leave it out");
         }
         self.elasticity(typed).map(Some)

@@ -8,13 +8,13 @@ use nalgebra::Vector3;
 
 /// Impulse on body i [kg m/s] from a body j that it approaches, without rotation. The normal part is J_n = (1+e) M
 /// |u_n|. The tangential part acts against the slip, with the magnitude J_t = min(μ J_n, M |u_t|). These are Eq. 4 of
-/// the paper and the Coulomb law below it.
+/// the paper and the Coulomb law below it. A restitution that depends on the speed is that at |u_n|.
 ///
 /// `velocity` is the relative velocity u = u_i - u_j [m/s], and the unit vector `normal` points from j to i.
 /// `effective_mass` is M [kg]; for a wall it is the mass of the particle.
 pub fn impulse(surface: &Surface, effective_mass: f64, velocity: &Vector3<f64>, normal: &Vector3<f64>) -> Vector3<f64> {
     let normal_velocity = velocity.dot(normal);
-    let along = -(1.0 + surface.restitution) * effective_mass * normal_velocity;
+    let along = -(1.0 + surface.restitution_at(-normal_velocity)) * effective_mass * normal_velocity;
     let slip = velocity - normal * normal_velocity;
     let slip_speed = slip.norm();
     let mut impulse = normal * along;
@@ -85,7 +85,7 @@ impl Collision {
     /// True if the collision loses energy along the normal. Collisions without loss may continue without end, and are
     /// no sign of an inelastic collapse.
     pub fn loses(&self, scene: &Scene) -> bool {
-        !self.elastic && scene.surface(self.kinds.0, self.kinds.1).restitution < 1.0
+        !self.elastic && scene.surface(self.kinds.0, self.kinds.1).restitution_at(self.approach()) < 1.0
     }
 
     /// Applies the impulse to the velocities and spins of `particles`, and records it. `remaining` [s] is the rest of
@@ -119,8 +119,8 @@ impl Collision {
     ) -> (Vector3<f64>, Vector3<f64>) {
         let (velocity, normal) = (self.met.velocity, self.met.normal);
         let effective_mass = weights.effective();
-        let of_kinds = scene.surface(self.kinds.0, self.kinds.1);
-        let mut surface = *of_kinds;
+        let of_kinds = scene.surface(self.kinds.0, self.kinds.1).at_speed(self.approach());
+        let mut surface = of_kinds;
         if self.elastic {
             let e = std::mem::replace(&mut surface.restitution, 1.0);
             let speed = self.approach();
@@ -129,7 +129,7 @@ impl Collision {
         let rough = scene.rotation.as_ref().map(|rotation| {
             let normal_impulse = (1.0 + surface.restitution) * effective_mass * self.approach();
             let numbers = (normal_impulse, effective_mass, weights.reach);
-            self.rough_impulse(rotation, of_kinds, numbers, particles)
+            self.rough_impulse(rotation, &of_kinds, numbers, particles)
         });
         let impulse = match &rough {
             Some(rough) => rough.impulse,

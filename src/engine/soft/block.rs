@@ -363,7 +363,7 @@ impl ContactBlock {
     /// Makes the contact that begins at a slot.
     fn open(&self, slot: u32, view: ContactSearch, law: &ContactLaw) -> Contact {
         let ContactSearch { list, at, .. } = view;
-        let touch = view.touching(list.couple(slot as usize), law);
+        let mut touch = view.touching(list.couple(slot as usize), law);
         let met = meet(&touch.couple, &touch.constants, view);
         // if the contact began in a predicted state, its force has already acted, so the speed of approach is that of
         // the predicted state
@@ -372,6 +372,7 @@ impl ContactBlock {
             Ok(k) if at.opens => self.foreseen[k].course.normal_speed,
             _ => -met.normal_velocity,
         };
+        touch.begin_at(normal_speed, (view.particles, view.scene), law);
         let began = at.start + at.elapsed;
         let begun = ContactState::beginning(began, normal_speed, &touch, view.scene, law);
         let surfaces = || SurfaceMotion::of(&touch.couple, touch.reach, &met, (view.particles, view.scene));

@@ -1,7 +1,7 @@
 //! One contact: its two bodies, their encounter, the contact force, and the energy that the contact dissipates.
 
 use crate::contact_law::friction::{Slip, coulomb};
-use crate::contact_law::{ContactLaw, Spring};
+use crate::contact_law::{Bodies, ContactLaw, Spring};
 use crate::encounter::{Couple, Encounter, FrameTime, Other, Partner};
 use crate::engine::Failure;
 use crate::particles::Particles;
@@ -270,7 +270,7 @@ pub struct ContactForce {
     pub friction_power: f64,
     /// [W] power supplied by a wall whose surface moves.
     pub wall_power: f64,
-    /// [W] put in by the shear, if a sheared side is between the two.
+    /// [W] power of the shear, if a sheared side is between the two particles.
     pub shear_power: f64,
     /// [m] vector from the centre of the other particle (or from the wall) to the centre of particle i.
     pub arm: Vector3<f64>,
@@ -342,6 +342,12 @@ impl TouchingPair {
         Self { couple, constants: ContactConstants::new(&couple, particles, scene, law) }
     }
 
+    /// [`ContactConstants::begin_at`] of these two bodies.
+    #[inline]
+    pub fn begin_at(&mut self, speed: f64, scenery: (&Particles, &Scene), law: &ContactLaw) {
+        self.constants.begin_at(speed, &self.couple, scenery, law);
+    }
+
     /// [`ContactConstants::force`] of these two bodies.
     #[inline(always)]
     pub fn force(
@@ -359,12 +365,25 @@ impl TouchingPair {
 impl ContactConstants {
     /// Constants of two bodies under a contact law.
     pub fn new(couple: &Couple, particles: &Particles, scene: &Scene, law: &ContactLaw) -> Self {
-        let bodies = couple.bodies(particles, scene);
-        let spring = law.between(&bodies);
+        Self::of(&couple.bodies(particles, scene), couple, (particles, scene), law)
+    }
+
+    /// Sets the constants to those of a contact that begins at the normal speed `speed` [m/s] of approach, if its
+    /// restitution depends on the speed: its dashpot lasts as long as the contact. Other constants stay.
+    #[inline]
+    pub fn begin_at(&mut self, speed: f64, couple: &Couple, scenery: (&Particles, &Scene), law: &ContactLaw) {
+        let (particles, scene) = scenery;
+        if couple.surface(particles, scene).by_speed.is_some() {
+            *self = Self::of(&couple.bodies(particles, scene).at_speed(speed), couple, scenery, law);
+        }
+    }
+
+    fn of(bodies: &Bodies, couple: &Couple, (particles, scene): (&Particles, &Scene), law: &ContactLaw) -> Self {
+        let spring = law.between(bodies);
         let friction = couple.surface(particles, scene).friction;
         let diameter = couple.diameter(particles);
         let tangential = scene.rotation.as_ref().map_or_else(SpringDashpotSlider::default, |rotation| {
-            rotation.tangential.between(|| law.normal_spring(&bodies, &spring), couple.tangential_mass(particles))
+            rotation.tangential.between(|| law.normal_spring(bodies, &spring), couple.tangential_mass(particles))
         });
         Self { spring, diameter, friction, reach: couple.reach(particles), tangential }
     }

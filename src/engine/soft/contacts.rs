@@ -208,9 +208,10 @@ impl Contacts {
         let mut slots = Vec::new();
         list.overlapping(particles, scene, &mut slots);
         for &slot in &slots {
-            let touch = TouchingPair::new(list.couple(slot as usize), particles, scene, &self.law);
+            let mut touch = TouchingPair::new(list.couple(slot as usize), particles, scene, &self.law);
             let met = touch.couple.meet(particles, scene, FrameTime::default());
             let (overlap, growth) = (met.overlap(), -met.normal_velocity);
+            touch.begin_at(growth, (particles, scene), &self.law);
             let begun = ContactState::beginning(now, growth, &touch, scene, &self.law);
             let course = ContactState { first_overlap: overlap, maximum_overlap: overlap, overlap, growth, ..begun };
             self.lasting.push(Contact { slot, touch, course });

@@ -191,7 +191,10 @@ fn contacts(plan: &RunPrediction) -> Vec<Block> {
             // a scene of a few bodies has no mean overlap: only the fastest impact is predicted
             known(plan.gas.is_some(), format!("{} d", significant(row.mean_overlap, 3))),
             format!("{} d", significant(row.overlap_99, 3)),
-            row.contact.bodies.restitution.to_string(),
+            match row.contact.bodies.by_speed {
+                None => row.contact.bodies.restitution.to_string(),
+                Some(_) => format!("{} at this mean speed", significant(row.contact.bodies.restitution, 4)),
+            },
             row.realised_restitution.map_or("does not end".into(), |e| format!("{e:.5}")),
         ]);
         (false, cells)

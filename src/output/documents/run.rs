@@ -10,6 +10,7 @@ use crate::output::panel::Figure;
 use crate::output::player::Player;
 use crate::output::{Folder, OutputError, Study, cost, csv, figures, over_time, overall};
 use crate::record::Impacts;
+use crate::scene::Surface;
 use crate::statistics::{Answer, Estimate};
 use serde_json::{Value, json};
 use std::path::PathBuf;
@@ -188,12 +189,14 @@ fn impacts(outcomes: &[Outcome]) -> Vec<Block> {
         "variant | impacts | impacts per s | mean normal speed [m/s] | e requested | e realised{of_slip} | mean duration | mean δ/d | 99 % δ/d | largest δ/d"
     );
     let pairs = |o: &Outcome| {
-        let asked = o.experiment.scene.meetings().map(|(_, _, meeting)| significant(meeting.surface.restitution, 4));
+        let speed = o.pairs.summary().mean_normal_speed;
+        let asked = o.experiment.scene.meetings().map(|(_, _, meeting)| requested(&meeting.surface, speed));
         (false, impact_cells(&o.pairs, o.pair_rate, distinct(asked), rotates))
     };
     let walls = |o: &Outcome| {
         let meetings = o.experiment.scene.meetings_at_walls();
-        let each = meetings.map(|(_, _, meeting)| significant(meeting.surface.restitution, 4));
+        let speed = o.walls.summary().mean_normal_speed;
+        let each = meetings.map(|(_, _, meeting)| requested(&meeting.surface, speed));
         (false, impact_cells(&o.walls, o.wall_rate, distinct(each), rotates))
     };
     let mut blocks = vec![Block::Label("Between particles".into()), table(head, outcomes, pairs)];
@@ -211,6 +214,15 @@ fn impacts(outcomes: &[Outcome]) -> Vec<Block> {
          spheres have no duration, and no overlap at exact instants. ",
     ));
     blocks
+}
+
+/// Restitution that a case gives; where it depends on the speed, that at the mean normal speed of impact [m/s].
+fn requested(surface: &Surface, speed: Option<f64>) -> String {
+    match (surface.by_speed, speed) {
+        (None, _) => significant(surface.restitution, 4),
+        (Some(law), Some(speed)) => format!("{} at {} m/s", significant(law.at(speed), 4), significant(speed, 3)),
+        (Some(_), None) => "by speed".to_owned(),
+    }
 }
 
 fn impact_cells(impacts: &Impacts, rate: Option<Estimate>, requested: String, rotates: bool) -> Vec<String> {
@@ -367,8 +379,8 @@ fn hashes(outcomes: &[Outcome]) -> Block {
     table("variant | hash of the initial state | hash of the final state", outcomes, cells)
 }
 
-/// [-] unexplained energy, over the sum of the initial energy and the magnitudes of the work of drag, gravity,
-/// moving walls and shear. `None` if this sum is 0.
+/// [-] unexplained energy, over the sum of the initial energy and the magnitudes of the work of drag, gravity, moving
+/// walls and shear. `None` if this sum is 0.
 fn relative_residual(outcome: &Outcome) -> Option<f64> {
     let ledger = &outcome.record.ledger;
     let through = ledger.through(outcome.energy_at_start);

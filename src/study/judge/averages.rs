@@ -25,7 +25,7 @@ const POINTS: usize = 20;
 ///
 /// V, W, uw and vw are left out: V vanishes since mass is conserved, the others by symmetry. U is left out if there is
 /// neither gas nor gravity along the stream, since momentum is then conserved. n and uv are left out if no wall makes
-/// one position different from another; uv is kept in a sheared box. If the spheres of both variants rotate, T_r and the mean spin that a sheared
+/// one position different from another; in a sheared box the profile of uv is kept. If the spheres of both variants rotate, T_r and the mean spin that a sheared
 /// stream causes are compared too. The other mean spins vanish by symmetry.
 pub fn observables(variant: &Outcome, reference: &Outcome) -> [Vec<Observable>; 2] {
     let scene = &reference.experiment.scene;

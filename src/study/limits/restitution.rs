@@ -61,6 +61,7 @@ pub fn restitution(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
             effective_mass: 0.5 * mass(),
             effective_radius: 0.25 * DIAMETER,
             restitution: e,
+            by_speed: None,
             elasticity: [None; 2],
             stiffness_ratio: 1.0,
         };

@@ -6,7 +6,7 @@ use crate::engine::Failure;
 use crate::experiment::{Amount, Experiment, Spheres};
 use crate::particles::Particles;
 use crate::runs::{StudyError, start};
-use crate::scene::Species;
+use crate::scene::{Species, Surface};
 use crate::simulation::Simulation;
 use nalgebra::Vector3;
 
@@ -73,7 +73,7 @@ pub fn restitute(experiment: &mut Experiment, restitution: f64) {
     walls
         .chain([&mut scene.contact])
         .chain(scene.pairs.surfaces_mut())
-        .for_each(|surface| surface.restitution = restitution);
+        .for_each(|surface| *surface = Surface::new(restitution, surface.friction));
 }
 
 /// Fills a periodic cube with `count` of the paper's small spheres, at the volume fraction φ [-].

@@ -172,6 +172,13 @@ fn stepping(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<PlannedFac
     ))
 }
 
+/// Tables of all surfaces: contacts between particles, walls, and listed pairs.
+pub fn surfaces(plan: &SensitivityPlan) -> Vec<String> {
+    let pairs = pairs(plan).unwrap_or_default().into_iter().map(|(table, _)| table);
+    let walls = walls(plan, |surface| surface.friction).unwrap_or_default().into_iter().map(|(table, _)| table);
+    pairs.chain(walls).collect()
+}
+
 /// Tables of the contacts between particles, each with its surface: `contact`, and the listed pairs of species.
 fn pairs(plan: &SensitivityPlan) -> Result<Vec<(String, Surface)>, String> {
     let reference = plan.reference();
@@ -199,13 +206,24 @@ fn listed(plan: &SensitivityPlan, wanted: fn(&Kind) -> bool) -> Vec<(String, Sur
 
 fn restitution(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<PlannedFactor, String> {
     let to = |own: f64| sized(size, usual_restitution(own), 0.0, 1.0);
-    let own = pairs(plan)?.into_iter().map(|(key, surface)| (key, surface.restitution));
+    let surfaces = pairs(plan)?;
+    refuse_by_speed(surfaces.iter().map(|(_, surface)| surface))?;
+    let own = surfaces.into_iter().map(|(key, surface)| (key, surface.restitution));
     let all: Vec<_> = own.map(|(key, own)| Ok((key, own, to(own)?))).collect::<Result<_, String>>()?;
     let first = all.first().map_or(1.0, |one| one.1);
     surface(plan, &all, ("restitution", "e"), why(size, why_restitution(first)))
 }
 
+/// Refuses surfaces whose restitution depends on the speed, since this factor sets one number.
+fn refuse_by_speed<'a>(mut surfaces: impl Iterator<Item = &'a Surface>) -> Result<(), String> {
+    match surfaces.any(|surface| surface.by_speed.is_some()) {
+        true => Err("the restitution depends on the speed: `diptych sweep` changes the keys of its law".into()),
+        false => Ok(()),
+    }
+}
+
 fn wall_restitution(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<PlannedFactor, String> {
+    refuse_by_speed(plan.reference().scene.walls.iter().map(|wall| &wall.surface))?;
     let walls = walls(plan, |surface| surface.restitution)?;
     let to = |own: f64| sized(size, usual_restitution(own), 0.0, 1.0);
     let all: Vec<_> = walls.into_iter().map(|(key, own)| Ok((key, own, to(own)?))).collect::<Result<_, String>>()?;

@@ -86,6 +86,11 @@ fn size(shift: &Shift) -> String {
     format!("{} in {}", share(shift), where_(shift))
 }
 
+/// Largest shift of a factor in words, in brackets; empty without a shift.
+pub(super) fn in_size(factor: &Factor) -> String {
+    factor.headline().map_or(String::new(), |shift| format!(" ({})", size(shift)))
+}
+
 /// Titles of the factors, each with the text that `say` makes of its most important shift.
 fn list(factors: &[&Factor], say: &dyn Fn(&Shift) -> String) -> String {
     let one = |factor: &&Factor| {
@@ -95,7 +100,7 @@ fn list(factors: &[&Factor], say: &dyn Fn(&Shift) -> String) -> String {
     factors.iter().map(one).collect::<Vec<_>>().join(", ")
 }
 
-fn open(factors: &[&Factor], within: &str) -> Option<String> {
+pub(super) fn open(factors: &[&Factor], within: &str) -> Option<String> {
     if factors.is_empty() {
         return None;
     }
@@ -127,12 +132,12 @@ fn open(factors: &[&Factor], within: &str) -> Option<String> {
 }
 
 /// Sentence on the size of the shifts that chance alone causes.
-fn chance(factor: &Factor) -> Option<String> {
+pub(super) fn chance(factor: &Factor) -> Option<String> {
     let widest = factor.shifts.iter().max_by(|a, b| a.share().abs().total_cmp(&b.share().abs()))?;
     Some(format!("Another seed alone shifts up to {}: that much is noise.", size(widest)))
 }
 
-fn capital(text: &str) -> String {
+pub(super) fn capital(text: &str) -> String {
     let mut letters = text.chars();
     letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }

@@ -9,11 +9,12 @@ use crate::record::{Between, Impact};
 impl<I: InstantaneousRule> IslandRun<'_, I> {
     /// Begins a contact at a slot, unless the touch is instantaneous.
     pub(super) fn open(&mut self, slot: usize) {
+        let (gap, rate) = self.scratch.gaps[slot];
+        self.scratch.touches[slot].begin_at(-rate, (self.particles, self.scene), &self.engine.law);
         let touch = self.scratch.touches[slot];
         if self.strike(slot) {
             return;
         }
-        let (gap, rate) = self.scratch.gaps[slot];
         let began = self.window.start + self.now;
         let begun = ContactState::beginning(began, -rate, &touch, self.scene, &self.engine.law);
         let mut course = ContactState { overlap: -gap, growth: -rate, ..begun };

@@ -1,0 +1,112 @@
+//! Restitution in a case file: one number, or a law by which it depends on the speed.
+
+use crate::case::de::Located;
+use crate::case::quantity::{QUANTITY, Ratio, Speed};
+use schemars::{JsonSchema, Schema, SchemaGenerator};
+use serde::Deserialize;
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{Error, IntoDeserializer, MapAccess, Visitor};
+use std::borrow::Cow;
+
+/// Names of the laws.
+const LAWS: &[&str] = &["bridges", "power", "viscoelastic"];
+
+/// Restitution of a contact.
+#[derive(Clone, Debug)]
+pub enum RestitutionFile {
+    /// One number for all speeds.
+    Constant(Ratio),
+    /// Law by which it depends on the speed.
+    BySpeed(Box<RestitutionLawFile>),
+}
+
+/// Tables `restitution.*`: choice of a law by which the restitution depends on the normal speed u of the impact.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum RestitutionLawFile {
+    /// Restitution e = min(1, (u/u_c)^-p), measured for ice by Bridges, Hatzes and Lin (1984).
+    Bridges {
+        /// Speed u_c up to which impacts are elastic.
+        #[schemars(example = &"0.077 mm/s", extend("x-required" = "always", "x-range" = "1e-9 ..= 1e5 m/s"))]
+        speed: Option<Located<Speed>>,
+        /// Exponent p.
+        #[schemars(example = 0.234, extend("x-required" = "always", "x-range" = "0 ..= 10"))]
+        exponent: Option<Located<Ratio>>,
+    },
+    /// Restitution e = max(e_min, 1 - (1 - e_1) (u/u_1)^q). Bizon et al. (1998) take q = 0.75 and e_min = e_1.
+    Power {
+        /// Restitution e_1 at the speed u_1.
+        #[schemars(example = 0.9, extend("x-required" = "always", "x-range" = "0 ..= 1"))]
+        restitution: Option<Located<Ratio>>,
+        /// Speed u_1.
+        #[schemars(example = &"1 m/s", extend("x-required" = "always", "x-range" = "1e-9 ..= 1e5 m/s"))]
+        speed: Option<Located<Speed>>,
+        /// Exponent q.
+        #[schemars(example = 0.2, extend("x-required" = "always", "x-range" = "greater than 0, up to 10"))]
+        exponent: Option<Located<Ratio>>,
+        /// Smallest restitution, e_min. 0 is for hard spheres only.
+        #[schemars(example = 0.5, extend("x-required" = "always", "x-range" = "0 ..= 1"))]
+        least: Option<Located<Ratio>>,
+    },
+    /// Restitution of viscoelastic spheres (Ramírez et al. 1999), whose soft law is `[soft.kuwabara_kono]`.
+    Viscoelastic {
+        /// Restitution at the speed `speed`.
+        #[schemars(example = 0.9, extend("x-required" = "always", "x-range" = "0.001 ..= 1"))]
+        restitution: Option<Located<Ratio>>,
+        /// Normal speed of an impact with that restitution.
+        #[schemars(example = &"1 m/s", extend("x-required" = "always", "x-range" = "1e-9 ..= 1e5 m/s"))]
+        speed: Option<Located<Speed>>,
+    },
+}
+
+impl<'de> Deserialize<'de> for RestitutionFile {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct NumberOrLaw;
+        impl<'de> Visitor<'de> for NumberOrLaw {
+            type Value = RestitutionFile;
+
+            fn expecting(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+                f.write_str("a number, or a table with the name of a law")
+            }
+
+            fn visit_f64<E: serde::de::Error>(self, value: f64) -> Result<RestitutionFile, E> {
+                Ratio::deserialize(value.into_deserializer()).map(RestitutionFile::Constant)
+            }
+
+            fn visit_i64<E: serde::de::Error>(self, value: i64) -> Result<RestitutionFile, E> {
+                self.visit_f64(value as f64)
+            }
+
+            fn visit_str<E: serde::de::Error>(self, text: &str) -> Result<RestitutionFile, E> {
+                Ratio::deserialize(text.into_deserializer()).map(RestitutionFile::Constant)
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<RestitutionFile, A::Error> {
+                let law = RestitutionLawFile::deserialize(MapAccessDeserializer::new(&mut map))?;
+                // two known laws are refused beforehand, as keys that exclude each other
+                match map.next_key::<String>()? {
+                    Some(name) => Err(A::Error::unknown_variant(&name, LAWS)),
+                    None => Ok(RestitutionFile::BySpeed(Box::new(law))),
+                }
+            }
+        }
+        deserializer.deserialize_any(NumberOrLaw)
+    }
+}
+
+impl JsonSchema for RestitutionFile {
+    fn schema_name() -> Cow<'static, str> {
+        "NumberOrLaw".into()
+    }
+
+    /// A choice between a number and the laws.
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        let mut laws = RestitutionLawFile::json_schema(generator);
+        let number = Ratio::json_schema(generator).to_value();
+        if let Some(serde_json::Value::Array(branches)) = laws.get_mut("oneOf") {
+            branches.insert(0, number);
+        }
+        laws.insert(QUANTITY.into(), "number, or a table".into());
+        laws
+    }
+}

@@ -1,0 +1,46 @@
+//! Surfaces: restitution and friction of impacts.
+
+use crate::restitution::RestitutionBySpeed;
+use serde::Serialize;
+
+/// Response of two surfaces to an impact: one source for both engines.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Surface {
+    /// [-] normal restitution e, 0 ..= 1: ratio of normal speeds after and before an isolated impact. If it depends on
+    /// the speed, this is the value at one usual speed, for predictions; impacts follow `by_speed`.
+    pub restitution: f64,
+    /// [-] Coulomb friction μ, >= 0.
+    pub friction: f64,
+    /// Restitution as a function of the normal speed; `None`: it is constant.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub by_speed: Option<RestitutionBySpeed>,
+}
+
+impl Surface {
+    /// A surface with constant restitution e [-] and friction μ [-].
+    pub const fn new(restitution: f64, friction: f64) -> Self {
+        Self { restitution, friction, by_speed: None }
+    }
+
+    /// [-] restitution of an impact at the normal speed `speed` [m/s] of approach.
+    #[inline]
+    pub fn restitution_at(&self, speed: f64) -> f64 {
+        self.by_speed.map_or(self.restitution, |law| law.at(speed))
+    }
+
+    /// The surface in an impact at the normal speed `speed` [m/s]: its restitution there, as a constant.
+    #[inline]
+    pub fn at_speed(&self, speed: f64) -> Self {
+        Self::new(self.restitution_at(speed), self.friction)
+    }
+
+    /// True if no impact has the restitution 0.
+    pub fn always_rebounds(&self) -> bool {
+        self.by_speed.map_or(self.restitution > 0.0, |law| law.always_rebounds())
+    }
+
+    /// Sets the restitution that predictions use to that at the normal speed `speed` [m/s]. A constant one stays.
+    pub fn represent(&mut self, speed: f64) {
+        self.restitution = self.restitution_at(speed);
+    }
+}
